@@ -1,0 +1,1 @@
+"""What the line is: stations, tracks, points, sections, tags, gradient, curves, limits, timetables."""

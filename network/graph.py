@@ -1,0 +1,141 @@
+"""The line as a directed graph: what follows a piece, and the routes (進路) from track to track.
+
+Direction makes it directed: a train going DOWN leaves a piece at its high node and goes on along the pieces
+whose low node that is. At a toe these are the two legs; trailing, only the stem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from network.model import Direction, Leg, Line, Piece, Position, Route, Section, SectionKind
+
+_STOPS: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
+_POSITION: Final = {Leg.NORMAL: Position.NORMAL, Leg.REVERSE: Position.REVERSE}
+_GRAPHS_MAX: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """Adjacency of one line, by piece, for both directions."""
+
+    line: Line
+    down: dict[str, tuple[str, ...]]
+    up: dict[str, tuple[str, ...]]
+
+    @staticmethod
+    def of(line: Line) -> Graph:
+        """The graph of `line`, built once for each Line object."""
+        graph = _graphs.get(id(line))
+        if graph is None or graph.line is not line:
+            graph = _build(line)
+            if len(_graphs) >= _GRAPHS_MAX:
+                del _graphs[next(iter(_graphs))]
+            _graphs[id(line)] = graph
+        return graph
+
+
+# A Line holds mappings, so it has no hash; the graph keeps its line alive, so an id here is never reused.
+_graphs: dict[int, Graph] = {}
+
+
+def _build(line: Line) -> Graph:
+    from_low: dict[str, list[str]] = {}
+    from_high: dict[str, list[str]] = {}
+    for piece in sorted(line.pieces.values(), key=lambda piece: piece.leg is Leg.REVERSE):
+        from_low.setdefault(piece.low_node, []).append(piece.id)
+        from_high.setdefault(piece.high_node, []).append(piece.id)
+    return Graph(
+        line,
+        {piece.id: tuple(from_low.get(piece.high_node, ())) for piece in line.pieces.values()},
+        {piece.id: tuple(from_high.get(piece.low_node, ())) for piece in line.pieces.values()},
+    )
+
+
+def next_pieces(line: Line, piece_id: str, direction: Direction) -> tuple[str, ...]:
+    """Pieces that follow `piece_id` in `direction`: two at a toe (normal leg first), none at the end.
+
+    Raises KeyError for an unknown piece.
+    """
+    graph = Graph.of(line)
+    return (graph.down if direction is Direction.DOWN else graph.up)[piece_id]
+
+
+def required_position(line: Line, piece_id: str) -> tuple[str, Position] | None:
+    """Points and position that a run over the piece needs, facing or trailing; None unless it is a leg."""
+    piece = line.pieces[piece_id]
+    if piece.points_id is None or piece.leg is None or piece.leg is Leg.STEM:
+        return None
+    return piece.points_id, _POSITION[piece.leg]
+
+
+def required_positions(line: Line, piece_ids: Sequence[str]) -> tuple[tuple[str, Position], ...]:
+    """Points and positions that a run over `piece_ids` needs, in order of travel."""
+    needed = (required_position(line, piece_id) for piece_id in piece_ids)
+    return tuple(item for item in needed if item is not None)
+
+
+def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Route, ...]:
+    """All routes from a track or portal to the next tracks or portals in `direction`, normal legs first.
+
+    A route's id is `from>to`; a second way between the same two has `#2` behind it. Raises KeyError for an
+    unknown section, ValueError when the section is neither track nor portal.
+    """
+    section = line.sections[section_id]
+    if section.kind not in _STOPS:
+        raise ValueError(f"routes begin on a track or portal; {section_id} is {section.kind.value}")
+    routes: list[Route] = []
+    ways: dict[str, int] = {}
+    trails = [list(section.piece_ids)]
+    while trails:
+        trail = trails.pop()
+        if len(trail) > 1 and _section_of(line, trail[-1]).kind in _STOPS:
+            name = f"{section_id}>{_section_of(line, trail[-1]).id}"
+            ways[name] = ways.get(name, 0) + 1
+            suffix = f"#{ways[name]}" if ways[name] > 1 else ""
+            routes.append(_route(line, name + suffix, direction, trail))
+            continue
+        following = next_pieces(line, trail[-1], direction)
+        trails.extend([*trail, piece_id] for piece_id in reversed(following) if piece_id not in trail)
+    return tuple(routes)
+
+
+def find_route(line: Line, from_section: str, to_section: str, direction: Direction) -> Route | None:
+    """The route from one track or portal to the next one `to_section`, or None; errors as `routes_from`."""
+    for route in routes_from(line, from_section, direction):
+        if route.to_section == to_section:
+            return route
+    return None
+
+
+def reachable_stops(line: Line, section_id: str, direction: Direction) -> tuple[str, ...]:
+    """Tracks and portals that a train from `section_id` can get to in `direction`, nearest first.
+
+    The section itself is not among them. Errors as `routes_from`.
+    """
+    reached = [section_id]
+    for stop in reached:
+        for route in routes_from(line, stop, direction):
+            if route.to_section not in reached:
+                reached.append(route.to_section)
+    return tuple(reached[1:])
+
+
+def _section_of(line: Line, piece_id: str) -> Section:
+    return line.sections[line.pieces[piece_id].section_id]
+
+
+def _route(line: Line, name: str, direction: Direction, trail: list[str]) -> Route:
+    pieces: list[Piece] = [line.pieces[piece_id] for piece_id in trail]
+    section_ids = tuple(dict.fromkeys(piece.section_id for piece in pieces))
+    return Route(
+        id=name,
+        direction=direction,
+        from_section=section_ids[0],
+        to_section=section_ids[-1],
+        section_ids=section_ids[1:],
+        piece_ids=tuple(trail),
+        points=required_positions(line, trail),
+    )

@@ -1,0 +1,37 @@
+"""Read foreign JSON into typed structs, and write files whole or not at all; faults become `InputError`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+
+from network.errors import InputError
+
+_T = TypeVar("_T")
+
+
+def read_json(file: Path, kind: type[_T]) -> _T:
+    """Decode a JSON file into `kind` (keys it does not name are left out). Raises InputError."""
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=kind)
+    except OSError as error:
+        raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from error
+    except msgspec.ValidationError as error:
+        reason, _, place = str(error).partition(" - at `")
+        raise InputError(
+            str(file), place.rstrip("`").removeprefix("$."), None, f"other data: {reason}"
+        ) from error
+    except msgspec.DecodeError as error:
+        raise InputError(str(file), "", None, f"valid JSON: {error}") from error
+
+
+def write_aside(out_file: Path, text: str) -> None:
+    """Write a file under another name, then rename it. Raises InputError where it cannot be written."""
+    aside = out_file.with_name(out_file.name + ".part")
+    try:
+        aside.write_text(text, encoding="utf-8")
+        aside.replace(out_file)
+    except OSError as error:
+        raise InputError(str(out_file), "", None, f"a writable path ({error.strerror})") from error

@@ -1,0 +1,252 @@
+"""The line as a graph of sections and track pieces (線区モデル, Sugiyama et al. 2017, section 4.1.1, figure 3).
+
+A *piece* is a stretch of one physical track with a kilometrage at either end; a *section* (閉そく区間) is what
+trains hold exclusively and owns one or more pieces. A platform track, the line between stations and a portal
+own one piece each; a points section owns the stem and the two legs of each of its points. Every joint between
+pieces is a node, so a third track or a junction is data, not code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+
+
+class Direction(IntEnum):
+    """Direction of travel: DOWN (下り) is increasing kilometrage, UP (上り) decreasing."""
+
+    DOWN = 1
+    UP = -1
+
+    @property
+    def opposite(self) -> Direction:
+        """The other direction."""
+        return Direction(-self.value)
+
+
+class SectionKind(Enum):
+    """What a section is in figure 3 of the paper; PORTAL is where trains enter from and leave for other lines."""
+
+    TRACK = "track"
+    POINTS = "points"
+    BETWEEN = "between"
+    PORTAL = "portal"
+
+
+class Position(Enum):
+    """Position of a set of points (転てつ機): 定位 and 反位."""
+
+    NORMAL = "normal"
+    REVERSE = "reverse"
+
+
+class Leg(Enum):
+    """The three ends of a set of points, seen from the toe."""
+
+    STEM = "stem"
+    NORMAL = "normal"
+    REVERSE = "reverse"
+
+
+class TagPurpose(Enum):
+    """Why a tag (地上子) lies where it does; numbers ① to ④ are those of figure 3 and table 3."""
+
+    ARRIVAL = "arrival"  # ①: on the arrival track, behind the rear points: triggers the release
+    CONTROL_START = "control_start"  # ②: at the stopping mark: triggers the route request
+    DEPARTED = "departed"  # ③: between stations, beyond the departure points
+    APPROACH = "approach"  # ④: before the arrival points: triggers the throw
+    POSITION = "position"  # fixes the position only
+    PORTAL = "portal"  # on a portal: a train entering the line learns where it is
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A stretch of one track. `low_node` lies at `from_m`, `high_node` at `to_m` (kilometrage, m, from_m < to_m)."""
+
+    id: str
+    section_id: str
+    alignment_id: str
+    from_m: float
+    to_m: float
+    low_node: str
+    high_node: str
+    offset_m: float = 0.0  # lateral offset from the alignment, positive to the right of DOWN
+    points_id: str | None = None
+    leg: Leg | None = None
+
+    @property
+    def length_m(self) -> float:
+        """Length along the alignment, m."""
+        return self.to_m - self.from_m
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """What one train at a time may hold (閉そく区間)."""
+
+    id: str
+    kind: SectionKind
+    piece_ids: tuple[str, ...]
+    station_id: str | None = None
+    track: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """A set of points (転てつ機) and the terminal (制御端末装置) that throws it.
+
+    A train travelling in direction `faces` meets the toe first and is sent by the position; in the other
+    direction it trails through.
+    """
+
+    id: str
+    section_id: str
+    terminal_id: str
+    node_id: str
+    faces: Direction
+    stem_piece: str
+    normal_piece: str
+    reverse_piece: str
+    throw_time_s: float
+    diverging_limit_mps: float
+    initial: Position = Position.NORMAL
+
+
+@dataclass(frozen=True, slots=True)
+class PlatformTrack:
+    """A place where trains call. At a halt (停留所) `section_id` is the section between stations.
+
+    `marks_m` gives by direction of travel the kilometrage (m) at which the train's front stops.
+    """
+
+    station_id: str
+    name: str
+    section_id: str
+    piece_id: str
+    platform_from_m: float
+    platform_to_m: float
+    marks_m: Mapping[Direction, float]
+    directions: tuple[Direction, ...]  # directions for which this track is the usual one
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """A station with tracks, or a halt; `position_m` is its official kilometrage, m."""
+
+    id: str
+    name: str
+    name_ja: str
+    position_m: float
+    tracks: tuple[PlatformTrack, ...]
+    is_halt: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Tag:
+    """A tag on the track (地上子), read by trains of any direction named in `directions`."""
+
+    id: int
+    piece_id: str
+    position_m: float
+    purpose: TagPurpose
+    directions: tuple[Direction, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Gradient:
+    """Gradient between two kilometrages, permille, positive where DOWN climbs."""
+
+    from_m: float
+    to_m: float
+    permille: float
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A curve with its transitions inside `from_m`..`to_m`; `radius_m` > 0 bends to the right going DOWN."""
+
+    from_m: float
+    to_m: float
+    radius_m: float
+    transition_m: float
+    cant_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedLimit:
+    """A speed limit for trains of `directions` while any part of the train is within."""
+
+    from_m: float
+    to_m: float
+    speed_mps: float
+    directions: tuple[Direction, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """A stretch in which a train reaches the radio network (無線)."""
+
+    from_m: float
+    to_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Alignment:
+    """One axis of kilometrage with what belongs to it; all tuples are sorted by `from_m` and do not overlap.
+
+    `x_m`, `y_m`, `bearing_deg` place the kilometrage `from_m` on the plane (east, north; bearing clockwise from
+    north) from where geometry is integrated along the curves.
+    """
+
+    id: str
+    from_m: float
+    to_m: float
+    x_m: float
+    y_m: float
+    bearing_deg: float
+    elevation_m: float
+    gradients: tuple[Gradient, ...]
+    curves: tuple[Curve, ...]
+    limits: tuple[SpeedLimit, ...]
+    coverage: tuple[Coverage, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """From one track to the next (進路): granted whole or not at all.
+
+    `section_ids` are those to be obtained, in order of travel, without the one the train stands in, up to and
+    with the arrival track; `piece_ids` run from the departure track's piece to the arrival track's piece.
+    """
+
+    id: str
+    direction: Direction
+    from_section: str
+    to_section: str
+    section_ids: tuple[str, ...]
+    piece_ids: tuple[str, ...]
+    points: tuple[tuple[str, Position], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A whole line. Built and validated by `network.line_file.load_line`; never by hand except in tests."""
+
+    id: str
+    name: str
+    name_ja: str
+    max_speed_mps: float
+    stations: Mapping[str, Station]
+    alignments: Mapping[str, Alignment]
+    sections: Mapping[str, Section]
+    pieces: Mapping[str, Piece]
+    points: Mapping[str, Points]
+    tags: Mapping[int, Tag]
+    assumed: tuple[str, ...]  # what the line file marks as assumed, for reports
+
+    def next_pieces(self, piece_id: str, direction: Direction) -> tuple[str, ...]:
+        """Pieces that a train on `piece_id` can run onto next in `direction`; two where it meets a toe."""
+        from network.graph import next_pieces
+
+        return next_pieces(self, piece_id, direction)

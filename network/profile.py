@@ -1,0 +1,136 @@
+"""What a train meets along its path, every metre: elevation, how much the track bends, how fast it may go.
+
+Geometry is that of the alignment: the short curves of diverging legs and lateral offsets are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Alignment, Curve, Leg, Line
+from network.path import Path, PathStep
+
+PROFILE: Final = np.dtype([("elevation_m", "f8"), ("turn_rad", "f8"), ("limit_mps", "f8")], align=True)
+
+
+def profile_of(line: Line, path: Path) -> NDArray[np.void]:
+    """PROFILE rows at path coordinates 0, 1, 2 m ... ceil(length); the last is at the path's end.
+
+    - elevation_m: begins with the alignment's and changes with its gradients.
+    - turn_rad: integral of |curvature| from the start, so that the mean |curvature| under a train of length
+      l is (turn(front) - turn(front - l)) / l; transitions are clothoids (curvature linear in distance).
+    - limit_mps: lowest limit in force within 1 m either way, so that row floor(x), round(x) or ceil(x) is
+      never above the limit at x. It holds for a point; a train obeys the lowest over its whole length.
+    """
+    count = math.ceil(path.length_m) + 1
+    at_m = np.minimum(np.arange(count, dtype=np.float64), path.length_m)
+    rows = np.zeros(count, PROFILE)
+    rows["limit_mps"] = line.max_speed_mps
+    elevation_m = float(_elevation_m(_alignment(line, path.steps[0]), np.array([path.steps[0].entry_m]))[0])
+    turn_rad = 0.0
+    for step in path.steps:
+        alignment = _alignment(line, step)
+        here = slice(math.ceil(step.start_m), count if step is path.steps[-1] else math.ceil(step.end_m))
+        inside_m = step.entry_m + step.direction * (at_m[here] - step.start_m)
+        ends_m = np.array([step.entry_m, step.kilometrage_m(step.end_m)])
+        kilometrages_m = np.concatenate((ends_m, inside_m))
+        height_m = _elevation_m(alignment, kilometrages_m)
+        bend_rad = np.abs(_turn_rad(alignment, kilometrages_m) - _turn_rad(alignment, ends_m[:1]))
+        rows["elevation_m"][here] = elevation_m + height_m[2:] - height_m[0]
+        rows["turn_rad"][here] = turn_rad + bend_rad[2:]
+        elevation_m += float(height_m[1] - height_m[0])
+        turn_rad += float(bend_rad[1])
+        _limit_on_alignment(rows, alignment, step)
+    _limit_on_points(rows, line, path)
+    rows["turn_rad"] = np.maximum.accumulate(rows["turn_rad"])
+    return rows
+
+
+def gradient_permille_at(line: Line, path: Path, path_m: float) -> float:
+    """Gradient (permille) at a path coordinate (m), positive where the train climbs."""
+    step = path.step_at(path_m)
+    kilometrage_m = step.kilometrage_m(path_m)
+    gradients = _alignment(line, step).gradients
+    for gradient in gradients:
+        if kilometrage_m < gradient.to_m:
+            return gradient.permille * step.direction
+    return gradients[-1].permille * step.direction
+
+
+def curvature_at(line: Line, path: Path, path_m: float) -> float:
+    """Curvature (1/m) at a path coordinate (m), positive where the train turns to the right."""
+    step = path.step_at(path_m)
+    kilometrage_m = step.kilometrage_m(path_m)
+    for curve in _alignment(line, step).curves:
+        if curve.from_m <= kilometrage_m <= curve.to_m:
+            from_end_m = min(kilometrage_m - curve.from_m, curve.to_m - kilometrage_m)
+            share = min(from_end_m / curve.transition_m, 1.0) if curve.transition_m > 0 else 1.0
+            return share * step.direction / curve.radius_m
+    return 0.0
+
+
+def _alignment(line: Line, step: PathStep) -> Alignment:
+    return line.alignments[line.pieces[step.piece_id].alignment_id]
+
+
+def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Elevation at kilometrages: piecewise linear through the ends of the gradients."""
+    breaks_m = [alignment.from_m, *(gradient.to_m for gradient in alignment.gradients)]
+    heights_m = [alignment.elevation_m]
+    for gradient in alignment.gradients:
+        heights_m.append(heights_m[-1] + (gradient.to_m - gradient.from_m) * gradient.permille / 1000.0)
+    return np.asarray(np.interp(kilometrage_m, breaks_m, heights_m), dtype=np.float64)
+
+
+def _turn_rad(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Integral of |curvature| from the alignment's beginning."""
+    turn_rad = np.zeros_like(kilometrage_m)
+    for curve in alignment.curves:
+        turn_rad += _turn_in_curve_rad(curve, np.clip(kilometrage_m, curve.from_m, curve.to_m))
+    return turn_rad
+
+
+def _turn_in_curve_rad(curve: Curve, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Integral of |curvature| from the curve's beginning: parabolas in the transitions, linear between."""
+    along_m = kilometrage_m - curve.from_m
+    length_m = curve.to_m - curve.from_m
+    if curve.transition_m == 0:
+        return along_m / abs(curve.radius_m)
+    t_m = curve.transition_m
+    up_m = np.minimum(along_m, t_m) ** 2 / (2 * t_m)
+    level_m = np.clip(along_m - t_m, 0.0, max(length_m - 2 * t_m, 0.0))
+    left_m = np.minimum(length_m - along_m, t_m)
+    down_m = (t_m**2 - left_m**2) / (2 * t_m)
+    return np.asarray((up_m + level_m + down_m) / abs(curve.radius_m), dtype=np.float64)
+
+
+def _lower(rows: NDArray[np.void], from_m: float, to_m: float, speed_mps: float) -> None:
+    """Apply a limit between path coordinates to every row within 1 m of it."""
+    limits = rows["limit_mps"][max(math.floor(from_m), 0) : math.ceil(to_m) + 1]
+    np.minimum(limits, speed_mps, out=limits)
+
+
+def _limit_on_alignment(rows: NDArray[np.void], alignment: Alignment, step: PathStep) -> None:
+    low_m, high_m = sorted((step.entry_m, step.kilometrage_m(step.end_m)))
+    for limit in alignment.limits:
+        from_m, to_m = max(limit.from_m, low_m), min(limit.to_m, high_m)
+        if step.direction in limit.directions and from_m <= to_m:
+            on_path_m = sorted((step.to_path_m(from_m), step.to_path_m(to_m)))
+            _lower(rows, on_path_m[0], on_path_m[1], limit.speed_mps)
+
+
+def _limit_on_points(rows: NDArray[np.void], line: Line, path: Path) -> None:
+    """Diverging limit over the reverse leg and the stem of points that the path takes in reverse."""
+    for step in path.steps:
+        piece = line.pieces[step.piece_id]
+        if piece.leg is not Leg.REVERSE or piece.points_id is None:
+            continue
+        points = line.points[piece.points_id]
+        _lower(rows, step.start_m, step.end_m, points.diverging_limit_mps)
+        if points.stem_piece in path:
+            stem = path.step_of(points.stem_piece)
+            _lower(rows, stem.start_m, stem.end_m, points.diverging_limit_mps)

@@ -1,0 +1,416 @@
+"""Timetables (ダイヤ): what trains are planned, and which train set runs them (運用).
+
+Times are seconds after midnight of the operating day and go on growing after the next midnight.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Final
+
+from pydantic import Field
+
+from network.errors import InputError
+from network.graph import reachable_stops
+from network.line_schema import DIRECTIONS, DirectionName, Id
+from network.model import Direction, Line, PlatformTrack, SectionKind
+from network.toml_input import Record, one_of, parse_toml, read_text
+
+DAY_S: Final = 86_400
+_TIME: Final = re.compile(r"([01]\d|2[0-9]):([0-5]\d)(?::([0-5]\d))?")
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call (停車) at a station, on `track` or, when None, on the usual one of the train's direction.
+
+    Only the last call may lack a departure; an arrival may be left out everywhere but there.
+    """
+
+    station_id: str
+    track: str | None
+    arrival_s: int | None
+    departure_s: int | None
+
+    @property
+    def first_s(self) -> int:
+        """Arrival, or departure where no arrival is given, s."""
+        return self.arrival_s if self.arrival_s is not None else self.departure_s or 0
+
+    @property
+    def last_s(self) -> int:
+        """Departure, or arrival where no departure is given, s."""
+        return self.departure_s if self.departure_s is not None else self.arrival_s or 0
+
+
+@dataclass(frozen=True, slots=True)
+class AtPortal:
+    """The train comes in from another line, or goes out to it, over a portal section."""
+
+    section_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stabled:
+    """The train stands on its first (last) call's track before it begins (after it ends) (留置)."""
+
+
+@dataclass(frozen=True, slots=True)
+class FromTrain:
+    """The set arrived as another train (折返し)."""
+
+    number: str
+
+
+@dataclass(frozen=True, slots=True)
+class BecomesTrain:
+    """The set goes on as another train (折返し)."""
+
+    number: str
+
+
+Begin = AtPortal | Stabled | FromTrain
+End = AtPortal | Stabled | BecomesTrain
+
+
+@dataclass(frozen=True, slots=True)
+class TimetableTrain:
+    """A train (列車) as planned."""
+
+    number: str
+    direction: Direction
+    revenue: bool
+    calls: tuple[Call, ...]
+    begins: Begin
+    ends: End
+
+
+@dataclass(frozen=True, slots=True)
+class Diagram:
+    """One train set (編成) and the trains it runs, in order (運用)."""
+
+    stock_id: str
+    train_numbers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Timetable:
+    """A validated timetable; every train is in exactly one diagram."""
+
+    id: str
+    name: str
+    line_id: str
+    dwell_min_s: float
+    trains: Mapping[str, TimetableTrain]
+    diagrams: tuple[Diagram, ...]
+    sources: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+
+
+class _Head(Record):
+    id: Id
+    name: str = ""
+    line: str
+    dwell_min_s: float = Field(default=20.0, ge=0)
+    sources: list[str] = Field(default_factory=list)
+    assumed: list[str] = Field(default_factory=list)
+
+
+class _CallTable(Record):
+    station: str
+    track: str | None = None
+    arrival: str | None = None
+    departure: str | None = None
+
+
+class _TrainTable(Record):
+    number: Id
+    direction: DirectionName
+    revenue: bool = True
+    calls: Annotated[list[_CallTable], Field(min_length=1)]
+    begins: str
+    ends: str
+
+
+class _DiagramTable(Record):
+    stock: Id
+    trains: Annotated[list[str], Field(min_length=1)]
+
+
+class _File(Record):
+    timetable: _Head
+    trains: Annotated[list[_TrainTable], Field(min_length=1)]
+    diagrams: list[_DiagramTable] = Field(default_factory=list)
+
+
+def load_timetable(path: Path, line: Line) -> Timetable:
+    """Read a timetable of `line`. Raises InputError for the first thing that is wrong with it."""
+    return parse_timetable(read_text(path), str(path), line)
+
+
+def parse_timetable(text: str, file: str, line: Line) -> Timetable:
+    """Parse and validate the text of a timetable; `file` names it in errors. Raises InputError."""
+    entry = parse_toml(text, file, _File)
+    head = entry.timetable
+    if head.line != line.id:
+        raise InputError(file, "timetable.line", head.line, f"{line.id}, the line it is used with")
+    trains: dict[str, TimetableTrain] = {}
+    for i, item in enumerate(entry.trains):
+        if item.number in trains:
+            raise InputError(file, f"trains[{i}].number", item.number, "a number of its own")
+        trains[item.number] = _train(file, f"trains[{i}]", item, line)
+    keys = {number: f"trains[{i}]" for i, number in enumerate(trains)}
+    diagrams = tuple(Diagram(item.stock, tuple(item.trains)) for item in entry.diagrams)
+    _check_each_once(file, keys, diagrams)
+    for i, diagram in enumerate(diagrams):
+        _shift_past_midnight(trains, diagram)
+        _check_diagram(file, f"diagrams[{i}]", keys, trains, diagram)
+    return Timetable(
+        id=head.id,
+        name=head.name,
+        line_id=head.line,
+        dwell_min_s=head.dwell_min_s,
+        trains=trains,
+        diagrams=diagrams,
+        sources=tuple(head.sources),
+        assumed=tuple(head.assumed),
+    )
+
+
+def platform_of(line: Line, call: Call, direction: Direction) -> PlatformTrack:
+    """Where a train in `direction` calls: the track named, else the usual one, else any with a mark.
+
+    Raises KeyError when the station has no such track (a validated timetable has none of these).
+    """
+    usable = [track for track in line.stations[call.station_id].tracks if direction in track.marks_m]
+    if call.track is not None:
+        usable = [track for track in usable if track.name == call.track]
+    usable.sort(key=lambda track: direction not in track.directions)
+    if not usable:
+        raise KeyError(f"{call.station_id} has no track {call.track or ''} {direction.name.lower()}")
+    return usable[0]
+
+
+def _train(file: str, key: str, entry: _TrainTable, line: Line) -> TimetableTrain:
+    direction = DIRECTIONS[entry.direction]
+    calls: list[Call] = []
+    for i, item in enumerate(entry.calls):
+        where = f"{key}.calls[{i}]"
+        after_s = calls[-1].last_s if calls else None
+        call = _call(file, where, item, after_s, last=i == len(entry.calls) - 1)
+        _check_place(file, where, line, call, direction)
+        if calls:
+            _check_order(file, where, line, calls[-1], call, direction)
+        calls.append(call)
+    begins = _begin(file, f"{key}.begins", entry.begins)
+    ends = _end(file, f"{key}.ends", entry.ends)
+    if isinstance(begins, AtPortal):
+        _check_portal(file, f"{key}.begins", line, begins, calls[0], direction, entering=True)
+    if isinstance(ends, AtPortal):
+        _check_portal(file, f"{key}.ends", line, ends, calls[-1], direction, entering=False)
+    return TimetableTrain(entry.number, direction, entry.revenue, tuple(calls), begins, ends)
+
+
+def _time_s(file: str, key: str, text: str, not_before_s: int | None) -> int:
+    """Seconds after midnight; a time over 12 h less than the one before is one of the next day."""
+    match = _TIME.fullmatch(text)
+    if match is None:
+        raise InputError(file, key, text, "a time HH:MM or HH:MM:SS (24:00 to 29:59 are after midnight)")
+    hours, minutes, seconds = (int(part or 0) for part in match.groups())
+    time_s = hours * 3600 + minutes * 60 + seconds
+    if not_before_s is None:
+        return time_s
+    while time_s < not_before_s - DAY_S // 2:
+        time_s += DAY_S
+    if time_s < not_before_s:
+        raise InputError(file, key, text, f"a time not before {clock(not_before_s)}")
+    return time_s
+
+
+def clock(time_s: float) -> str:
+    """HH:MM:SS of seconds after midnight; hours go on after 23."""
+    whole_s = round(time_s)
+    return f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}:{whole_s % 60:02d}"
+
+
+def _call(file: str, key: str, entry: _CallTable, after_s: int | None, *, last: bool) -> Call:
+    if entry.departure is None and not last:
+        raise InputError(file, f"{key}.departure", None, "a departure: only the last call goes without")
+    if entry.departure is None and entry.arrival is None:
+        raise InputError(file, f"{key}.arrival", None, "a time: the call has none")
+    arrival_s = departure_s = None
+    if entry.arrival is not None:
+        arrival_s = _time_s(file, f"{key}.arrival", entry.arrival, after_s)
+    if entry.departure is not None:
+        before_s = after_s if arrival_s is None else arrival_s
+        departure_s = _time_s(file, f"{key}.departure", entry.departure, before_s)
+    return Call(entry.station, entry.track, arrival_s, departure_s)
+
+
+def _check_place(file: str, key: str, line: Line, call: Call, direction: Direction) -> None:
+    if call.station_id not in line.stations:
+        raise InputError(file, f"{key}.station", call.station_id, one_of(line.stations, call.station_id))
+    usable = [track.name for track in line.stations[call.station_id].tracks if direction in track.marks_m]
+    if not usable:
+        expected = f"a station with a stopping mark for trains going {direction.name.lower()}"
+        raise InputError(file, f"{key}.station", call.station_id, expected)
+    if call.track is not None and call.track not in usable:
+        expected = f"a track with a mark for trains going {direction.name.lower()}, {one_of(usable)}"
+        raise InputError(file, f"{key}.track", call.track, expected)
+
+
+def _check_order(file: str, key: str, line: Line, before: Call, call: Call, direction: Direction) -> None:
+    """Calls follow each other in the direction of travel, and a run between two takes time."""
+    step_m = line.stations[call.station_id].position_m - line.stations[before.station_id].position_m
+    if step_m * direction <= 0:
+        expected = f"a station beyond {before.station_id} for a train going {direction.name.lower()}"
+        raise InputError(file, f"{key}.station", call.station_id, expected)
+    if call.first_s <= before.last_s:
+        name = "departure" if call.arrival_s is None else "arrival"
+        expected = f"a time after {clock(before.last_s)}, the departure from {before.station_id}"
+        raise InputError(file, f"{key}.{name}", clock(call.first_s), expected)
+
+
+def _split(text: str) -> tuple[str, str]:
+    kind, _, name = text.partition(":")
+    return kind, name
+
+
+def _begin(file: str, key: str, text: str) -> Begin:
+    match _split(text):
+        case ("stabled", ""):
+            return Stabled()
+        case ("portal", name) if name:
+            return AtPortal(name)
+        case ("from", name) if name:
+            return FromTrain(name)
+    raise InputError(file, key, text, "stabled, portal:<section id> or from:<train number>")
+
+
+def _end(file: str, key: str, text: str) -> End:
+    match _split(text):
+        case ("stabled", ""):
+            return Stabled()
+        case ("portal", name) if name:
+            return AtPortal(name)
+        case ("becomes", name) if name:
+            return BecomesTrain(name)
+    raise InputError(file, key, text, "stabled, portal:<section id> or becomes:<train number>")
+
+
+def _check_portal(
+    file: str, key: str, line: Line, portal: AtPortal, call: Call, direction: Direction, *, entering: bool
+) -> None:
+    """The portal exists and there is a way between it and the first (last) call."""
+    section_id = portal.section_id
+    value = f"portal:{section_id}"
+    portals = [section.id for section in line.sections.values() if section.kind is SectionKind.PORTAL]
+    if section_id not in portals:
+        raise InputError(file, key, value, f"a portal section, {one_of(portals, section_id)}")
+    if line.stations[call.station_id].is_halt:
+        return
+    track = platform_of(line, call, direction).section_id
+    start, goal = (section_id, track) if entering else (track, section_id)
+    if goal not in reachable_stops(line, start, direction):
+        way = "to the first call" if entering else "from the last call"
+        expected = f"a portal with a way {way}, {call.station_id}, going {direction.name.lower()}"
+        raise InputError(file, key, value, expected)
+
+
+def _check_each_once(file: str, keys: Mapping[str, str], diagrams: Iterable[Diagram]) -> None:
+    """Every train in exactly one diagram, every set in one diagram."""
+    owner: dict[str, str] = {}
+    stock: dict[str, str] = {}
+    for i, diagram in enumerate(diagrams):
+        if diagram.stock_id in stock:
+            expected = f"a set of its own; {stock[diagram.stock_id]} runs with this one"
+            raise InputError(file, f"diagrams[{i}].stock", diagram.stock_id, expected)
+        stock[diagram.stock_id] = f"diagrams[{i}]"
+        for j, number in enumerate(diagram.train_numbers):
+            key = f"diagrams[{i}].trains[{j}]"
+            if number not in keys:
+                raise InputError(file, key, number, one_of(keys, number))
+            if number in owner:
+                raise InputError(
+                    file, key, number, f"a train in one diagram only; it is also {owner[number]}"
+                )
+            owner[number] = key
+    for number, key in keys.items():
+        if number not in owner:
+            raise InputError(file, f"{key}.number", number, "a train that is in one of the diagrams")
+
+
+def _shift_past_midnight(trains: dict[str, TimetableTrain], diagram: Diagram) -> None:
+    """A train that begins over 12 h before the set's train before it ended runs on the next day."""
+    ended_s = 0
+    for number in diagram.train_numbers:
+        train = trains[number]
+        while train.calls[0].first_s < ended_s - DAY_S // 2:
+            train = replace(train, calls=tuple(_next_day(call) for call in train.calls))
+        trains[number] = train
+        ended_s = train.calls[-1].last_s
+
+
+def _next_day(call: Call) -> Call:
+    arrival_s = None if call.arrival_s is None else call.arrival_s + DAY_S
+    departure_s = None if call.departure_s is None else call.departure_s + DAY_S
+    return replace(call, arrival_s=arrival_s, departure_s=departure_s)
+
+
+def _check_diagram(
+    file: str, key: str, keys: Mapping[str, str], trains: Mapping[str, TimetableTrain], diagram: Diagram
+) -> None:
+    """Each train begins as, where and after the one before it ended."""
+    ours = [trains[number] for number in diagram.train_numbers]
+    first, last = ours[0], ours[-1]
+    if isinstance(first.begins, FromTrain):
+        expected = f"stabled or portal: it is the first train of set {diagram.stock_id}"
+        raise InputError(file, f"{keys[first.number]}.begins", f"from:{first.begins.number}", expected)
+    if isinstance(last.ends, BecomesTrain):
+        expected = f"stabled or portal: it is the last train of set {diagram.stock_id}"
+        raise InputError(file, f"{keys[last.number]}.ends", f"becomes:{last.ends.number}", expected)
+    for i, (before, after) in enumerate(pairwise(ours), start=1):
+        _check_change(file, f"{key}.trains[{i}]", keys, before, after)
+
+
+def _check_change(
+    file: str, key: str, keys: Mapping[str, str], before: TimetableTrain, after: TimetableTrain
+) -> None:
+    begins, ends = keys[after.number] + ".begins", keys[before.number] + ".ends"
+    if isinstance(after.begins, FromTrain) and after.begins.number != before.number:
+        expected = f"from:{before.number}, the train before it in its diagram"
+        raise InputError(file, begins, f"from:{after.begins.number}", expected)
+    if isinstance(before.ends, BecomesTrain) and before.ends.number != after.number:
+        expected = f"becomes:{after.number}, the train after it in its diagram"
+        raise InputError(file, ends, f"becomes:{before.ends.number}", expected)
+    # A set that left by one portal may come back by another, as on the two tracks of a main line.
+    partner = {BecomesTrain: FromTrain, Stabled: Stabled, AtPortal: AtPortal}[type(before.ends)]
+    if not isinstance(after.begins, partner):
+        written = {FromTrain: f"from:{before.number}", Stabled: "stabled", AtPortal: "portal:<section id>"}
+        wanted = written[partner]
+        raise InputError(file, begins, _written(after.begins), f"{wanted}, as train {before.number} ends")
+    last, first = before.calls[-1], after.calls[0]
+    if partner is not AtPortal:
+        if first.station_id != last.station_id:
+            expected = f"a train from {last.station_id}, where train {before.number} ends"
+            raise InputError(file, key, after.number, f"{expected}; it begins at {first.station_id}")
+        if None not in (first.track, last.track) and first.track != last.track:
+            where = f"{keys[after.number]}.calls[0].track"
+            raise InputError(file, where, first.track, f"{last.track}, where train {before.number} stands")
+    if first.first_s < last.last_s:
+        expected = f"a train that begins after {clock(last.last_s)}, when train {before.number} ends"
+        raise InputError(file, key, after.number, f"{expected}; it begins at {clock(first.first_s)}")
+
+
+def _written(begins: Begin) -> str:
+    match begins:
+        case AtPortal(section_id):
+            return f"portal:{section_id}"
+        case FromTrain(number):
+            return f"from:{number}"
+        case Stabled():
+            return "stabled"

@@ -1,0 +1,79 @@
+"""Read a TOML file into a pydantic model; whatever is wrong becomes one `InputError` with its key path."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
+
+from network.errors import InputError
+
+_KNOWN_SHOWN_MAX: Final = 12
+
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+class Record(BaseModel):
+    """Base of every table in an input file: no unknown keys, no silent conversions, no infinities."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+def read_text(path: Path) -> str:
+    """Text of a UTF-8 file. Raises InputError when it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(str(path), "", None, f"a readable file ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise InputError(str(path), "", None, "a text file in UTF-8") from error
+
+
+def parse_toml(text: str, file: str, model: type[ModelT]) -> ModelT:
+    """Parse `text` as TOML into `model`; `file` names the source in errors. Raises the first InputError."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(file, "", None, f"valid TOML: {error}") from error
+    try:
+        return model.model_validate(table)
+    except ValidationError as error:
+        raise _input_error(file, error.errors(include_url=False)[0]) from error
+
+
+def key_path(location: Iterable[int | str]) -> str:
+    """Key path as people write it: ("alignments", 0, "curves") is `alignments[0].curves`."""
+    path = ""
+    for part in location:
+        if isinstance(part, int):
+            path += f"[{part}]"
+        else:
+            path += f".{part}" if path else part
+    return path
+
+
+def one_of(known: Iterable[str], wanted: str = "") -> str:
+    """`one of a, b, c` for messages; of many names those most like `wanted` come first."""
+    names = list(dict.fromkeys(known))
+    if not names:
+        return "nothing, because none is defined"
+    if len(names) > _KNOWN_SHOWN_MAX:
+        near = difflib.get_close_matches(wanted, names, n=5, cutoff=0.3) or names[:5]
+        return f"one of {len(names)} known ids, such as {', '.join(near)}"
+    return f"one of {', '.join(names)}"
+
+
+def _input_error(file: str, detail: ErrorDetails) -> InputError:
+    key = key_path(detail["loc"])
+    if detail["type"] == "missing":
+        return InputError(file, key, None, "this key, which is missing")
+    if detail["type"] == "extra_forbidden":
+        return InputError(file, key, detail["input"], "no such key: the format does not know it")
+    value = detail["input"]
+    expected = detail["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+    return InputError(file, key, "a table" if isinstance(value, dict) else value, expected)

@@ -1,0 +1,1 @@
+"""What the train decides: localisation, authority, supervision, driving, stopping at the mark, the unit."""

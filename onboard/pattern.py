@@ -1,0 +1,61 @@
+"""Speed curves along a path: the permitted speed for supervision and the driving speed for the ATO.
+
+Curves towards lower limits are overlaid backwards from each limit with a constant braking deceleration and the
+gradient's part by elevation, so v^2/2 falls by (b + g*slope/(1 + rotating mass)) per metre.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import minimum_filter1d
+
+from onboard.records import PATTERN
+from onboard.rows import BehaviourRow
+from vehicle.compiled import compiled
+from vehicle.mass import GRAVITY_MPS2
+from vehicle.rows import TrainRow
+
+
+@compiled
+def braking_curve(
+    limit_mps: NDArray[np.float64],
+    elevation_m: NDArray[np.float64],
+    deceleration_mps2: float,
+    gravity_share_mps2: float,
+) -> NDArray[np.float64]:
+    """Highest speed at each metre from which every later limit can still be met, m/s; shape (n,).
+
+    On a descent that outweighs the brake the curve falls no faster than the brake alone could hold: it is then
+    level at the lower limit.
+    """
+    curve = limit_mps.copy()
+    for i in range(curve.size - 2, -1, -1):
+        drop = deceleration_mps2 + gravity_share_mps2 * (elevation_m[i + 1] - elevation_m[i])
+        reachable = np.sqrt(curve[i + 1] ** 2 + 2.0 * max(drop, 0.0))
+        curve[i] = min(curve[i], reachable)
+    return curve
+
+
+def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray[np.float64]:
+    """Limit for the front of a train of `length_m` that must obey each limit with its whole length; shape (n,)."""
+    window = round(np.ceil(length_m)) + 1
+    return np.asarray(
+        minimum_filter1d(limit_mps, size=window, origin=(window - 1) // 2, mode="nearest"), dtype=np.float64
+    )
+
+
+def pattern_of(
+    elevation_m: NDArray[np.float64], limit_mps: NDArray[np.float64], train: TrainRow, behaviour: BehaviourRow
+) -> NDArray[np.void]:
+    """The path database of one kind of train on one path: rows of PATTERN on the 1 m grid; shape (n,)."""
+    gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
+    whole = np.minimum(limit_for_length(limit_mps, train.length_m), train.speed_max_mps)
+    permitted = braking_curve(whole, elevation_m, behaviour.service_guaranteed_mps2, gravity_share)
+    lowered = np.maximum(whole - behaviour.driving_margin_mps, 1.0)
+    driving = braking_curve(lowered, elevation_m, behaviour.stop_deceleration_mps2, gravity_share)
+    rows = np.zeros(elevation_m.size, dtype=PATTERN)
+    rows["elevation_m"] = elevation_m
+    rows["permitted_mps"] = permitted
+    rows["driving_mps"] = driving
+    return rows

@@ -1,0 +1,59 @@
+"""The cruising speed that brings the train to its next stop on time: the lowest that is fast enough.
+
+The running time is predicted with the unit's own model of the train; whole km/h, as a driver would keep them.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.rows import TrainRow
+from vehicle.running_time import predicted_run
+
+CRUISE_MIN_KMH: Final = 25
+KMH: Final = 1.0 / 3.6
+PREDICTION_STEP_S: Final = 1.0
+
+
+def cruise_for(
+    train: TrainRow,
+    load_share: float,
+    elevation_m: NDArray[np.float64],
+    driving_mps: NDArray[np.float64],
+    start_m: float,
+    stop_m: float,
+    available_s: float,
+    deceleration_mps2: float,
+    initial_mps: float = 0.0,
+) -> float:
+    """Cruising speed, m/s, for a run from `start_m` to a stop at `stop_m` in `available_s`.
+
+    The line's limit where the time is too short. `elevation_m` and `driving_mps` are on the path's 1 m grid.
+    """
+    highest = int(np.ceil(float(driving_mps.max()) / KMH))
+    low, high = CRUISE_MIN_KMH, max(highest, CRUISE_MIN_KMH)
+
+    def time_s(cruise_kmh: int) -> float:
+        return predicted_run(
+            train,
+            load_share,
+            elevation_m,
+            driving_mps,
+            start_m,
+            stop_m,
+            cruise_kmh * KMH,
+            deceleration_mps2,
+            PREDICTION_STEP_S,
+            initial_mps,
+        )[0]
+
+    while low < high:
+        middle = (low + high) // 2
+        if time_s(middle) <= available_s:
+            high = middle
+        else:
+            low = middle + 1
+    return low * KMH

@@ -1,0 +1,456 @@
+"""The on-board unit (車上装置): joins localisation, authority, supervision, driving and the duty of the day.
+
+The fast part is `onboard.tick`, run every step on this unit's row; this is the part that acts on events: telegrams,
+tags, timers and what the tick reports. Each event ends in `_think`: what is open now, and what follows from it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Line, SectionKind, TagPurpose
+from onboard import authority as auth
+from onboard.localisation import calibrated_scale, fix, within_window
+from onboard.mission import Mission, PathTag, Target
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_INTERVENTION,
+    EVENT_MOVING,
+    EVENT_STOPPED,
+    EVENT_TAG_OVERDUE,
+    MODE_DRIVE,
+    MODE_HOLD,
+    NO_INTERVENTION,
+)
+from onboard.rows import BehaviourRow, UnitRow
+from onboard.stop_limit import (
+    StopLimit,
+    arrival_points,
+    cleared_sections,
+    departure_points,
+    next_rear_trigger_m,
+    stop_limit,
+)
+from onboard.timekeeping import cruise_for
+from radio.envelope import Dropped, Endpoint
+from radio.messages import AnyMessage
+from vehicle.rows import TrainRow
+
+ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
+
+
+class Phase(Enum):
+    """Where the unit is in its duty."""
+
+    OFF = "off"
+    SIGNING_ON = "signing on"
+    STANDING = "standing"
+    RUNNING = "running"
+    FINISHED = "finished"
+    SIGNING_OFF = "signing off"
+    GONE = "gone"
+
+
+@dataclass(frozen=True, slots=True)
+class UnitParameters:
+    """How a unit behaves; `assumed` unless the scenario says otherwise (the paper gives no figures)."""
+
+    dwell_min_s: float = 20.0
+    request_lead_s: float = 45.0  # a route is asked for this long before the departure
+    time_margin_s: float = 10.0  # arrive this much before the time
+    standoff_m: float = 15.0  # stop this far before a stop limit that is no mark
+    tag_accuracy_m: float = 0.5
+    wheel_error_share: float = 0.02  # worn wheels, slip and slide: growth of the bounds
+    wheel_scale_limit: float = 0.015
+    tag_window_m: float = 5.0
+    emergency_release_s: float = 30.0  # the driver's acknowledgement after an emergency stop
+
+
+@dataclass(frozen=True, slots=True)
+class UnitFacts:
+    """Fixed data of one unit (固定データ)."""
+
+    unit_id: str
+    line: Line
+    manager_id: str
+    parameters: UnitParameters
+
+
+@dataclass(frozen=True, slots=True)
+class Transmit:
+    """A sealed telegram for the air."""
+
+    destination: str
+    kind: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """A line for the journal."""
+
+    what: str
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """The mission's last target is reached and the sections behind are given back."""
+
+    number: str
+
+
+@dataclass(frozen=True, slots=True)
+class LeftLine:
+    """Signed off: the train may be taken off the line."""
+
+
+UnitAction = Transmit | Noted | Finished | LeftLine
+
+
+class Unit:
+    """One on-board unit. `row` is its row of `onboard.records.UNIT`, shared with the compiled tick."""
+
+    def __init__(
+        self, facts: UnitFacts, row: UnitRow, train: TrainRow, behaviour: BehaviourRow, endpoint: Endpoint
+    ) -> None:
+        self.facts: Final = facts
+        self.row: Final = row
+        self.phase = Phase.OFF
+        self.mission: Mission | None = None
+        self.at = 0  # index of the target where the train stands or that it left last
+        self.load_share = 0.0
+        self.authority = auth.Authority(facts.unit_id, facts.manager_id)
+        self.limit = StopLimit(0.0, None, "no mission")
+        self.wake_at_s = math.inf
+        self._train = train
+        self._behaviour = behaviour
+        self._endpoint = endpoint
+        self._elevation_m: NDArray[np.float64] = np.zeros(1)
+        self._driving_mps: NDArray[np.float64] = np.zeros(1)
+        self._tags: dict[int, PathTag] = {}
+        self._last_tag: tuple[PathTag, float] | None = None
+        self._ready_s = -math.inf  # not before: doors, dwell
+        self._release_emergency_s = math.inf
+        self._actions: list[UnitAction] = []
+
+    # events -----------------------------------------------------------------------------------------------
+
+    def begin(
+        self, mission: Mission, path: NDArray[np.void], now_s: float, *, ready_s: float, signing_on: bool
+    ) -> list[UnitAction]:
+        """Take up a mission; the row's position is already on its path. `path` are the rows of PATTERN."""
+        self.mission = mission
+        self.at = 0
+        self._elevation_m = np.ascontiguousarray(path["elevation_m"])
+        self._driving_mps = np.ascontiguousarray(path["driving_mps"])
+        self._tags = {tag.tag_id: tag for tag in mission.tags}
+        self._last_tag = None
+        self._ready_s = ready_s
+        self.row.mode = MODE_HOLD
+        self.row.cruise_mps = math.inf
+        self.row.target_stop_m = self.row.position_m
+        self._expect_tag()
+        self._note("mission", train=mission.number, direction=mission.direction.name.lower())
+        if signing_on:
+            self.phase = Phase.SIGNING_ON
+            self._authority(auth.BeginOnLine((mission.spans[0].section_id,)), now_s)
+        else:
+            self.phase = Phase.STANDING
+        return self._done(now_s)
+
+    def change_ends(self, now_s: float) -> list[UnitAction]:
+        """The driver has changed ends; the next mission follows with `begin`."""
+        self._authority(auth.TurnedBack(), now_s)
+        self._note("changed_ends")
+        return self._taken()
+
+    def leave(self, now_s: float) -> list[UnitAction]:
+        """Sign off at the portal."""
+        self.phase = Phase.SIGNING_OFF
+        self._authority(auth.EndOnLine(), now_s)
+        return self._done(now_s)
+
+    def receive(self, data: bytes, now_s: float) -> list[UnitAction]:
+        """A telegram from the air."""
+        opened = self._endpoint.open(data, now_s)
+        if isinstance(opened, Dropped):
+            self._note("telegram_dropped", source=opened.source or "?", reason=opened.reason.value)
+            return self._taken()
+        self._note(
+            "took_effect",
+            source=opened.source,
+            epoch=opened.epoch,
+            kind=type(opened.message).__name__,
+            correlation=opened.correlation,
+        )
+        asked = self.authority.asked
+        self._authority(auth.Heard(opened.source, opened.message, opened.fresh), now_s)
+        if asked is not None and self.authority.asked is None and self.mission is not None:
+            points = departure_points(self.mission, asked.from_section)
+            self._authority(auth.Throw(points), now_s)
+        return self._done(now_s)
+
+    def tag_read(self, tag_id: int, odometer_m: float, now_s: float) -> list[UnitAction]:
+        """The reader read a tag when the tachometer stood at `odometer_m`."""
+        tag = self._tags.get(tag_id)
+        tolerance_m = self.facts.parameters.tag_accuracy_m
+        if tag is None or not within_window(self.row, tag.position_m, odometer_m, tolerance_m):
+            self._position_fault(f"tag {tag_id} where none can be", now_s)
+            return self._done(now_s)
+        self._calibrate(tag, odometer_m)
+        correction_m = fix(self.row, tag.position_m, odometer_m, tolerance_m)
+        self._note("tag_read", tag=tag_id, purpose=tag.purpose.value, correction_m=round(correction_m, 3))
+        self._last_tag = (tag, odometer_m)
+        self._expect_tag(tag.position_m)
+        if tag.purpose is TagPurpose.APPROACH and self.mission is not None:
+            self._authority(auth.Throw(arrival_points(self.mission, tag.position_m)), now_s)
+            self._ask_beyond(now_s)
+        return self._done(now_s)
+
+    def events(self, bits: int, now_s: float) -> list[UnitAction]:
+        """What the compiled tick reported."""
+        if bits & EVENT_TAG_OVERDUE:
+            self._position_fault("expected tag was not read", now_s)
+        if bits & EVENT_INTERVENTION:
+            self._note("intervention", level=int(self.row.intervention))
+        if bits & EVENT_MOVING and self.phase is Phase.RUNNING:
+            self._note("moving")
+        if bits & EVENT_STOPPED:
+            self._stopped(now_s)
+        return self._done(now_s)
+
+    def timer(self, now_s: float) -> list[UnitAction]:
+        """A time asked for with `wake_at_s` has come."""
+        if now_s >= self._release_emergency_s:
+            self._release_emergency_s = math.inf
+            self.row.intervention = NO_INTERVENTION
+            self._note("emergency_released")
+        self._authority(auth.Tick(), now_s)
+        return self._done(now_s)
+
+    def waits_for(self) -> str:
+        """What the train waits for, in words, for whoever looks on when nothing moves."""
+        if self.phase in (Phase.SIGNING_ON, Phase.SIGNING_OFF):
+            return f"{self.phase.value}: {self.authority.refusal or 'no answer from the block manager'}"
+        if self.authority.asked is not None:
+            why = self.authority.refusal or "no answer from the block manager"
+            return f"route {self.authority.asked.id}: {why}"
+        if self.authority.commands:
+            command = self.authority.commands[0]
+            return f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
+        if self.row.intervention == EMERGENCY_INTERVENTION:
+            return "release of the emergency brake"
+        if self.phase is Phase.STANDING:
+            return "departure time"
+        return "nothing"
+
+    # parts --------------------------------------------------------------------------------------------------
+
+    def _authority(self, event: auth.Event, now_s: float) -> None:
+        self.authority, actions = auth.step(self.authority, event, now_s, self._covered())
+        for action in actions:
+            if isinstance(action, auth.Send):
+                self._send(action.destination, action.message, action.correlation, now_s)
+            else:
+                self._note(action.what, **action.data)
+
+    def _send(self, destination: str, message: AnyMessage, correlation: int, now_s: float) -> None:
+        data = self._endpoint.seal(destination, message, now_s, correlation)
+        self._actions.append(Transmit(destination, type(message).__name__, data))
+
+    def _note(self, what: str, **data: object) -> None:
+        self._actions.append(Noted(what, data))
+
+    def _taken(self) -> list[UnitAction]:
+        actions, self._actions = self._actions, []
+        return actions
+
+    def _done(self, now_s: float) -> list[UnitAction]:
+        self._think(now_s)
+        return self._taken()
+
+    def _covered(self) -> bool:
+        if self.mission is None:
+            return True
+        step = self.mission.path.step_at(self.row.position_m)
+        kilometrage_m = step.kilometrage_m(self.row.position_m)
+        alignment = self.facts.line.alignments[self.facts.line.pieces[step.piece_id].alignment_id]
+        return any(c.from_m <= kilometrage_m <= c.to_m for c in alignment.coverage)
+
+    def _expect_tag(self, after_m: float | None = None) -> None:
+        if self.mission is None:
+            return
+        beyond_m = self.row.position_m if after_m is None else after_m
+        ahead = (tag.position_m for tag in self.mission.tags if tag.position_m > beyond_m + 0.1)
+        self.row.expected_tag_m = next(ahead, math.inf)
+
+    def _calibrate(self, tag: PathTag, odometer_m: float) -> None:
+        if self._last_tag is None or not self.row.position_known:
+            return
+        last, last_odometer_m = self._last_tag
+        parameters = self.facts.parameters
+        self.row.odometer_scale = calibrated_scale(
+            self.row.odometer_scale,
+            tag.position_m - last.position_m,
+            odometer_m - last_odometer_m,
+            parameters.wheel_scale_limit,
+            parameters.tag_accuracy_m,
+        )
+
+    def _position_fault(self, why: str, now_s: float) -> None:
+        """The position cannot be trusted: stop (位置検知異常による停止制御, table 5)."""
+        self._note("position_fault", why=why)
+        self.row.intervention = EMERGENCY_INTERVENTION
+        if self.row.speed_mps == 0.0:
+            self._release_emergency_s = now_s + self.facts.parameters.emergency_release_s
+
+    def _stopped(self, now_s: float) -> None:
+        if self.row.intervention == EMERGENCY_INTERVENTION:
+            self._release_emergency_s = now_s + self.facts.parameters.emergency_release_s
+        if self.phase is not Phase.RUNNING or self.mission is None:
+            return
+        target = self.mission.targets[self.at + 1]
+        away_m = float(self.row.position_m) - target.mark_m
+        if abs(away_m) > ARRIVED_WITHIN_M:
+            self._note("stopped_short", short_m=round(-away_m, 2), why=self.limit.reason)
+            self.row.braking_to_stop = 0
+            return
+        self.at += 1
+        self.phase = Phase.STANDING
+        self.row.mode = MODE_HOLD
+        self._ready_s = now_s + self.facts.parameters.dwell_min_s
+        self._note("arrived", station=target.station_id or target.section_id, error_m=round(away_m, 3))
+
+    def _ask_beyond(self, now_s: float) -> None:
+        """A train that does not call at the next track asks for the route beyond it on the approach."""
+        if self.mission is None:
+            return
+        position_m = self.row.position_m
+        ahead = (s for s in self.mission.spans if s.start_m > position_m and s.kind is SectionKind.TRACK)
+        track = next(ahead, None)
+        if track is None or any(t.section_id == track.section_id for t in self.mission.targets):
+            return
+        route = self.mission.route_beyond(track.section_id)
+        if route is not None:
+            self._authority(auth.Ask(route), now_s)
+
+    def _think(self, now_s: float) -> None:
+        """What follows from the state as it is now."""
+        mission = self.mission
+        if mission is None or self.phase is Phase.GONE:
+            return
+        self.wake_at_s = self._release_emergency_s
+        if self.phase is Phase.SIGNING_ON and self.authority.on_line:
+            self.phase = Phase.STANDING
+        if self.phase is Phase.SIGNING_OFF and not self.authority.on_line:
+            self.phase = Phase.GONE
+            self._actions.append(LeftLine())
+            return
+        row = self.row
+        rear_m = float(row.position_m - row.bound_behind_m - self._train.length_m)
+        cleared = cleared_sections(mission, self.authority, rear_m)
+        if cleared:
+            self._authority(auth.Cleared(cleared), now_s)
+        self._set_limit(mission)
+        if self.phase is Phase.STANDING:
+            self._stand(mission, now_s)
+        if self.phase is Phase.RUNNING:
+            self._aim(mission)
+        row.rear_trigger_m = next_rear_trigger_m(mission, self.authority)
+        row.position_trigger_m = math.inf
+        timer_s = self.authority.next_timer_s()
+        if auth.waiting_for_radio(self.authority):
+            row.position_trigger_m = self._next_coverage_m(mission)
+        else:
+            self.wake_at_s = min(self.wake_at_s, timer_s)
+
+    def _set_limit(self, mission: Mission) -> None:
+        limit = stop_limit(mission, self.authority)
+        if limit != self.limit:
+            self.limit = limit
+            piece_id, kilometrage_m = mission.path.locate(limit.limit_m)
+            self._note(
+                "stop_limit",
+                kilometrage_m=round(kilometrage_m, 1),
+                piece=piece_id,
+                before=limit.before_section or "",
+                why=limit.reason,
+            )
+        self.row.stop_limit_m = limit.limit_m
+
+    def _stand(self, mission: Mission, now_s: float) -> None:
+        """At a target: ask for the next route in time, leave when the time has come and the way is free."""
+        if self.at + 1 >= len(mission.targets):
+            if not self.authority.report_due:
+                self.phase = Phase.FINISHED
+                self._actions.append(Finished(mission.number))
+            return
+        here, there = mission.targets[self.at], mission.targets[self.at + 1]
+        leave_s = max(self._ready_s, -math.inf if here.departure_s is None else here.departure_s)
+        route = mission.route_beyond(here.section_id)
+        missing = route is not None and not all(self.authority.holds(s) for s in route.section_ids)
+        ask_s = leave_s - self.facts.parameters.request_lead_s
+        if route is not None and missing and self.authority.asked is None:
+            if now_s >= ask_s:
+                self._authority(auth.Ask(route), now_s)
+            else:
+                self.wake_at_s = min(self.wake_at_s, ask_s)
+        if now_s < leave_s:
+            self.wake_at_s = min(self.wake_at_s, leave_s)
+        elif self.limit.limit_m - self.row.position_m > 2.0 * self.facts.parameters.standoff_m:
+            self._leave_target(mission, there, now_s)
+
+    def _leave_target(self, mission: Mission, there: Target, now_s: float) -> None:
+        parameters = self.facts.parameters
+        due_s = there.arrival_s
+        if due_s is not None and there.departure_s is not None:
+            due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
+        cruise_mps = math.inf
+        if due_s is not None:
+            cruise_mps = cruise_for(
+                self._train,
+                self.load_share,
+                self._elevation_m,
+                self._driving_mps,
+                self.row.position_m,
+                there.mark_m,
+                due_s - now_s - parameters.time_margin_s,
+                self._behaviour.stop_deceleration_mps2,
+            )
+        self.row.cruise_mps = cruise_mps
+        self.row.braking_to_stop = 0
+        self.row.mode = MODE_DRIVE
+        self.row.target_stop_m = self.row.position_m
+        self.phase = Phase.RUNNING
+        station = mission.targets[self.at].station_id
+        self._note("departs", station=station or mission.targets[self.at].section_id)
+
+    def _aim(self, mission: Mission) -> None:
+        """The front stops at the next mark, or before the stop limit if that comes first."""
+        mark_m = mission.targets[self.at + 1].mark_m
+        limit_m = self.limit.limit_m
+        aim_m = mark_m if mark_m < limit_m else limit_m - self.facts.parameters.standoff_m
+        if aim_m > self.row.target_stop_m + 0.01:
+            self.row.braking_to_stop = 0
+        self.row.target_stop_m = aim_m
+
+    def _next_coverage_m(self, mission: Mission) -> float:
+        """Path coordinate where the radio reaches again; infinite if nowhere ahead."""
+        position_m = self.row.position_m
+        best = math.inf
+        for step in mission.path.steps:
+            piece = self.facts.line.pieces[step.piece_id]
+            for stretch in self.facts.line.alignments[piece.alignment_id].coverage:
+                for edge_m in (stretch.from_m, stretch.to_m):
+                    if piece.from_m <= edge_m <= piece.to_m:
+                        at_m = step.to_path_m(edge_m)
+                        best = min(best, at_m) if at_m > position_m else best
+        return best + 1.0

@@ -1,0 +1,184 @@
+"""The air between two parties: delay, loss in bursts, duplication, reordering, bit errors, coverage.
+
+Loss follows Gilbert (1960) and Elliott (1963), in continuous time because telegrams are sparse: a link is
+good or bad, changes at rates a (good to bad) and b (bad to good), so the share of bad time is a / (a + b),
+a bad spell lasts 1 / b on average, and P(bad after t | now) relaxes to that share with exp(-(a + b) t). A
+link keeps the order of telegrams except for those that reordering holds back and for second copies. Every
+directed link draws from its own generator; nothing here reads a clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Final
+
+import numpy as np
+
+from network.errors import InputError
+from radio.chance import generator
+
+STEP_S: Final = 0.1
+_STEP_TOLERANCE: Final = 1e-9
+
+
+class DelayShape(Enum):
+    """Distribution of the delay: the mean always, or the minimum plus an exponential tail with that mean."""
+
+    CONSTANT = "constant"
+    EXPONENTIAL = "exponential"
+
+
+class AirEvent(Enum):
+    """What happened to a telegram, for the counts."""
+
+    SENT = "sent"
+    UNCOVERED = "uncovered"
+    LOST = "lost"
+    DUPLICATED = "duplicated"
+    REORDERED = "reordered"
+    FLIPPED = "flipped"
+
+
+@dataclass(frozen=True, slots=True)
+class AirParameters:
+    """The air of a run. Defaults: a perfect link with one step of delay. Probabilities are per telegram
+    except `flip_p`, which is per bit. Raises InputError for what cannot be.
+    """
+
+    delay_min_s: float = STEP_S
+    delay_mean_s: float = STEP_S
+    delay_shape: DelayShape = DelayShape.EXPONENTIAL
+    loss_good_p: float = 0.0
+    loss_bad_p: float = 1.0
+    good_to_bad_per_s: float = 0.0
+    bad_to_good_per_s: float = 1.0
+    duplicate_p: float = 0.0
+    reorder_p: float = 0.0
+    reorder_delay_s: float = 1.0
+    flip_p: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("loss_good_p", "loss_bad_p", "duplicate_p", "reorder_p", "flip_p"):
+            value = getattr(self, name)
+            if not 0.0 <= value <= 1.0:
+                raise InputError("air", name, value, "a probability from 0 to 1")
+        for name in ("delay_min_s", "good_to_bad_per_s", "bad_to_good_per_s", "reorder_delay_s"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError("air", name, value, "a finite number not below 0")
+        if not (math.isfinite(self.delay_mean_s) and self.delay_mean_s >= self.delay_min_s):
+            raise InputError(
+                "air", "delay_mean_s", self.delay_mean_s, f"at least {self.delay_min_s} (delay_min_s)"
+            )
+
+    @property
+    def bad_share(self) -> float:
+        """Share of the time in which a link is bad."""
+        total = self.good_to_bad_per_s + self.bad_to_good_per_s
+        return self.good_to_bad_per_s / total if total > 0.0 else 0.0
+
+    @property
+    def loss_p(self) -> float:
+        """Probability that a telegram is lost, over long times."""
+        return self.loss_good_p + (self.loss_bad_p - self.loss_good_p) * self.bad_share
+
+
+@dataclass(frozen=True, slots=True)
+class Delivery:
+    """Bytes that arrive at the destination in `step`."""
+
+    step: int
+    data: bytes
+
+
+@dataclass(slots=True)
+class _Link:
+    chance: np.random.Generator
+    bad: bool
+    updated_step: int
+    last_step: int = 0
+
+
+@dataclass(slots=True)
+class Air:
+    """The air of one run: the only state is that of its links and the counts."""
+
+    parameters: AirParameters
+    seed: int
+    step_s: float = STEP_S
+    counts: Counter[AirEvent] = field(default_factory=Counter)
+    _links: dict[tuple[str, str], _Link] = field(default_factory=dict)
+
+    def transmit(
+        self, now_step: int, source: str, destination: str, data: bytes, covered: bool
+    ) -> tuple[Delivery, ...]:
+        """What becomes of a telegram sent in `now_step`: none, one or two deliveries, at least one step
+        later.
+
+        `covered`: both ends reach the radio network (無線). Steps of one link must not go back.
+        """
+        self.counts[AirEvent.SENT] += 1
+        if not covered:
+            self.counts[AirEvent.UNCOVERED] += 1
+            return ()
+        parameters = self.parameters
+        link = self._link(now_step, source, destination)
+        chance = link.chance
+        if chance.random() < (parameters.loss_bad_p if link.bad else parameters.loss_good_p):
+            self.counts[AirEvent.LOST] += 1
+            return ()
+        step = now_step + self._delay_steps(chance)
+        if parameters.reorder_p and chance.random() < parameters.reorder_p:
+            self.counts[AirEvent.REORDERED] += 1
+            step += math.ceil(parameters.reorder_delay_s / self.step_s - _STEP_TOLERANCE)
+        else:
+            step = link.last_step = max(step, link.last_step)
+        deliveries = [Delivery(step, self._flip(chance, data))]
+        if parameters.duplicate_p and chance.random() < parameters.duplicate_p:
+            self.counts[AirEvent.DUPLICATED] += 1
+            later = step + self._delay_steps(chance)
+            deliveries.append(Delivery(later, self._flip(chance, data)))
+        return tuple(deliveries)
+
+    def _link(self, now_step: int, source: str, destination: str) -> _Link:
+        parameters = self.parameters
+        link = self._links.get((source, destination))
+        if link is None:
+            chance = generator(self.seed, "air", source, destination)
+            link = _Link(chance, bool(chance.random() < parameters.bad_share), now_step)
+            self._links[source, destination] = link
+        elapsed_s = (now_step - link.updated_step) * self.step_s
+        if elapsed_s < 0.0:
+            raise ValueError(
+                f"step {now_step} is before step {link.updated_step} of link {source} to {destination}"
+            )
+        if elapsed_s > 0.0 and parameters.good_to_bad_per_s > 0.0:
+            fade = math.exp(-(parameters.good_to_bad_per_s + parameters.bad_to_good_per_s) * elapsed_s)
+            bad_p = parameters.bad_share + ((1.0 if link.bad else 0.0) - parameters.bad_share) * fade
+            link.bad = bool(link.chance.random() < bad_p)
+        link.updated_step = now_step
+        return link
+
+    def _delay_steps(self, chance: np.random.Generator) -> int:
+        """Delay rounded up to whole steps, at least one: what makes lock-step with processes exact."""
+        parameters = self.parameters
+        delay_s = parameters.delay_mean_s
+        if parameters.delay_shape is DelayShape.EXPONENTIAL:
+            delay_s = parameters.delay_min_s
+            delay_s += chance.exponential(parameters.delay_mean_s - parameters.delay_min_s)
+        return max(1, math.ceil(delay_s / self.step_s - _STEP_TOLERANCE))
+
+    def _flip(self, chance: np.random.Generator, data: bytes) -> bytes:
+        if self.parameters.flip_p <= 0.0 or not data:
+            return data
+        flips = int(chance.binomial(8 * len(data), self.parameters.flip_p))
+        if flips == 0:
+            return data
+        self.counts[AirEvent.FLIPPED] += 1
+        changed = bytearray(data)
+        for bit in chance.choice(8 * len(data), size=flips, replace=False).tolist():
+            changed[bit // 8] ^= 1 << bit % 8
+        return bytes(changed)

@@ -1,0 +1,151 @@
+"""The wayside devices as the simulator sees them: advance one to a time, with telegrams and inputs, take
+what it says.
+
+Two implementations give the same bytes: `wayside.local_fleet.LocalFleet` in this process, and
+`radio.zenoh_link.ZenohFleet` with a process per device over Zenoh. Points stand in the simulated world; a
+terminal drives them by outputs and sees them by inputs, as a real one does by relays
+(転てつ機制御出力・表示入力, table 4 of Sugiyama et al. 2017).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from types import TracebackType
+from typing import Protocol, Self
+
+import msgspec
+
+from network.model import Position
+from radio.keys import KeyRing
+
+
+class Role(Enum):
+    """What a device is; the value is the subcommand of `python -m wayside.serve`."""
+
+    BLOCK_MANAGER = "block-manager"
+    POINT_TERMINAL = "point-terminal"
+
+
+class ConfirmOutside(msgspec.Struct, frozen=True, array_like=True, tag=1):
+    """Operator to manager: `person` has made sure that the unit is off the line."""
+
+    unit_id: str
+    person: str
+
+
+class ConfirmHolding(msgspec.Struct, frozen=True, array_like=True, tag=2):
+    """Operator to manager: by-hand entry (手動入力) of all that a silent unit occupies and holds."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    person: str
+
+
+class PointsDetected(msgspec.Struct, frozen=True, array_like=True, tag=3):
+    """World to terminal: what the detection contacts show, at each change and after a restart. None:
+    neither.
+    """
+
+    points_id: str
+    position: Position | None
+    locked: bool
+
+
+Input = ConfirmOutside | ConfirmHolding | PointsDetected
+
+
+class StartThrow(msgspec.Struct, frozen=True, array_like=True, tag=1):
+    """Terminal to world: unlock, run the motor to this position, lock."""
+
+    points_id: str
+    position: Position
+
+
+class StopThrow(msgspec.Struct, frozen=True, array_like=True, tag=2):
+    """Terminal to world: motor off, because position or lock was not proven in time."""
+
+    points_id: str
+
+
+Output = StartThrow | StopThrow
+
+
+class NoteKind(Enum):
+    """What a device writes in the journal."""
+
+    STARTED = "started"  # token: the boot epoch
+    DROPPED = "dropped"  # a telegram; detail: the reason
+    GRANTED = "granted"
+    REFUSED = "refused"  # detail: the reason; other_id: who holds section_ids[0]
+    FREED = "freed"
+    CLAIMED = "claimed"  # taken on the unit's own word: sign-on, claim
+    OUTSIDE = "outside"
+    BY_HAND = "by hand"  # detail: the person
+    CONTRADICTION = "contradiction"  # shown to the operator; other_id: the other holder
+    COMMANDED = "commanded"  # points: section_ids[0] is the section, detail the points and position
+    PROVEN = "proven"
+    UNPROVEN = "unproven"
+
+
+class Note(msgspec.Struct, frozen=True, array_like=True):
+    """One line of a device's journal. `device_id` and time are added by who keeps the journal."""
+
+    kind: NoteKind
+    unit_id: str = ""
+    section_ids: tuple[str, ...] = ()
+    token: int = 0
+    other_id: str = ""
+    detail: str = ""
+
+
+class Advance(msgspec.Struct, frozen=True):
+    """What a device did when advanced: telegrams as (destination, bytes), relay outputs, when to be asked
+    next.
+    """
+
+    telegrams: tuple[tuple[str, bytes], ...]
+    outputs: tuple[Output, ...]
+    wake_at_s: float | None
+    notes: tuple[Note, ...]
+
+
+class DeviceSpec(msgspec.Struct, frozen=True):
+    """What a fleet needs to start a device; `config_json` is a `wayside.config` record."""
+
+    device_id: str
+    role: Role
+    config_json: bytes
+    keys: KeyRing
+
+
+class FleetError(RuntimeError):
+    """A device is down, or did not answer: the run cannot go on."""
+
+
+class Fleet(Protocol):
+    """The devices of one run. Leaving the context ends them all, whatever happened."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+    def advance(
+        self, device_id: str, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
+    ) -> Advance:
+        """Let a device act at `now_s`. FleetError if it is down; ask `alive` first."""
+        ...
+
+    def alive(self, device_id: str) -> bool:
+        """Whether the device runs."""
+        ...
+
+    def kill(self, device_id: str) -> None:
+        """Power cut: everything but the durable state is gone. Nothing happens if it is down."""
+        ...
+
+    def restart(self, device_id: str) -> None:
+        """Power back: a new boot epoch. The simulator then sends the inputs (detections) anew."""
+        ...

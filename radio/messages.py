@@ -1,0 +1,218 @@
+"""What is said over the radio: on-board units, block manager (閉そく管理装置), point terminals
+(制御端末装置).
+
+Frozen MessagePack records, each an array led by an integer tag. Section 2 of Sugiyama et al. 2017 gives the
+exchange: request of the sections to the arrival track in one go, throw of the points inside them, release of
+those passed. The manager never talks to a terminal (table 2), so a grant carries a capability per terminal.
+Identifiers are those of `network.model`; a token is the fencing token of `wayside.block_manager`.
+
+What a unit owes, so that no late answer gives it back what it has released:
+- A request is repeated with the same correlation and contents until it is answered; a new one has a new
+  correlation, from 1 up. RouteGranted takes effect once, for the request outstanding, and only if its token is greater
+  than the unit's own.
+- SignOnAccepted takes effect once, for the sign-on outstanding or the claim just made. A unit that knows what
+  it holds takes token and capabilities from it, never sections.
+- HoldingConfirmed never adds a section. A unit may take a greater token from it or from SignOnAccepted, and
+  then gives up the request outstanding.
+- Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A unit
+  that waits for its portal holds nothing yet.
+- A unit drops a section before it reports.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import msgspec
+
+from network.model import Position
+
+
+class RefusalReason(Enum):
+    """Why the block manager refused."""
+
+    UNDEFINED = 1  # a registered unit is unknown since the restart, or claims contradict each other
+    HELD = 2  # another unit holds a section asked for
+    UNKNOWN_ROUTE = 3  # no such route, or its sections are not those of the line file
+    UNKNOWN_SECTION = 4
+    NOT_CONNECTED = 5  # the unit holds neither the track the route leaves from nor a section of it
+    NOT_SIGNED_ON = 6  # this boot of the unit has not signed on
+    STILL_HOLDING = 7  # signs off while it holds more than a portal
+    STALE_TOKEN = 8
+    CLAIM_NEEDED = 9  # neither side knows what the unit holds: a person must say
+    WRONG_UNIT = 10  # the unit named is not the one that sent it
+
+
+class PointsRefusalReason(Enum):
+    """Why a point terminal refused."""
+
+    UNKNOWN_POINTS = 1
+    WRONG_SECTION = 2  # the points lie in another section
+    BAD_CAPABILITY = 3  # the manager granted this to nobody, to another, or with another token
+    OLD_TOKEN = 4  # a newer holder has commanded since
+    LOCKED = 5  # this holder already has the points locked the other way
+    NOT_DETECTED = 6  # thrown, but position or lock did not prove in time
+
+
+class Capability(msgspec.Struct, frozen=True, array_like=True):
+    """Proof of a grant that one terminal can check offline; `mac` by `radio.keys.capability_mac`."""
+
+    terminal_id: str
+    section_id: str
+    mac: bytes
+
+
+class Message(msgspec.Struct, frozen=True, array_like=True):
+    """Base of every message."""
+
+
+class RouteRequest(Message, frozen=True, array_like=True, tag=1):
+    """Unit to manager: the sections of a route up to and with the arrival track (閉そく確保要求)."""
+
+    unit_id: str
+    route_id: str
+    section_ids: tuple[str, ...]
+
+
+class RouteGranted(Message, frozen=True, array_like=True, tag=2):
+    """Manager to unit: all of them are yours under `token`."""
+
+    route_id: str
+    section_ids: tuple[str, ...]
+    token: int
+    capabilities: tuple[Capability, ...]
+
+
+class RouteRefused(Message, frozen=True, array_like=True, tag=3):
+    """Manager to unit: none of them is; `section_id` and `holder` name what stands against it, if known."""
+
+    route_id: str
+    reason: RefusalReason
+    section_id: str | None = None
+    holder: str | None = None
+
+
+class HoldingReport(Message, frozen=True, array_like=True, tag=4):
+    """Unit to manager: all that it holds now, in order of travel. What it no longer lists is free
+    (閉そく解除).
+    """
+
+    section_ids: tuple[str, ...]
+    token: int
+
+
+class HoldingConfirmed(Message, frozen=True, array_like=True, tag=5):
+    """Manager to unit: what the register says it holds, and its current token; the answer to every report."""
+
+    section_ids: tuple[str, ...]
+    token: int
+
+
+class SignOn(Message, frozen=True, array_like=True, tag=6):
+    """Unit to manager: I am here and hold this; None: I have started again and do not know."""
+
+    unit_id: str
+    section_ids: tuple[str, ...] | None
+    token: int = 0
+
+
+class SignOnAccepted(Message, frozen=True, array_like=True, tag=7):
+    """Manager to unit: the answer to SignOn and Claim, all the unit holds. It may be more than it claimed."""
+
+    section_ids: tuple[str, ...]
+    token: int
+    route_id: str | None
+    capabilities: tuple[Capability, ...]
+
+
+class SignOnRefused(Message, frozen=True, array_like=True, tag=8):
+    """Manager to unit: the claim cannot stand; `section_id` and `holder` name what it contradicts."""
+
+    reason: RefusalReason
+    section_id: str | None = None
+    holder: str | None = None
+
+
+class SignOff(Message, frozen=True, array_like=True, tag=9):
+    """Unit to manager: I leave the line and hold nothing but my portal."""
+
+    unit_id: str
+    token: int
+
+
+class SignOffAccepted(Message, frozen=True, array_like=True, tag=10):
+    """Manager to unit: you hold nothing any more."""
+
+
+class SignOffRefused(Message, frozen=True, array_like=True, tag=11):
+    """Manager to unit: you stay registered on the line."""
+
+    reason: RefusalReason
+
+
+class ClaimQuery(Message, frozen=True, array_like=True, tag=12):
+    """Manager to unit: say what you hold. To be answered with a Claim of the same correlation."""
+
+
+class Claim(Message, frozen=True, array_like=True, tag=13):
+    """Unit to manager: what I hold and under which token; None: I do not know; empty: I am off the line."""
+
+    section_ids: tuple[str, ...] | None
+    token: int
+
+
+class PointsCommand(Message, frozen=True, array_like=True, tag=14):
+    """Unit to terminal: throw and lock these points (転換指示). `mac` is that of the capability."""
+
+    points_id: str
+    position: Position
+    section_id: str
+    token: int
+    mac: bytes
+
+
+class PointsProof(Message, frozen=True, array_like=True, tag=15):
+    """Terminal to unit: what is detected. Only `detected` and `locked` in the position asked for is a
+    proof.
+    """
+
+    points_id: str
+    position: Position | None
+    locked: bool
+    detected: bool
+    token: int
+
+
+class PointsRefused(Message, frozen=True, array_like=True, tag=16):
+    """Terminal to unit: the command with this token was not, or could not be, carried out."""
+
+    points_id: str
+    reason: PointsRefusalReason
+    token: int
+
+
+class Restarted(Message, frozen=True, array_like=True, tag=17):
+    """Any device: your telegram was meant for my previous boot; send again. The envelope names the new
+    boot.
+    """
+
+
+AnyMessage = (
+    RouteRequest
+    | RouteGranted
+    | RouteRefused
+    | HoldingReport
+    | HoldingConfirmed
+    | SignOn
+    | SignOnAccepted
+    | SignOnRefused
+    | SignOff
+    | SignOffAccepted
+    | SignOffRefused
+    | ClaimQuery
+    | Claim
+    | PointsCommand
+    | PointsProof
+    | PointsRefused
+    | Restarted
+)

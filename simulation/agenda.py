@@ -1,0 +1,59 @@
+"""What is due when: a queue of events by step, in the order in which they were put in."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+
+class Due(IntEnum):
+    """Kinds of events; within a step lower ones come first."""
+
+    POINTS = 0  # a point machine reaches its end
+    TO_DEVICE = 1  # telegrams and inputs reach a wayside device, or its timer is due
+    TO_UNIT = 2  # a telegram reaches an on-board unit
+    UNIT_TIMER = 3
+    DUTY = 4  # a stock takes up its next duty
+
+
+@dataclass(order=True, frozen=True, slots=True)
+class Item:
+    """One thing due."""
+
+    step: int
+    kind: Due
+    order: int
+    subject: str = field(compare=False)
+    data: bytes | None = field(compare=False, default=None)
+
+
+class Agenda:
+    """A heap of items; equal items keep the order in which they came."""
+
+    def __init__(self) -> None:
+        self._heap: list[Item] = []
+        self._order = 0
+
+    def put(self, step: int, kind: Due, subject: str, data: bytes | None = None) -> None:
+        """Add an item."""
+        self._order += 1
+        heapq.heappush(self._heap, Item(step, kind, self._order, subject, data))
+
+    def next_step(self) -> int | None:
+        """Step of the earliest item; None when nothing is due ever again."""
+        return self._heap[0].step if self._heap else None
+
+    def pop_due(self, step: int) -> Item | None:
+        """The earliest item if it is due at `step`; None otherwise."""
+        if self._heap and self._heap[0].step <= step:
+            return heapq.heappop(self._heap)
+        return None
+
+    def pop_all(self, step: int, kind: Due, subject: str) -> list[Item]:
+        """Further items of the same step, kind and subject, in order, taken out."""
+        taken = [i for i in self._heap if i.step <= step and i.kind is kind and i.subject == subject]
+        if taken:
+            self._heap = [i for i in self._heap if i not in taken]
+            heapq.heapify(self._heap)
+        return sorted(taken)

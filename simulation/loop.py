@@ -1,0 +1,537 @@
+"""The loop that joins all parties: the compiled kernel, the carrier, the wayside, the units, the checkers.
+
+Pure simulated time: a run is a function of its setup and seed. `step` counts steps of 0.1 s from midnight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+
+from network.model import Direction, Leg
+from onboard.records import EVENT_STOPPED, MODE_DRIVE
+from onboard.unit import Finished, LeftLine, Noted, Phase, Transmit, UnitAction
+from radio.air import Air
+from radio.fleet import ConfirmOutside, Fleet
+from simulation.agenda import Agenda, Due
+from simulation.carrier import Carrier
+from simulation.checkers import Checkers, PointsFacts
+from simulation.journal import Journal
+from simulation.kernel import advance
+from simulation.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE
+from simulation.result import EnergyRecord, RunResult, StopRecord, TraceSpan, Waiting
+from simulation.roster import Duty, draw_up, stabled_at_start
+from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.trains import EnergyMark, Trains
+from simulation.wayside_world import WaysideWorld, header_of
+from sumo_cfg.truth_map import NetMap
+from wayside.config import MANAGER_ID
+
+MOVING_STEPS_MAX: Final = 50  # the kernel runs ahead of the carrier by at most this
+STANDING_STEPS_MAX: Final = 600
+TRACE_EVERY_STEPS: Final = 10
+TRACE_ROWS_FIRST: Final = 200_000
+PORTAL_RETRY_S: Final = 10.0
+OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
+SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}
+
+Progress = Callable[[float, float, int], None]  # now s, end s, trains arrived
+
+
+class Simulation:
+    """One run. `run` may be called once."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        carrier_of: Callable[[float], Carrier],
+        fleet: Fleet,
+        net: NetMap,
+        master_key: bytes,
+        link: str,
+        *,
+        record_speeds: bool = False,
+    ) -> None:
+        self.setup: Final = setup
+        self.journal = Journal()
+        lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
+        self._duties: Mapping[str, tuple[Duty, ...]] = draw_up(
+            setup.line, setup.timetable, lengths, setup.portal_lead_s
+        )
+        first_s = min(duty.enter_s for duties in self._duties.values() for duty in duties)
+        last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
+        self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
+        self._limit_step = round((last_s + setup.time_limit_s) / STEP_S)
+        self._step = self._begin_step
+        self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
+        self.trains = Trains(setup, self._carrier, master_key)
+        self._agenda = Agenda()
+        self.wayside = WaysideWorld(
+            setup.line,
+            fleet,
+            Air(setup.air, setup.seed),
+            self._agenda,
+            self.journal,
+            self.trains.covered,
+            self.trains.stock_ids,
+        )
+        facts = {
+            p.id: PointsFacts(p.section_id, p.stem_piece, p.normal_piece, p.reverse_piece, p.initial)
+            for p in setup.line.points.values()
+        }
+        portals = [s.id for s in setup.line.sections.values() if s.kind.value == "portal"]
+        self.checkers = Checkers(net, facts, portals)
+        self.journal.watch(self.checkers.journal)
+        self._link = link
+        self._next_duty = dict.fromkeys(self.trains.stock_ids, 0)
+        self._stops: list[StopRecord] = []
+        self._open_stop: dict[int, StopRecord | None] = {}
+        self._energy: list[EnergyRecord] = []
+        self._arrived: list[str] = []
+        self._spans: list[TraceSpan] = []
+        self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
+        self._trace_used = 0
+        self._speeds = np.zeros((STANDING_STEPS_MAX, len(self.trains.stock_ids)))
+        self._moved_step = self._begin_step
+        self._timer_steps: dict[str, int] = {}
+        self._record_speeds = record_speeds
+        self._recorded: list[tuple[int, np.ndarray]] = []
+        self._insertions: list[tuple[int, str, str, float, float]] = []
+        self._broken = ""
+
+    @property
+    def now_s(self) -> float:
+        """Simulated time, s since midnight."""
+        return self._step / STEPS_PER_S
+
+    def run(self, progress: Progress | None = None) -> RunResult:
+        """Run to the end: all trains done, the time limit, a stall, or a collision."""
+        try:
+            self._open()
+            because = self._loop(progress)
+        finally:
+            collisions = self._carrier.collisions()
+            self._carrier.close()
+        return self._result(because, collisions)
+
+    # the course of the run ---------------------------------------------------------------------------------------
+
+    def _open(self) -> None:
+        """Power on; the controller says which stock is outside; stock stabled on the line is put there."""
+        self.wayside.start(self._step)
+        for stock_id in self.trains.stock_ids:
+            duties = self._duties[stock_id]
+            if stabled_at_start(duties):
+                self._agenda.put(self._step, Due.DUTY, stock_id)
+                continue
+            self.wayside.input(self._step, MANAGER_ID, ConfirmOutside(stock_id, "controller"))
+            if duties:
+                self._agenda.put(round(duties[0].enter_s / STEP_S), Due.DUTY, stock_id)
+
+    def _loop(self, progress: Progress | None) -> str:
+        end_s = self._limit_step / STEPS_PER_S
+        while True:
+            self._handle_due()
+            if self._all_done():
+                return "all trains have finished"
+            if self._broken:
+                return self._broken
+            if self._step >= self._limit_step:
+                return "the time limit of the run"
+            if self._stalled():
+                return "no train can move any more"
+            self._advance()
+            if progress is not None:
+                progress(self.now_s, end_s, len(self._arrived))
+
+    def _handle_due(self) -> None:
+        while (item := self._agenda.pop_due(self._step)) is not None:
+            now_s = self.now_s
+            if item.kind is Due.POINTS:
+                self.wayside.points_due(self._step, item.subject)
+            elif item.kind is Due.TO_DEVICE:
+                others = self._agenda.pop_all(self._step, Due.TO_DEVICE, item.subject)
+                data = [i.data for i in (item, *others) if i.data is not None]
+                self.wayside.advance(self._step, item.subject, data)
+            elif item.kind is Due.TO_UNIT and item.data is not None:
+                slot = self.trains.slot_of[item.subject]
+                actions = self.trains.on_board[slot].receive(item.data, now_s)
+                self._apply(slot, actions, header_of(item.data).sequence)
+            elif item.kind is Due.UNIT_TIMER:
+                slot = self.trains.slot_of[item.subject]
+                if self._timer_steps.get(item.subject) == self._step:
+                    del self._timer_steps[item.subject]
+                    self._apply(slot, self.trains.on_board[slot].timer(now_s))
+            elif item.kind is Due.DUTY:
+                self._take_up_duty(self.trains.slot_of[item.subject])
+
+    def _advance(self) -> None:
+        """Let the kernel run to the next event, the carrier after it, then look at what happened."""
+        trains = self.trains
+        active = trains.active()
+        moving = [slot for slot in active if trains.units[slot].mode == MODE_DRIVE]
+        moving += [s for s in active if s not in moving and trains.plants[s].speed_mps > 0.0]
+        moving.sort()
+        steps = MOVING_STEPS_MAX if moving else STANDING_STEPS_MAX
+        next_due = self._agenda.next_step()
+        if next_due is not None:
+            steps = min(steps, next_due - self._step)
+        steps = min(steps, self._limit_step - self._step)
+        if self._trace_used + steps * len(active) + 16 > self._trace.size:
+            self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
+        done, self._trace_used = advance(
+            trains.truths,
+            trains.plants,
+            trains.units,
+            trains.kinds,
+            trains.behaviours,
+            trains.pool.profile,
+            trains.pool.pattern,
+            trains.pool.tag_positions_m,
+            self._speeds,
+            self._trace,
+            self._trace_used,
+            self._step,
+            steps,
+            TRACE_EVERY_STEPS,
+        )
+        bits = [(slot, int(trains.truths[slot].events)) for slot in active]
+        for slot, events in bits:
+            if events & EVENT_FRONT:
+                self._cross_points(slot)
+        columns = [(trains.stock_ids[slot], self._speeds[:done, slot].tolist()) for slot in moving]
+        if self._record_speeds:
+            self._record(done, moving)
+        hit = self._carrier.run(columns, done)
+        self._step += hit or done
+        if moving:
+            self._moved_step = self._step
+        self._observe(moving if not hit else active)
+        if hit:
+            self._collided()
+            return
+        for slot, events in bits:
+            if events:
+                self._report(slot, events)
+
+    def _record(self, done: int, moving: list[int]) -> None:
+        rows = np.full((done, self._speeds.shape[1]), np.nan)
+        rows[:, moving] = self._speeds[:done, moving]
+        self._recorded.append((self._step, rows))
+
+    def _observe(self, slots: list[int]) -> None:
+        """Truth to the checkers; only trains that moved can have changed anything."""
+        now_s = self.now_s
+        for slot in slots:
+            stock_id = self.trains.stock_ids[slot]
+            seen = self._carrier.truth(stock_id)
+            self.trains.compare(slot, seen)
+            edge = seen.piece_id + SIGN[seen.direction]
+            self.checkers.observe(now_s, stock_id, edge, seen.offset_m, seen.speed_mps)
+            truth, unit = self.trains.truths[slot], self.trains.units[slot]
+            if unit.position_known:
+                self.checkers.bounds(
+                    now_s,
+                    stock_id,
+                    float(truth.position_m),
+                    float(unit.position_m),
+                    float(unit.bound_behind_m),
+                    float(unit.bound_ahead_m),
+                )
+
+    def _collided(self) -> None:
+        for text in self._carrier.collisions():
+            self.journal.write(self.now_s, "world", "collision", text=text)
+        self._broken = "a collision"
+
+    def _cross_points(self, slot: int) -> None:
+        """The front is about to leave its piece: over points it goes where the blades really lie."""
+        line = self.setup.line
+        before, expected = self.trains.crossing(slot)
+        leaving, entering = line.pieces[before], line.pieces[expected]
+        if leaving.leg is Leg.STEM and leaving.points_id == entering.points_id and leaving.points_id:
+            points = line.points[leaving.points_id]
+            position = self.wayside.position_of(points.id)
+            if position is None:
+                self._unsafe(slot, f"ran onto points {points.id} that lie in no position")
+                return
+            onto = points.normal_piece if position.value == "normal" else points.reverse_piece
+            if onto != expected:
+                self._unsafe(slot, f"was sent the wrong way at points {points.id}")
+                self.trains.divert(slot, onto)
+        elif leaving.points_id and leaving.leg in (Leg.NORMAL, Leg.REVERSE) and entering.leg is Leg.STEM:
+            position = self.wayside.position_of(leaving.points_id)
+            if position is None or position.value != leaving.leg.value:
+                self._unsafe(slot, f"ran through points {leaving.points_id} set against it")
+                self.wayside.force(self._step, leaving.points_id)
+
+    def _unsafe(self, slot: int, text: str) -> None:
+        self.journal.write(self.now_s, "world", "unsafe", unit=self.trains.stock_ids[slot], text=text)
+
+    def _report(self, slot: int, events: int) -> None:
+        """Tell the unit what its sensors saw at the end of this step."""
+        trains = self.trains
+        unit = trains.on_board[slot]
+        now_s = self.now_s
+        if events & (EVENT_FRONT | EVENT_REAR):
+            trains.set_boundaries(slot)
+        stop = self._open_stop.get(slot)
+        if stop is not None and stop.departure_s is None and trains.plants[slot].speed_mps > 0.0:
+            stop.departure_s = now_s
+            self._open_stop[slot] = None
+        if events & EVENT_TAG:
+            tag_id, odometer_m = trains.read_tag(slot)
+            self._apply(slot, unit.tag_read(tag_id, odometer_m, now_s))
+        if events & EVENT_UNIT_BITS:
+            at = unit.at
+            self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))
+            if events & EVENT_STOPPED and unit.at != at:
+                self._stopped(slot, now_s)
+
+    # stops, duties, energy ---------------------------------------------------------------------------------------
+
+    def _stopped(self, slot: int, now_s: float) -> None:
+        """The train has arrived at a target: how well, by the truth."""
+        unit = self.trains.on_board[slot]
+        duty = self.trains.duties[slot]
+        if unit.mission is None or duty is None:
+            return
+        target = unit.mission.targets[unit.at]
+        if target.station_id is None:
+            return
+        record = StopRecord(
+            unit.facts.unit_id,
+            duty.train.number,
+            duty.train.revenue,
+            target.station_id,
+            target.track,
+            target.arrival_s,
+            target.departure_s,
+            arrival_s=now_s,
+            error_m=float(self.trains.truths[slot].position_m) - target.mark_m,
+        )
+        self._stops.append(record)
+        self._open_stop[slot] = record if target.departure_s is not None else None
+        calls = [t for t in unit.mission.targets if t.station_id is not None]
+        if target is calls[-1]:
+            self._arrived.append(duty.train.number)
+
+    def _take_up_duty(self, slot: int) -> None:
+        """The stock's next train: it comes onto the line, or the stock turns back."""
+        stock_id = self.trains.stock_ids[slot]
+        duty = self._duties[stock_id][self._next_duty[stock_id]]
+        on_line = bool(self.trains.truths[slot].active)
+        if not on_line and duty.enters and self._portal_busy(duty):
+            self._agenda.put(self._step + round(PORTAL_RETRY_S / STEP_S), Due.DUTY, stock_id)
+            return
+        self._next_duty[stock_id] += 1
+        unit = self.trains.on_board[slot]
+        now_s = self.now_s
+        actions: list[UnitAction] = []
+        if on_line:
+            if duty.mission.direction is not self.trains.direction(slot):
+                self._close_energy(slot)
+                self.trains.turn(slot, duty)
+                self.checkers.reversed(now_s, stock_id)
+                self.journal.write(now_s, "world", "reversed", unit=stock_id)
+                actions += unit.change_ends(now_s)
+            else:
+                self._close_energy(slot)
+                self.trains.continue_as(slot, duty)
+        else:
+            self.trains.place(slot, duty)
+            self._appear(slot, duty)
+        self._spans.append(self._span(slot, duty))
+        first = duty.mission.targets[0]
+        if first.station_id is not None:
+            record = StopRecord(
+                stock_id,
+                duty.train.number,
+                duty.train.revenue,
+                first.station_id,
+                first.track,
+                None,
+                first.departure_s,
+            )
+            self._stops.append(record)
+            self._open_stop[slot] = record
+        pattern = self.trains.pattern_rows(slot)
+        actions += unit.begin(duty.mission, pattern, now_s, ready_s=now_s, signing_on=not on_line)
+        self._apply(slot, actions)
+
+    def _portal_busy(self, duty: Duty) -> bool:
+        section = duty.mission.spans[0].section_id
+        return any(
+            section in unit.authority.section_ids()
+            for unit in self.trains.on_board
+            if unit.phase is not Phase.GONE
+        )
+
+    def _appear(self, slot: int, duty: Duty) -> None:
+        stock_id = self.trains.stock_ids[slot]
+        length_m = float(self.trains.kinds[slot].length_m)
+        position_m = float(self.trains.truths[slot].position_m)
+        path = duty.mission.path
+        under = [
+            step.piece_id + SIGN[duty.mission.direction]
+            for step in path.steps
+            if step.end_m > position_m - length_m and step.start_m < position_m
+        ]
+        self.journal.write(
+            self.now_s, "world", "entered", unit=stock_id, train=duty.train.number, edges=under
+        )
+        self.checkers.entered(stock_id, length_m, under)
+        step = path.step_at(position_m)
+        self._insertions.append((self._step, stock_id, under[-1], position_m - step.start_m, length_m))
+        self._observe([slot])
+
+    def _span(self, slot: int, duty: Duty) -> TraceSpan:
+        path = duty.mission.path
+        return TraceSpan(
+            slot,
+            self._step,
+            duty.train.number,
+            int(duty.mission.direction),
+            tuple(step.start_m for step in path.steps),
+            path.piece_ids,
+            tuple(step.entry_m for step in path.steps),
+        )
+
+    def _close_energy(self, slot: int) -> None:
+        """Book what the present train used."""
+        duty, mark = self.trains.duties[slot], self.trains.energy_marks[slot]
+        if duty is None:
+            return
+        plant = self.trains.plants[slot]
+        self._energy.append(
+            EnergyRecord(
+                self.trains.stock_ids[slot],
+                duty.train.number,
+                duty.train.revenue,
+                float(plant.travelled_m) - mark.travelled_m,
+                float(plant.energy_traction_j) - mark.traction_j,
+                float(plant.energy_regenerated_j) - mark.regenerated_j,
+                float(plant.energy_auxiliary_j) - mark.auxiliary_j,
+            )
+        )
+        self.trains.energy_marks[slot] = EnergyMark(
+            float(plant.energy_traction_j),
+            float(plant.energy_regenerated_j),
+            float(plant.energy_auxiliary_j),
+            float(plant.travelled_m),
+        )
+
+    # actions of units ---------------------------------------------------------------------------------------------
+
+    def _apply(self, slot: int, actions: list[UnitAction], sequence: int | None = None) -> None:
+        unit = self.trains.on_board[slot]
+        stock_id = self.trains.stock_ids[slot]
+        for action in actions:
+            if isinstance(action, Transmit):
+                self.wayside.transmit(self._step, stock_id, action.destination, action.data, action.kind)
+            elif isinstance(action, Noted):
+                data = dict(action.data)
+                if action.what == "took_effect" and sequence is not None:
+                    data |= {"receiver": stock_id, "sequence": sequence}
+                self.journal.write(self.now_s, stock_id, action.what, **data)
+            elif isinstance(action, Finished):
+                self._finished(slot)
+            elif isinstance(action, LeftLine):
+                self._left(slot)
+        if unit.wake_at_s < math.inf:
+            wake_step = max(math.ceil(unit.wake_at_s / STEP_S - 1e-6), self._step + 1)
+            if self._timer_steps.get(stock_id) != wake_step:
+                self._timer_steps[stock_id] = wake_step
+                self._agenda.put(wake_step, Due.UNIT_TIMER, stock_id)
+
+    def _finished(self, slot: int) -> None:
+        """The mission is done: turn back, leave the line, or stand."""
+        stock_id = self.trains.stock_ids[slot]
+        duty = self.trains.duties[slot]
+        if duty is None:
+            return
+        self.journal.write(self.now_s, stock_id, "mission_done", train=duty.train.number)
+        if duty.leaves:
+            self._apply(slot, self.trains.on_board[slot].leave(self.now_s))
+        elif duty.becomes is not None:
+            after = self._step + round(self.setup.change_ends_s / STEP_S)
+            self._agenda.put(after, Due.DUTY, stock_id)
+        else:
+            self._close_energy(slot)
+
+    def _left(self, slot: int) -> None:
+        stock_id = self.trains.stock_ids[slot]
+        self._close_energy(slot)
+        self.trains.remove(slot)
+        self.checkers.left(stock_id)
+        self.journal.write(self.now_s, "world", "left", unit=stock_id)
+        following = self._next_duty[stock_id]
+        if following < len(self._duties[stock_id]):
+            enter_step = round(self._duties[stock_id][following].enter_s / STEP_S)
+            self._agenda.put(max(enter_step, self._step + 1), Due.DUTY, stock_id)
+
+    # the end ------------------------------------------------------------------------------------------------------
+
+    def _all_done(self) -> bool:
+        for slot, stock_id in enumerate(self.trains.stock_ids):
+            if self._next_duty[stock_id] < len(self._duties[stock_id]):
+                return False
+            if self.trains.on_board[slot].phase not in (Phase.FINISHED, Phase.GONE, Phase.OFF):
+                return False
+        return True
+
+    def _stalled(self) -> bool:
+        """Nothing has moved for long although a train waits for a section."""
+        if (self._step - self._moved_step) / STEPS_PER_S < self.setup.stall_limit_s:
+            return False
+        return any(
+            unit.authority.refusal for unit in self.trains.on_board if unit.authority.asked is not None
+        )
+
+    def _waiting(self) -> list[Waiting]:
+        waiting: list[Waiting] = []
+        for slot, stock_id in enumerate(self.trains.stock_ids):
+            unit, duty = self.trains.on_board[slot], self.trains.duties[slot]
+            if not self.trains.truths[slot].active or duty is None or unit.mission is None:
+                continue
+            if unit.phase in (Phase.FINISHED, Phase.GONE):
+                continue
+            piece_id, at_m = self.trains.true_path(slot).locate(float(self.trains.truths[slot].position_m))
+            place = f"section {self.setup.line.pieces[piece_id].section_id} at km {at_m / 1000.0:.3f}"
+            waiting.append(Waiting(stock_id, duty.train.number, place, unit.waits_for()))
+        return waiting
+
+    def _result(self, because: str, collisions: tuple[str, ...]) -> RunResult:
+        trains = self.setup.timetable.trains.values()
+        planned = tuple(t.number for t in trains if t.revenue)
+        empty = tuple(t.number for t in trains if not t.revenue)
+        self.checkers.finish(self.now_s, {number: number in self._arrived for number in (*planned, *empty)})
+        trace = self._trace[: self._trace_used].copy()
+        self.journal.add_to_digest(trace.tobytes())
+        return RunResult(
+            name=self.setup.name,
+            seed=self.setup.seed,
+            link=self._link,
+            stock_ids=self.trains.stock_ids,
+            begin_step=self._begin_step,
+            end_step=self._step,
+            trains_planned=planned,
+            trains_arrived=tuple(n for n in self._arrived if n in planned),
+            empty_planned=empty,
+            empty_arrived=tuple(n for n in self._arrived if n in empty),
+            stops=self._stops,
+            energy=self._energy,
+            waiting=self._waiting(),
+            violations=self.checkers.violations,
+            collisions=collisions,
+            telegrams=self.wayside.telegrams,
+            trace=trace,
+            spans=self._spans,
+            journal=self.journal,
+            ended_because=because,
+            speeds=self._recorded,
+            insertions=self._insertions,
+        )

@@ -1,0 +1,98 @@
+"""What a run leaves behind; `study` makes tables and reports of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulation.checkers import Violation
+from simulation.journal import Journal
+
+
+@dataclass(slots=True)
+class StopRecord:
+    """A timetabled stop as it really went; `error_m` is beyond the mark, by the truth."""
+
+    stock_id: str
+    number: str
+    revenue: bool
+    station_id: str
+    track: str
+    planned_arrival_s: float | None
+    planned_departure_s: float | None
+    arrival_s: float | None = None
+    departure_s: float | None = None
+    error_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class EnergyRecord:
+    """Energy at the wire of one train, J, and its distance, m."""
+
+    stock_id: str
+    number: str
+    revenue: bool
+    distance_m: float
+    traction_j: float
+    regenerated_j: float
+    auxiliary_j: float
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """A train that did not finish: where it stands and what it waits for."""
+
+    stock_id: str
+    number: str
+    place: str
+    waits_for: str
+
+
+@dataclass(frozen=True, slots=True)
+class TraceSpan:
+    """Which train a slot was, from a step on: to read the trace by train number, direction and kilometrage."""
+
+    slot: int
+    from_step: int
+    number: str
+    direction: int
+    starts_m: tuple[float, ...]
+    piece_ids: tuple[str, ...]
+    entries_m: tuple[float, ...]
+
+
+@dataclass(slots=True)
+class RunResult:
+    """All of one run."""
+
+    name: str
+    seed: int
+    link: str
+    stock_ids: tuple[str, ...]
+    begin_step: int
+    end_step: int
+    trains_planned: tuple[str, ...]
+    trains_arrived: tuple[str, ...]
+    empty_planned: tuple[str, ...]
+    empty_arrived: tuple[str, ...]
+    stops: list[StopRecord]
+    energy: list[EnergyRecord]
+    waiting: list[Waiting]
+    violations: tuple[Violation, ...]
+    collisions: tuple[str, ...]
+    telegrams: Mapping[tuple[str, str, str], Counter[str]]
+    trace: NDArray[np.void]
+    spans: list[TraceSpan]
+    journal: Journal
+    ended_because: str
+    speeds: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)  # first step, speeds[k, slot]
+    insertions: list[tuple[int, str, str, float, float]] = field(default_factory=list)
+
+    @property
+    def digest(self) -> str:
+        """Digest of the journal and the trajectories."""
+        return self.journal.digest()

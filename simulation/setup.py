@@ -1,0 +1,107 @@
+"""Everything one run is made of, as read from a scenario; the loop takes nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Line
+from network.timetable import Timetable
+from onboard.records import BEHAVIOUR
+from onboard.unit import UnitParameters
+from radio.air import AirParameters
+from vehicle.train_file import TrainType
+
+STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
+STEP_S: Final = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """How units drive and supervise; `assumed`: neither the line nor the paper gives figures."""
+
+    service_guaranteed_share: float = 0.8  # of the strongest service notch: worn pads, wet rail
+    emergency_guaranteed_share: float = 0.8
+    reaction_reserve_s: float = 0.5  # beyond dead time and lag of the brake
+    service_margin_mps: float = 0.6
+    release_margin_mps: float = 1.0
+    emergency_margin_mps: float = 2.0
+    driving_margin_mps: float = 1.2
+    stop_deceleration_mps2: float = 0.6
+    stop_gain_per_s: float = 0.8
+    cruise_gain_per_s: float = 0.3
+    notch_hold_s: float = 2.0
+    standing_brake_share: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """Errors of the sensors, drawn per train or per reading from seeded sources."""
+
+    wheel_factor_sigma: float = 0.003  # real over assumed wheel circumference
+    tag_read_sigma_m: float = 0.05
+    tag_read_max_m: float = 0.2  # beyond this the reader discards
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """One run. `trains` gives the kind of train of each stock id."""
+
+    name: str
+    line: Line
+    timetable: Timetable
+    trains: Mapping[str, TrainType]
+    seed: int = 1
+    air: AirParameters = field(default_factory=AirParameters)
+    unit: UnitParameters = field(default_factory=UnitParameters)
+    driving: Driving = field(default_factory=Driving)
+    sensors: Sensors = field(default_factory=Sensors)
+    load_share_mean: float = 0.2
+    load_share_spread: float = 0.15  # uniform, drawn per train number
+    portal_lead_s: float = 210.0  # a train stands at the portal this long before its first departure
+    change_ends_s: float = 60.0  # the driver walks to the other end
+    leave_after_s: float = 60.0  # a train that leaves for another line stands at its last call this long
+    time_limit_s: float = 3600.0  # the run ends this long after the last planned time, whatever happens
+    stall_limit_s: float = 3600.0  # or when no train has moved for this long although one waits for a section
+
+    def stock_of(self, number: str) -> str:
+        """Stock id of a train number."""
+        return next(d.stock_id for d in self.timetable.diagrams if number in d.train_numbers)
+
+
+def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
+    """BEHAVIOUR records, one a stock id, from the driving parameters and each train's brakes; shape (n,)."""
+    rows = np.zeros(len(stocks), dtype=BEHAVIOUR)
+    driving = setup.driving
+    for index, stock_id in enumerate(stocks):
+        train = setup.trains[stock_id].row[0]
+        row = rows[index]
+        strongest = float(train["brake_deceleration_mps2"][int(train["brake_notches"])])
+        row["service_guaranteed_mps2"] = driving.service_guaranteed_share * strongest
+        row["service_reaction_s"] = (
+            float(train["brake_dead_time_s"] + train["brake_lag_s"]) + driving.reaction_reserve_s
+        )
+        row["emergency_guaranteed_mps2"] = driving.emergency_guaranteed_share * float(
+            train["emergency_deceleration_mps2"]
+        )
+        row["emergency_reaction_s"] = (
+            float(train["emergency_dead_time_s"] + train["emergency_lag_s"]) + driving.reaction_reserve_s
+        )
+        row["standing_brake_notch"] = driving.standing_brake_share * float(train["brake_notches"])
+        row["step_s"] = STEP_S
+        for name in (
+            "service_margin_mps",
+            "release_margin_mps",
+            "emergency_margin_mps",
+            "driving_margin_mps",
+            "stop_deceleration_mps2",
+            "stop_gain_per_s",
+            "cruise_gain_per_s",
+            "notch_hold_s",
+        ):
+            row[name] = getattr(driving, name)
+    return rows

@@ -1,0 +1,275 @@
+"""The trains of a run: one slot a stock, with its rows of truth, body, unit and kind, and its place on the carrier."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Direction
+from network.path import Path, path_of
+from onboard.records import UNIT
+from onboard.unit import Unit, UnitFacts
+from radio.chance import generator
+from radio.envelope import Endpoint
+from radio.keys import key_ring
+from simulation.carrier import Carrier, Truth
+from simulation.path_pool import PathPool, PathRows
+from simulation.records import TRUTH
+from simulation.roster import Duty
+from simulation.setup import Setup, behaviour_rows
+from vehicle.records import TRAIN
+from vehicle.train_file import new_plant
+from wayside.config import MANAGER_ID
+
+AGREEMENT_M = 1e-6  # the carrier's position against the sum of speeds
+
+
+class CarrierDisagrees(RuntimeError):  # noqa: N818 - names what happened
+    """The carrier put a train elsewhere than its speeds say: nothing after this would be true."""
+
+
+@dataclass(slots=True)
+class EnergyMark:
+    """Energy counters (J) and distance (m) of a stock when its present train began."""
+
+    traction_j: float = 0.0
+    regenerated_j: float = 0.0
+    auxiliary_j: float = 0.0
+    travelled_m: float = 0.0
+
+
+class Trains:
+    """All stocks; arrays are indexed by slot, one slot a stock in the order of the diagrams."""
+
+    def __init__(self, setup: Setup, carrier: Carrier, master_key: bytes) -> None:
+        self.setup = setup
+        self.carrier = carrier
+        self.stock_ids = tuple(d.stock_id for d in setup.timetable.diagrams)
+        self.slot_of = {stock_id: slot for slot, stock_id in enumerate(self.stock_ids)}
+        n = len(self.stock_ids)
+        self.truths = np.zeros(n, dtype=TRUTH).view(np.recarray)
+        self.plants = new_plant(n).view(np.recarray)
+        self.units = np.zeros(n, dtype=UNIT).view(np.recarray)
+        self.kinds = np.zeros(n, dtype=TRAIN).view(np.recarray)
+        self.behaviours = behaviour_rows(setup, self.stock_ids).view(np.recarray)
+        self.pool = PathPool(setup.line)
+        self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
+        self.duties: list[Duty | None] = [None] * n
+        self.on_board: list[Unit] = []
+        self.energy_marks = [EnergyMark() for _ in range(n)]
+        self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
+        terminals = sorted({points.terminal_id for points in setup.line.points.values()})
+        for slot, stock_id in enumerate(self.stock_ids):
+            self.kinds[slot] = setup.trains[stock_id].row[0]
+            ring = key_ring(master_key, stock_id, (MANAGER_ID, *terminals))
+            facts = UnitFacts(stock_id, setup.line, MANAGER_ID, setup.unit)
+            self.on_board.append(
+                Unit(
+                    facts, self.units[slot], self.kinds[slot], self.behaviours[slot], Endpoint(ring, epoch=1)
+                )
+            )
+            sigma = setup.sensors.wheel_factor_sigma
+            factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
+            self.truths[slot].wheel_factor = factor
+
+    # where trains are ------------------------------------------------------------------------------------------
+
+    def active(self) -> list[int]:
+        """Slots of the trains on the line."""
+        return [slot for slot in range(len(self.stock_ids)) if self.truths[slot].active]
+
+    def true_path(self, slot: int) -> Path:
+        """The path that the train is really on. RuntimeError before it is on the line."""
+        path = self.paths[slot]
+        if path is None:
+            raise RuntimeError(f"{self.stock_ids[slot]} is not on the line")
+        return path
+
+    def kilometrage_m(self, slot: int) -> float:
+        """True kilometrage of the front, m."""
+        return self.true_path(slot).kilometrage_m(float(self.truths[slot].position_m))
+
+    def covered(self, stock_id: str) -> bool:
+        """Whether the radio truly reaches the train."""
+        slot = self.slot_of.get(stock_id)
+        if slot is None or not self.truths[slot].active:
+            return True
+        step = self.true_path(slot).step_at(float(self.truths[slot].position_m))
+        at_m = step.kilometrage_m(float(self.truths[slot].position_m))
+        alignment = self.setup.line.alignments[self.setup.line.pieces[step.piece_id].alignment_id]
+        return any(stretch.from_m <= at_m <= stretch.to_m for stretch in alignment.coverage)
+
+    def compare(self, slot: int, seen: Truth) -> None:
+        """Take the carrier's position as the truth; CarrierDisagrees when it is not where the speeds lead."""
+        truth = self.truths[slot]
+        step = self.true_path(slot).step_of(seen.piece_id)
+        position_m = step.start_m + seen.offset_m
+        if abs(position_m - truth.position_m) > AGREEMENT_M:
+            message = (
+                f"{self.stock_ids[slot]}: carrier has it at {position_m:.6f} m of its path on {seen.piece_id},"
+                f" its speeds at {float(truth.position_m):.6f} m"
+            )
+            raise CarrierDisagrees(message)
+        truth.position_m = position_m
+        truth.offset_m = position_m - self.plants[slot].travelled_m
+
+    # coming, going, turning --------------------------------------------------------------------------------------
+
+    def place(self, slot: int, duty: Duty) -> None:
+        """Put the stock on the line where its duty begins."""
+        mission = duty.mission
+        stock_id = self.stock_ids[slot]
+        position_m = mission.targets[0].mark_m
+        self.truths[slot].active = 1
+        self._enter_path(slot, duty, position_m)
+        unit = self.units[slot]
+        accuracy_m = self.setup.unit.tag_accuracy_m
+        unit.odometer_m = self.plants[slot].wheel_travelled_m / self.truths[slot].wheel_factor
+        if not unit.odometer_scale:
+            unit.odometer_scale = 1.0
+        unit.bound_growth = self.setup.unit.wheel_error_share
+        unit.position_m = position_m
+        unit.bound_ahead_m = unit.bound_behind_m = accuracy_m
+        unit.position_known = 1
+        unit.restricted_mps = math.inf
+        unit.tag_window_m = self.setup.unit.tag_window_m
+        pieces = mission.path.piece_ids
+        step = mission.path.step_at(position_m)
+        first = pieces.index(step.piece_id)
+        self.carrier.insert(
+            stock_id,
+            pieces[first:],
+            mission.direction,
+            position_m - step.start_m,
+            float(self.kinds[slot].length_m),
+        )
+
+    def turn(self, slot: int, duty: Duty) -> None:
+        """Change ends on the spot: what was the rear is the front, on the next duty's path."""
+        mission = duty.mission
+        old = self.true_path(slot)
+        length_m = float(self.kinds[slot].length_m)
+        unit = self.units[slot]
+        rear = old.locate(float(self.truths[slot].position_m) - length_m)
+        rear_estimate = old.locate(float(unit.position_m) - length_m)
+        self._enter_path(slot, duty, mission.path.to_path_m(*rear))
+        unit.position_m = mission.path.to_path_m(*rear_estimate)
+        unit.bound_ahead_m, unit.bound_behind_m = unit.bound_behind_m, unit.bound_ahead_m
+        pieces = mission.path.piece_ids
+        first = pieces.index(mission.path.step_at(float(self.truths[slot].position_m) - 1e-6).piece_id)
+        self.carrier.reverse(self.stock_ids[slot], pieces[first:], mission.direction)
+
+    def continue_as(self, slot: int, duty: Duty) -> None:
+        """Go on in the same direction as another train."""
+        old = self.true_path(slot)
+        path = duty.mission.path
+        truth, unit = self.truths[slot], self.units[slot]
+        estimate = old.locate(float(unit.position_m))
+        self._enter_path(slot, duty, path.to_path_m(*old.locate(float(truth.position_m))))
+        unit.position_m = path.to_path_m(*estimate)
+        first = path.piece_ids.index(path.step_at(float(truth.position_m)).piece_id)
+        self.carrier.reroute(self.stock_ids[slot], path.piece_ids[first:], path.direction)
+
+    def remove(self, slot: int) -> None:
+        """Take the stock off the line."""
+        self.carrier.remove(self.stock_ids[slot])
+        self.truths[slot].active = 0
+        self.paths[slot] = None
+
+    def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
+        self.duties[slot] = duty
+        truth, plant, unit = self.truths[slot], self.plants[slot], self.units[slot]
+        rows = self.rows_of(slot, duty.mission.path)
+        self.paths[slot] = duty.mission.path
+        truth.position_m = position_m
+        truth.offset_m = position_m - plant.travelled_m
+        self._use_rows(slot, rows, position_m)
+        unit.path_offset, unit.path_rows = rows.offset, rows.rows
+        self.set_boundaries(slot)
+        chance = generator(self.setup.seed, "load", duty.train.number)
+        spread = self.setup.load_share_spread
+        plant.load_share = float(
+            np.clip(self.setup.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
+        )
+        self.on_board[slot].load_share = float(plant.load_share)
+        self.energy_marks[slot] = EnergyMark(
+            float(plant.energy_traction_j),
+            float(plant.energy_regenerated_j),
+            float(plant.energy_auxiliary_j),
+            float(plant.travelled_m),
+        )
+
+    def rows_of(self, slot: int, path: Path) -> PathRows:
+        """Rows of the pool for a path of this stock."""
+        stock_id = self.stock_ids[slot]
+        return self.pool.rows_for(
+            path, self.setup.trains[stock_id].id, self.kinds[slot], self.behaviours[slot]
+        )
+
+    def pattern_rows(self, slot: int) -> NDArray[np.void]:
+        """The unit's path database on its present mission."""
+        duty = self.duties[slot]
+        if duty is None:
+            raise RuntimeError(f"{self.stock_ids[slot]} has no duty")
+        return self.pool.pattern_of(self.rows_of(slot, duty.mission.path))
+
+    def _use_rows(self, slot: int, rows: PathRows, position_m: float) -> None:
+        truth = self.truths[slot]
+        truth.profile_offset, truth.profile_rows = rows.offset, rows.rows
+        ahead = rows.tag_first
+        while ahead < rows.tag_end and self.pool.tag_positions_m[ahead] <= position_m:
+            ahead += 1
+        truth.tag_next, truth.tag_end = ahead, rows.tag_end
+
+    def set_boundaries(self, slot: int) -> None:
+        """The next ends of pieces that the front and the rear pass."""
+        truth = self.truths[slot]
+        path = self.true_path(slot)
+        rear_m = float(truth.position_m) - float(self.kinds[slot].length_m)
+        front_end_m = path.step_at(float(truth.position_m)).end_m
+        truth.front_boundary_m = front_end_m if front_end_m < path.length_m - 1e-9 else math.inf
+        rear_end_m = path.step_at(rear_m).end_m
+        truth.rear_boundary_m = rear_end_m if rear_end_m < path.length_m - 1e-9 else math.inf
+
+    def divert(self, slot: int, onto_piece: str) -> None:
+        """Points lie otherwise than the path expects: the train runs onto `onto_piece` and straight on from there."""
+        from network.graph import next_pieces
+
+        path = self.true_path(slot)
+        at = path.piece_ids.index(self._piece_before(slot))
+        pieces = [*path.piece_ids[: at + 1], onto_piece]
+        while following := next_pieces(self.setup.line, pieces[-1], path.direction):
+            pieces.append(following[0])
+        diverted = path_of(self.setup.line, pieces, path.direction)
+        self.carrier.reroute(self.stock_ids[slot], pieces[at:], path.direction)
+        self.paths[slot] = diverted
+        self._use_rows(slot, self.rows_of(slot, diverted), float(self.truths[slot].position_m))
+
+    def _piece_before(self, slot: int) -> str:
+        """The piece whose end the front has just reached."""
+        return self.true_path(slot).step_at(float(self.truths[slot].front_boundary_m) - 1e-6).piece_id
+
+    def crossing(self, slot: int) -> tuple[str, str]:
+        """The piece that the front leaves and the one that its path expects next."""
+        path = self.true_path(slot)
+        before = self._piece_before(slot)
+        return before, path.piece_ids[path.piece_ids.index(before) + 1]
+
+    # sensors -------------------------------------------------------------------------------------------------------
+
+    def read_tag(self, slot: int) -> tuple[int, float]:
+        """Id of the tag just passed and the tachometer reading latched with it, reading error included."""
+        truth = self.truths[slot]
+        tag_id = self.pool.tag_ids[int(truth.tag_next)]
+        truth.tag_next += 1
+        sensors = self.setup.sensors
+        error_m = float(self._sensors[slot].normal(0.0, sensors.tag_read_sigma_m))
+        error_m = min(max(error_m, -sensors.tag_read_max_m), sensors.tag_read_max_m)
+        return tag_id, float(truth.odometer_at_tag_m) + error_m
+
+    def direction(self, slot: int) -> Direction:
+        """Direction of travel of the present path."""
+        return self.true_path(slot).direction

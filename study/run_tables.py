@@ -1,0 +1,172 @@
+"""The tables of one run: what the simulation hands over, as polars frames, and their Parquet files.
+
+Times are simulated seconds since midnight of the operating day, positions are kilometrage in m, speeds m/s,
+energy kWh at the wire. A null is a time that was not planned or did not come; floats hold no other gaps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+import polars as pl
+
+from network.errors import InputError
+
+Schema: TypeAlias = Mapping[str, type[pl.DataType]]
+
+# One row a second of a moving train, and one at each of its events.
+TRAJECTORY: Final[Schema] = {
+    "t_s": pl.Float64,
+    "unit": pl.String,
+    "train": pl.String,
+    "direction": pl.Int8,  # network.model.Direction
+    "kilometrage_m": pl.Float64,  # of the front
+    "piece": pl.String,
+    "speed_mps": pl.Float64,
+    "acceleration_mps2": pl.Float64,
+    "notch": pl.Float64,  # > 0 power, < 0 brake
+    "permitted_mps": pl.Float64,
+    "target_mps": pl.Float64,
+    "intervention": pl.Int8,  # 0: none; otherwise supervision brakes
+    "estimate_error_m": pl.Float64,
+    "bound_ahead_m": pl.Float64,
+    "bound_behind_m": pl.Float64,
+}
+# One row a planned call of every train of the run, kept or not.
+STOPS: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "revenue": pl.Boolean,
+    "station": pl.String,
+    "track": pl.String,
+    "planned_arrival_s": pl.Float64,
+    "planned_departure_s": pl.Float64,
+    "arrival_s": pl.Float64,
+    "departure_s": pl.Float64,
+    "late_arrival_s": pl.Float64,
+    "late_departure_s": pl.Float64,
+    "stop_error_m": pl.Float64,  # front beyond the mark is positive
+}
+# One row a section and grant: the manager's register (granted, released) and the truth (entered, cleared).
+BLOCKS: Final[Schema] = {
+    "section": pl.String,
+    "unit": pl.String,
+    "train": pl.String,
+    "token": pl.Int64,
+    "granted_s": pl.Float64,
+    "released_s": pl.Float64,
+    "entered_s": pl.Float64,
+    "cleared_s": pl.Float64,
+}
+# One row a source, destination and kind; lost by the air, dropped by the receiver's checks.
+TELEGRAMS: Final[Schema] = {
+    "source": pl.String,
+    "destination": pl.String,
+    "kind": pl.String,
+    "sent": pl.Int64,
+    "delivered": pl.Int64,
+    "lost": pl.Int64,
+    "dropped": pl.Int64,
+    "bytes": pl.Int64,
+}
+# One row a train.
+ENERGY: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "revenue": pl.Boolean,
+    "distance_km": pl.Float64,
+    "traction_kwh": pl.Float64,
+    "regenerated_kwh": pl.Float64,
+    "auxiliary_kwh": pl.Float64,
+}
+# Interventions, refusals, faults: what a person should hear of.
+EVENTS: Final[Schema] = {
+    "t_s": pl.Float64,
+    "source": pl.String,
+    "kind": pl.String,
+    "text": pl.String,
+}
+SCHEMAS: Final[Mapping[str, Schema]] = {
+    "trajectory": TRAJECTORY,
+    "stops": STOPS,
+    "blocks": BLOCKS,
+    "telegrams": TELEGRAMS,
+    "energy": ENERGY,
+    "events": EVENTS,
+}
+
+
+def make_table(name: str, columns: Mapping[str, Any] | None = None) -> pl.DataFrame:
+    """The table `name` from columns (sequences or arrays of one length); none given makes it empty.
+
+    Raises ValueError when the columns are not exactly those of the schema, TypeError for values that do not
+    fit it.
+    """
+    schema = SCHEMAS[name]
+    if columns is None:
+        return pl.DataFrame(schema=schema)
+    if set(columns) != set(schema):
+        raise ValueError(f"table {name}: columns {sorted(set(columns) ^ set(schema))} missing or unknown")
+    return pl.DataFrame({column: columns[column] for column in schema}, schema=schema)
+
+
+@dataclass(frozen=True, slots=True)
+class RunTables:
+    """The frames of a run, each exactly of its schema. Raises ValueError naming table and column if not."""
+
+    trajectory: pl.DataFrame
+    stops: pl.DataFrame
+    blocks: pl.DataFrame
+    telegrams: pl.DataFrame
+    energy: pl.DataFrame
+    events: pl.DataFrame
+
+    def __post_init__(self) -> None:
+        for name, schema in SCHEMAS.items():
+            problem = _difference(getattr(self, name), schema)
+            if problem:
+                raise ValueError(f"table {name}: {problem}")
+
+    def write(self, directory: Path) -> None:
+        """Write one Parquet file a table; all are written aside before the first takes its name."""
+        directory.mkdir(parents=True, exist_ok=True)
+        aside = {name: directory / f".{name}.parquet.part" for name in SCHEMAS}
+        for name, path in aside.items():
+            getattr(self, name).write_parquet(path, compression="zstd")
+        for name, path in aside.items():
+            path.replace(_file(directory, name))
+
+    @classmethod
+    def read(cls, directory: Path) -> RunTables:
+        """Read what `write` wrote. Raises InputError for a file missing, unreadable or of another form."""
+        return cls(**{field.name: _read(directory, field.name) for field in fields(cls)})
+
+
+def _file(directory: Path, name: str) -> Path:
+    return directory / f"{name}.parquet"
+
+
+def _read(directory: Path, name: str) -> pl.DataFrame:
+    path = _file(directory, name)
+    try:
+        frame = pl.read_parquet(path)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise InputError(str(path), "", None, f"the {name} table of a run, in Parquet") from error
+    problem = _difference(frame, SCHEMAS[name])
+    if problem:
+        raise InputError(str(path), "", None, f"the {name} table of a run; {problem}")
+    return frame
+
+
+def _difference(frame: pl.DataFrame, schema: Schema) -> str:
+    """What tells the frame from the schema, in words; empty when nothing does."""
+    if list(frame.columns) != list(schema):
+        odd = sorted(set(frame.columns) ^ set(schema))
+        return f"columns {odd} missing or unknown" if odd else f"columns are not in the order {list(schema)}"
+    for column, dtype in schema.items():
+        if frame.schema[column] != dtype:
+            return f"column {column} holds {frame.schema[column]}, not {dtype.__name__}"
+    return ""

@@ -1,0 +1,369 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from network.errors import InputError
+from network.line_file import load_line
+from network.meets import planned_meets, unresolvable_meets
+from network.model import Direction
+from network.shipped import shipped_line, shipped_timetable
+from network.timetable import (
+    AtPortal,
+    BecomesTrain,
+    Call,
+    FromTrain,
+    Stabled,
+    clock,
+    load_timetable,
+    parse_timetable,
+    platform_of,
+)
+
+LINE = load_line(Path(__file__).with_name("sample_line.toml"))
+
+DAY = """
+[timetable]
+id = "day"
+name = "A day"
+line = "sample"
+dwell_min_s = 30
+
+[[trains]]
+number = "1"
+direction = "down"
+calls = [
+  { station = "A", track = "1", arrival = "06:00", departure = "06:01" },
+  { station = "H", departure = "06:03:30" },
+  { station = "B", arrival = "06:06", track = "1" },
+]
+begins = "portal:P"
+ends = "becomes:2"
+
+[[trains]]
+number = "2"
+direction = "up"
+calls = [
+  { station = "B", departure = "06:10", track = "1" },
+  { station = "A", arrival = "06:15", departure = "06:16" },
+]
+begins = "from:1"
+ends = "portal:P"
+
+[[trains]]
+number = "3"
+direction = "down"
+revenue = false
+calls = [{ station = "A", departure = "23:58" }, { station = "B", arrival = "00:02" }]
+begins = "stabled"
+ends = "stabled"
+
+[[diagrams]]
+stock = "V1"
+trains = ["1", "2"]
+[[diagrams]]
+stock = "V2"
+trains = ["3"]
+"""
+
+
+def changed(old: str, new: str) -> str:
+    assert old in DAY, old
+    return DAY.replace(old, new, 1)
+
+
+def test_times_in_seconds() -> None:
+    timetable = parse_timetable(DAY, "day.toml", LINE)
+    train = timetable.trains["1"]
+    assert train.calls[0] == Call("A", "1", 21_600, 21_660)
+    assert train.calls[1] == Call("H", None, None, 21_810)
+    assert (train.calls[1].first_s, train.calls[2].last_s) == (21_810, 21_960)
+    assert (train.begins, train.ends) == (AtPortal("P"), BecomesTrain("2"))
+    assert timetable.trains["2"].begins == FromTrain("1")
+    assert timetable.trains["3"].ends == Stabled()
+    assert not timetable.trains["3"].revenue
+    assert timetable.diagrams[0].train_numbers == ("1", "2")
+    assert timetable.dwell_min_s == 30
+
+
+def test_after_midnight_times_go_on() -> None:
+    train = parse_timetable(DAY, "day.toml", LINE).trains["3"]
+    assert train.calls[-1].arrival_s == 86_400 + 120
+    assert clock(train.calls[-1].last_s) == "24:02:00"
+    written = parse_timetable(changed('"00:02"', '"24:02"'), "day.toml", LINE).trains["3"]
+    assert written == train
+
+
+def test_a_whole_train_after_midnight() -> None:
+    text = changed('ends = "stabled"', 'ends = "becomes:4"').replace('trains = ["3"]', 'trains = ["3", "4"]')
+    text += """
+[[trains]]
+number = "4"
+direction = "up"
+calls = [{ station = "B", departure = "00:10" }, { station = "A", arrival = "00:15" }]
+begins = "from:3"
+ends = "stabled"
+"""
+    text = text.replace(
+        '{ station = "B", departure = "00:10"', '{ station = "B", track = "1", departure = "00:10"'
+    )
+    assert parse_timetable(text, "day.toml", LINE).trains["4"].calls[0].departure_s == 86_400 + 600
+
+
+AGAIN = """
+[[trains]]
+number = "5"
+direction = "down"
+calls = [{ station = "A", departure = "07:00" }, { station = "B", arrival = "07:05" }]
+begins = "portal:P"
+ends = "stabled"
+"""
+
+
+def test_a_set_leaves_by_a_portal_and_comes_back() -> None:
+    text = changed('["1", "2"]', '["1", "2", "5"]') + AGAIN
+    assert parse_timetable(text, "f", LINE).diagrams[0].train_numbers == ("1", "2", "5")
+    with pytest.raises(InputError, match="portal:<section id>, as train 2 ends"):
+        parse_timetable(text.replace(AGAIN, AGAIN.replace("portal:P", "stabled")), "f", LINE)
+
+
+def test_usual_track_of_a_direction() -> None:
+    assert platform_of(LINE, Call("A", None, None, 0), Direction.DOWN).name == "1"
+    assert platform_of(LINE, Call("A", None, None, 0), Direction.UP).name == "2"
+    assert platform_of(LINE, Call("A", "1", None, 0), Direction.UP).name == "1"
+    assert platform_of(LINE, Call("B", None, None, 0), Direction.UP).name == "1"
+    with pytest.raises(KeyError):
+        platform_of(LINE, Call("B", "2", None, 0), Direction.UP)
+
+
+FAULTS = [
+    ("line", changed('line = "sample"', 'line = "x"'), "timetable.line", "x", "sample"),
+    ("key", changed('begins = "portal:P"', ""), "trains[0].begins", None, "missing"),
+    (
+        "station",
+        changed('station = "H"', 'station = "Z"'),
+        "trains[0].calls[1].station",
+        "Z",
+        "one of A, H, B",
+    ),
+    ("track", changed('track = "1"', 'track = "9"'), "trains[0].calls[0].track", "9", "one of 1, 2"),
+    ("time", changed('"06:00"', '"6:00"'), "trains[0].calls[0].arrival", "6:00", "HH:MM"),
+    ("minute", changed('"06:00"', '"06:60"'), "trains[0].calls[0].arrival", "06:60", "HH:MM"),
+    ("hour", changed('"06:00"', '"30:00"'), "trains[0].calls[0].arrival", "30:00", "HH:MM"),
+    (
+        "backwards",
+        changed('"06:01"', '"05:59"'),
+        "trains[0].calls[0].departure",
+        "05:59",
+        "not before 06:00:00",
+    ),
+    (
+        "no run",
+        changed('"06:03:30"', '"06:01"'),
+        "trains[0].calls[1].departure",
+        "06:01:00",
+        "after 06:01:00",
+    ),
+    ("earlier", changed('"06:15"', '"06:09"'), "trains[1].calls[1].arrival", "06:09", "not before 06:10:00"),
+    (
+        "no departure",
+        changed(', departure = "06:01"', ""),
+        "trains[0].calls[0].departure",
+        None,
+        "a departure",
+    ),
+    ("no time", changed('arrival = "06:06", ', ""), "trains[0].calls[2].arrival", None, "a time"),
+    (
+        "order",
+        changed('direction = "down"', 'direction = "up"'),
+        "trains[0].calls[1].station",
+        "H",
+        "beyond A",
+    ),
+    ("begins", changed("portal:P", "gate:P"), "trains[0].begins", "gate:P", "stabled, portal:"),
+    (
+        "ends",
+        changed('"portal:P"\n\n[[trains]]\nnumber = "3"', '"x"\n\n[[trains]]\nnumber = "3"'),
+        "trains[1].ends",
+        "x",
+        "becomes:",
+    ),
+    ("portal", changed("portal:P", "portal:A.1"), "trains[0].begins", "portal:A.1", "one of P"),
+    (
+        "portal behind",
+        changed('ends = "stabled"', 'ends = "portal:P"'),
+        "trains[2].ends",
+        "portal:P",
+        "a way from",
+    ),
+    ("number twice", changed('number = "2"', 'number = "1"'), "trains[1].number", "1", "of its own"),
+    ("no such train", changed('["3"]', '["3", "4"]'), "diagrams[1].trains[1]", "4", "one of 1, 2, 3"),
+    (
+        "in two diagrams",
+        changed('["3"]', '["3", "1"]'),
+        "diagrams[1].trains[1]",
+        "1",
+        "diagrams[0].trains[0]",
+    ),
+    ("in no diagram", changed('["1", "2"]', '["1"]'), "trains[1].number", "2", "in one of the diagrams"),
+    ("stock twice", changed('"V2"', '"V1"'), "diagrams[1].stock", "V1", "diagrams[0]"),
+    (
+        "order of diagram",
+        changed('["1", "2"]', '["2", "1"]'),
+        "trains[1].begins",
+        "from:1",
+        "first train of set V1",
+    ),
+    ("becomes another", changed("becomes:2", "becomes:3"), "trains[0].ends", "becomes:3", "becomes:2"),
+    ("from another", changed("from:1", "from:3"), "trains[1].begins", "from:3", "from:1"),
+    (
+        "becomes, stabled",
+        changed("from:1", "stabled"),
+        "trains[1].begins",
+        "stabled",
+        "from:1, as train 1 ends",
+    ),
+    (
+        "stabled, from",
+        changed("becomes:2", "stabled"),
+        "trains[1].begins",
+        "from:1",
+        "stabled, as train 1 ends",
+    ),
+    (
+        "last becomes",
+        changed('ends = "stabled"', 'ends = "becomes:1"'),
+        "trains[2].ends",
+        "becomes:1",
+        "last train",
+    ),
+    (
+        "another track",
+        changed('"06:06", track = "1"', '"06:06", track = "2"'),
+        "trains[1].calls[0].track",
+        "1",
+        "2, where train 1 stands",
+    ),
+    (
+        "another station",
+        changed('station = "B", departure = "06:10", track = "1"', 'station = "H", departure = "06:10"'),
+        "diagrams[0].trains[1]",
+        "2",
+        "a train from B",
+    ),
+    (
+        "too early",
+        changed('departure = "06:10"', 'departure = "06:05"'),
+        "diagrams[0].trains[1]",
+        "2",
+        "begins after 06:06:00",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value", "expected"), [f[1:] for f in FAULTS], ids=[f[0] for f in FAULTS]
+)
+def test_a_fault_names_file_key_value_and_expectation(
+    text: str, key: str, value: object, expected: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_timetable(text, "day.toml", LINE)
+    error = caught.value
+    assert (error.file, error.key, error.value) == ("day.toml", key, value)
+    assert expected in error.expected
+    assert "\n" not in str(error)
+
+
+def opposing(down: str, up: str) -> str:
+    return f"""
+[timetable]
+id = "two"
+line = "sample"
+dwell_min_s = 30
+[[trains]]
+number = "D"
+direction = "down"
+calls = [{down}]
+begins = "stabled"
+ends = "stabled"
+[[trains]]
+number = "U"
+direction = "up"
+calls = [{up}]
+begins = "stabled"
+ends = "stabled"
+[[diagrams]]
+stock = "V1"
+trains = ["D"]
+[[diagrams]]
+stock = "V2"
+trains = ["U"]
+"""
+
+
+DOWN_RUN = '{station="A", departure="10:00"}, {station="B", arrival="10:10"}'
+
+
+def test_meet_on_the_single_line_is_unresolvable() -> None:
+    """Same speeds, opposite ends, same time: they meet half-way at half-time."""
+    up = '{station="B", departure="10:00"}, {station="A", arrival="10:10"}'
+    timetable = parse_timetable(opposing(DOWN_RUN, up), "f", LINE)
+    (meet,) = unresolvable_meets(LINE, timetable)
+    assert (meet.down_train, meet.up_train) == ("D", "U")
+    assert meet.time_s == pytest.approx(10 * 3600 + 300)
+    assert meet.position_m == pytest.approx((260 + 3150) / 2)
+    assert (meet.low_station, meet.high_station, meet.crossing_station) == ("H", "B", None)
+    assert str(meet) == "D and U meet between H and B at 10:05:00"
+
+
+def test_meet_at_a_station_with_two_tracks() -> None:
+    up = '{station="B", departure="09:50"}, {station="A", arrival="10:00"}'
+    assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, up), "f", LINE)) == ()  # touch, no overlap
+    later = '{station="B", departure="09:51"}, {station="A", arrival="10:01", departure="10:03"}'
+    waits = '{station="A", arrival="09:59", departure="10:02"}, {station="B", arrival="10:10"}'
+    timetable = parse_timetable(opposing(waits, later), "f", LINE)
+    (meet,) = planned_meets(LINE, timetable)
+    assert (meet.crossing_station, meet.low_station, meet.high_station) == ("A", "A", "A")
+    assert meet.time_s == 10 * 3600 + 60
+    assert unresolvable_meets(LINE, timetable) == ()
+    same = opposing(waits.replace('"A",', '"A", track="1",'), later.replace('"A",', '"A", track="1",'))
+    (clash,) = unresolvable_meets(LINE, parse_timetable(same, "f", LINE))
+    assert str(clash) == "D and U meet at A at 10:01:00"
+
+
+def test_meet_at_a_halt_or_with_one_usable_track_is_unresolvable() -> None:
+    halt = '{{station="H", arrival="10:0{}", departure="10:07"}}'
+    down = '{station="A", departure="10:00"}, ' + halt.format(4) + ', {station="B", arrival="10:10"}'
+    up = '{station="B", departure="10:00"}, ' + halt.format(5) + ', {station="A", arrival="10:11"}'
+    (meet,) = unresolvable_meets(LINE, parse_timetable(opposing(down, up), "f", LINE))
+    assert (meet.low_station, meet.high_station) == ("H", "H")
+    assert meet.time_s == 10 * 3600 + 300
+
+
+def test_following_one_another_is_no_meet() -> None:
+    up = '{station="B", departure="10:15"}, {station="A", arrival="10:25"}'
+    assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, up), "f", LINE)) == ()
+    before = '{station="H", departure="10:09"}, {station="A", arrival="10:15"}'  # D has long passed H
+    assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, before), "f", LINE)) == ()
+
+
+def test_load_from_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "day.toml"
+    path.write_text(DAY, encoding="utf-8")
+    assert load_timetable(path, LINE) == parse_timetable(DAY, "day.toml", LINE)
+
+
+def test_shipped_names(tmp_path: Path) -> None:
+    assert shipped_line("rtri_test_line").name == "rtri_test_line.toml"
+    assert shipped_timetable("rtri_test_line").is_file()
+    own = tmp_path / "own.toml"
+    own.write_text(DAY, encoding="utf-8")
+    assert shipped_timetable(str(own)) == own
+    with pytest.raises(
+        InputError, match=r"nowhere; expected a \.toml file or a shipped line: .*rtri_test_line"
+    ):
+        shipped_line("nowhere")
+    with pytest.raises(InputError, match="an existing file"):
+        shipped_line(str(tmp_path / "none.toml"))

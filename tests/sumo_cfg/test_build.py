@@ -1,0 +1,146 @@
+"""Nets by netconvert: faithful, the same every time, and the shipped ones up to date."""
+
+from __future__ import annotations
+
+import gzip
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from network.errors import InputError
+from network.line_file import load_line
+from network.model import Alignment, Line
+from network.shipped import shipped_line, shipped_names
+from sumo_cfg import build
+from sumo_cfg.truth_map import read_net
+from sumo_cfg.writer import PlainXml, movements, write_plain
+
+pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
+pytestmark = pytest.mark.system
+
+Array = NDArray[np.float64]
+LINE_FILES = [shipped_line(name) for name in shipped_names("lines")]
+
+
+def content(path: Path) -> bytes:
+    return gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes()
+
+
+def shape_of(text: str) -> Array:
+    # SUMO leaves out an elevation of zero.
+    return np.array([[*map(float, point.split(",")), 0.0][:3] for point in text.split()])
+
+
+@pytest.fixture(scope="module")
+def plain(line: Line, positions: Callable[..., Array]) -> PlainXml:
+    return write_plain(line, positions)
+
+
+@pytest.fixture(scope="module")
+def net(plain: PlainXml) -> bytes:
+    return build.convert(plain, "hand")
+
+
+def test_net_keeps_lengths_shapes_and_connections(line: Line, plain: PlainXml, net: bytes) -> None:
+    root = ET.fromstring(net)
+    wanted = {e.attrib["id"]: shape_of(e.attrib["shape"]) for e in ET.fromstring(plain.edges)}
+    lanes = {e.attrib["id"]: e.find("lane") for e in root.iterfind("edge")}
+    assert set(lanes) == set(wanted)
+    for edge_id, lane in lanes.items():
+        assert lane is not None
+        piece = line.pieces[edge_id[:-1]]
+        assert float(lane.attrib["length"]) == pytest.approx(piece.to_m - piece.from_m, abs=1e-6)
+        # Neither cut at the junctions nor shifted nor thinned out.
+        assert shape_of(lane.attrib["shape"]) == pytest.approx(wanted[edge_id], abs=1e-6)
+    assert {(c.attrib["from"], c.attrib["to"]) for c in root.iterfind("connection")} == set(movements(line))
+    assert all(
+        e.get("bidi") == e.attrib["id"][:-1] + "+-"["+" in e.attrib["id"]] for e in root.iterfind("edge")
+    )
+
+
+def test_net_says_nothing_of_date_or_place_and_repeats(plain: PlainXml, net: bytes) -> None:
+    assert build.convert(plain, "hand") == net
+    assert net.count(b"<!--") == 1
+    assert plain.digest.encode() in net
+    assert b"generated" not in net
+    assert b".nod.xml" not in net
+
+
+def test_a_refused_line_is_one_clear_error(plain: PlainXml) -> None:
+    broken = PlainXml(plain.nodes, plain.edges.replace(b'from="w"', b'from="nowhere"'), plain.connections)
+    with pytest.raises(InputError, match=r"^line hand: net is .*nowhere.*netconvert accepts$"):
+        build.convert(broken, "hand")
+
+
+def test_a_changed_line_is_built_once_and_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changed_line: Line
+) -> None:
+    path = build.net_for(changed_line, tmp_path / "nets")
+    assert list((tmp_path / "nets").iterdir()) == [path]
+    assert build.net_digest(path) == write_plain(changed_line).digest
+    monkeypatch.setattr(build, "find_spec", lambda name: None)
+    assert build.net_for(changed_line, tmp_path / "nets") == path
+    with pytest.raises(InputError, match=r"pip install 'branchline\[net\]'"):
+        build.net_for(changed_line, tmp_path / "empty")
+    assert not (tmp_path / "empty").exists()
+
+
+def test_a_damaged_net_in_the_cache_is_built_again(tmp_path: Path, changed_line: Line) -> None:
+    path = build.net_for(changed_line, tmp_path)
+    whole = path.read_bytes()
+    path.write_bytes(b"<net/>")
+    assert build.net_for(changed_line, tmp_path).read_bytes() == whole
+
+
+def test_no_net_is_shipped_for_an_unknown_line() -> None:
+    with pytest.raises(InputError, match="line nowhere"):
+        build.committed_net("nowhere")
+
+
+@pytest.fixture
+def changed_line(line: Line, with_gradient: Callable[[Line, float], Line]) -> Line:
+    return with_gradient(line, 12.0)
+
+
+@pytest.mark.parametrize("file", LINE_FILES, ids=lambda file: file.stem)
+def test_shipped_net_is_the_one_the_line_file_gives(file: Path, tmp_path: Path) -> None:
+    line = load_line(file)
+    shipped = build.committed_net(line.id)
+    assert content(shipped) == build.build_net(line), "run: python -m sumo_cfg.build"
+    assert build.net_for(line, tmp_path) == shipped
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("file", LINE_FILES, ids=lambda file: file.stem)
+def test_shipped_net_follows_the_line(file: Path, elevation: Callable[[Alignment, float], float]) -> None:
+    line = load_line(file)
+    net = build.committed_net(line.id)
+    edges = read_net(net).edges
+    assert len(edges) == 2 * len(line.pieces)
+    for edge in ET.fromstring(content(net)).iterfind("edge"):
+        piece = line.pieces[edges[edge.attrib["id"]].piece_id]
+        lane = edge.find("lane")
+        assert lane is not None
+        assert edges[edge.attrib["id"]].section_id == piece.section_id
+        assert float(lane.attrib["length"]) == pytest.approx(piece.to_m - piece.from_m, abs=1e-6)
+        shape = shape_of(lane.attrib["shape"])
+        shape = shape if edge.attrib["id"].endswith("+") else shape[::-1]
+        alignment = line.alignments[piece.alignment_id]
+        # Distance along the polyline, scaled to the piece as SUMO does, against the gradient table.
+        run_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(shape[:, :2], axis=0).T))))
+        at_m = piece.from_m + run_m * piece.length_m / run_m[-1]
+        wanted = [elevation(alignment, float(m)) for m in at_m]
+        steepest = max((abs(g.permille) for g in alignment.gradients), default=0.0) / 1000.0
+        # In a curve a track with an offset is shorter than its kilometrage: places along it are not exact.
+        assert shape[:, 2] == pytest.approx(
+            wanted, abs=2e-3 + steepest * along_error_m(piece.length_m, run_m[-1])
+        )
+
+
+def along_error_m(length_m: float, polyline_m: float) -> float:
+    """How far a place along a polyline can be from its kilometrage when both ends agree, m."""
+    return abs(length_m - polyline_m) + 0.02 * min(1.0, length_m / 100.0)

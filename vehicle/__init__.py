@@ -1,0 +1,1 @@
+"""What the train is: traction, brakes, resistance, adhesion, energy, and the files that describe trains."""

@@ -1,0 +1,49 @@
+"""The one way this project compiles a law: numba, deterministic, cached on disk without going stale.
+
+numba keeps the machine code of a function beside its file and asks only whether *that* file changed; a
+compiled caller in another file would keep the old code of what it calls. The cache therefore lies in a folder
+named by a digest of every source file that holds compiled code. Fastmath stays off: same input, same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from hashlib import blake2b
+from pathlib import Path
+from typing import Final, ParamSpec, TypeVar, cast
+
+from numba import njit
+from numba.core import config
+
+PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")
+MARKS: Final = (b"@compiled", b"numba")  # the second also takes in the records and their sizes
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def sources_digest(root: Path, packages: tuple[str, ...] = PACKAGES) -> str:
+    """Digest (16 hex digits) of the files below `root`'s `packages` that hold compiled code."""
+    digest = blake2b(digest_size=8)
+    for package in packages:
+        for file in sorted((root / package).rglob("*.py")):
+            text = file.read_bytes()
+            if any(mark in text for mark in MARKS):
+                digest.update(file.relative_to(root).as_posix().encode() + b"\0" + text)
+    return digest.hexdigest()
+
+
+def _place_cache() -> None:
+    """Point numba's cache at the folder of this version of the sources, inside the user's own if set."""
+    root = Path(__file__).resolve().parent.parent
+    settings = config.__dict__  # numba fills this module at run time, so type checkers do not know its names
+    base = Path(settings["CACHE_DIR"] or Path(__file__).parent / "__pycache__")
+    settings["CACHE_DIR"] = str(base / f"numba-{sources_digest(root)}")
+
+
+def compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile `function` at its first call; division by zero gives inf or nan instead of raising."""
+    return cast("Callable[P, R]", njit(cache=True, error_model="numpy")(function))
+
+
+_place_cache()

@@ -1,0 +1,132 @@
+"""One step of a train's body and machinery: command in, motion and energy out.
+
+Forces are those at the start of the step and hold through it; distance follows by the trapezoid of the two
+speeds, as SUMO's ballistic integration does, so work and kinetic energy agree to rounding. Speed is never
+negative: a train whose brakes and resistances outweigh the gradient stands. Without brakes it rolls forward
+on a falling gradient; where it would roll back it is held at 0: no carrier here runs a train backwards.
+"""
+
+from __future__ import annotations
+
+from vehicle.adhesion import adhesion_coefficient, bounded_slip_mps, next_slip_mps, rotating_mass_kg
+from vehicle.brakes import regenerative_limit_n, service_target_mps2
+from vehicle.compiled import compiled
+from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.records import COMMAND_DELAY_STEPS_MAX
+from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
+from vehicle.response import approach, dead_time_steps
+from vehicle.rows import PlantRow, TrainRow
+from vehicle.traction import traction_target_n
+
+__all__ = ["equivalent_mass_kg", "step"]
+
+
+@compiled
+def _push(plant: PlantRow, notch: float, emergency: bool) -> None:
+    """Put this step's command at the head of the ring."""
+    head = (plant.command_head + 1) % COMMAND_DELAY_STEPS_MAX
+    plant.command_head = head
+    plant.command_notch[head] = notch
+    plant.command_emergency[head] = 1 if emergency else 0
+
+
+@compiled
+def _slot(plant: PlantRow, dead_time_s: float, dt_s: float) -> int:
+    """Place in the ring of the command given a dead time ago."""
+    return (plant.command_head - dead_time_steps(dead_time_s, dt_s)) % COMMAND_DELAY_STEPS_MAX
+
+
+@compiled
+def _build_up(plant: PlantRow, train: TrainRow, dt_s: float) -> None:
+    """Traction force and brake decelerations one step on: dead time, lag, jerk limit; not yet adhesion."""
+    slot = _slot(plant, train.traction_dead_time_s, dt_s)
+    jerk_n_per_s = train.traction_jerk_max_mps3 * equivalent_mass_kg(train, plant.load_share)
+    target_n = 0.0
+    if plant.command_emergency[slot] != 0:
+        jerk_n_per_s = 0.0  # an emergency brake opens the line breaker, comfort does not count
+    else:
+        target_n = traction_target_n(train, plant.load_share, plant.command_notch[slot], plant.speed_mps)
+    plant.traction_built_n = approach(
+        plant.traction_built_n, target_n, train.traction_lag_s, jerk_n_per_s, dt_s
+    )
+
+    slot = _slot(plant, train.brake_dead_time_s, dt_s)
+    service = service_target_mps2(train, plant.command_notch[slot]) * plant.brake_factor
+    plant.service_deceleration_mps2 = approach(
+        plant.service_deceleration_mps2, service, train.brake_lag_s, train.brake_jerk_max_mps3, dt_s
+    )
+    slot = _slot(plant, train.emergency_dead_time_s, dt_s)
+    emergency = train.emergency_deceleration_mps2 if plant.command_emergency[slot] != 0 else 0.0
+    plant.emergency_deceleration_mps2 = approach(
+        plant.emergency_deceleration_mps2, emergency, train.emergency_lag_s, 0.0, dt_s
+    )
+
+
+@compiled
+def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> float:
+    """Cap the forces by adhesion, share the brake between motors and air; return the next slip, m/s."""
+    weight_n = mass * GRAVITY_MPS2 * adhesion_coefficient(train, plant.adhesion_factor, plant.speed_mps)
+    traction_limit_n = weight_n * train.motored_axle_mass_share
+    traction_n = min(plant.traction_built_n, traction_limit_n)
+    deceleration = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
+    asked_n = deceleration * mass * (1.0 + train.rotating_mass_factor)
+    brake_n = min(asked_n, weight_n)
+
+    regenerative_n = 0.0
+    # The emergency brake is air alone, and the motors do not brake while they still pull.
+    if plant.emergency_deceleration_mps2 < 1e-3 and traction_n <= 0.0:
+        regenerative_n = min(brake_n, regenerative_limit_n(train, plant.speed_mps))
+    plant.traction_force_n = traction_n
+    plant.regenerative_force_n = regenerative_n
+    plant.air_force_n = brake_n - regenerative_n
+
+    excess_n = (plant.traction_built_n - traction_n) - (asked_n - brake_n)
+    if plant.speed_mps <= 0.0 and excess_n < 0.0:
+        excess_n = 0.0  # a wheel at rest cannot slide
+    plant.sliding = 1 if excess_n != 0.0 else 0
+    slip = plant.wheel_speed_mps - plant.speed_mps
+    spare_n = traction_limit_n - traction_n if slip > 0.0 else weight_n - brake_n
+    return next_slip_mps(slip, excess_n, spare_n, rotating_mass_kg(train, mass), dt_s)
+
+
+@compiled
+def step(
+    plant: PlantRow,
+    train: TrainRow,
+    notch: float,
+    emergency: bool,
+    mean_gradient_permille: float,
+    mean_curvature_per_m: float,
+    dt_s: float,
+) -> None:
+    """Advance one train (a record of PLANT, changed in place) by `dt_s` under a command.
+
+    `notch` > 0 power, < 0 brake, 0 coast; `emergency` applies the emergency brake. Gradient (permille,
+    positive uphill in the direction of travel) and curvature (1/m) are means over the train's length.
+    """
+    _push(plant, notch, emergency)
+    _build_up(plant, train, dt_s)
+    mass = mass_kg(train, plant.load_share)
+    slip = _grip(plant, train, mass, dt_s)
+
+    speed = plant.speed_mps
+    net_n = (
+        plant.traction_force_n
+        - plant.regenerative_force_n
+        - plant.air_force_n
+        - resistance_n(train, mass, speed)
+        - gradient_force_n(mass, mean_gradient_permille)
+        - curve_resistance_n(train, mass, mean_curvature_per_m)
+    )
+    speed_after = max(0.0, speed + net_n / (mass * (1.0 + train.rotating_mass_factor)) * dt_s)
+    distance = 0.5 * (speed + speed_after) * dt_s
+    wheel_after = speed_after + bounded_slip_mps(train, slip, speed_after)
+    plant.wheel_travelled_m += 0.5 * (plant.wheel_speed_mps + wheel_after) * dt_s
+    plant.wheel_speed_mps = wheel_after
+    plant.travelled_m += distance
+    plant.acceleration_mps2 = (speed_after - speed) / dt_s
+    plant.speed_mps = speed_after
+
+    plant.energy_traction_j += plant.traction_force_n * distance / train.efficiency_traction
+    plant.energy_regenerated_j += plant.regenerative_force_n * distance * train.efficiency_regeneration
+    plant.energy_auxiliary_j += train.auxiliary_power_w * dt_s

@@ -1,0 +1,148 @@
+"""Minimal-model running time (基準運転時分) and energy of one leg, for choosing a cruise speed.
+
+Full power up to the cruise speed or the limit, hold it, and brake by constant deceleration to lower limits
+and to the stop. No dead time, lag or notches; curve resistance is not included (fold it into the elevation).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.brakes import regenerative_limit_n
+from vehicle.compiled import compiled
+from vehicle.mass import equivalent_mass_kg, mass_kg
+from vehicle.resistance import gradient_force_n, resistance_n
+from vehicle.rows import TrainRow
+from vehicle.traction import full_force_n
+
+STEPS_MAX: Final = 200_000
+
+
+@compiled
+def _pattern_squared(
+    limit_mps: NDArray[np.float64], start_m: float, stop_m: float, deceleration_mps2: float
+) -> NDArray[np.float64]:
+    """Square of the permitted speed at each metre from floor(start) to ceil(stop), m^2/s^2."""
+    first = math.floor(start_m)
+    last = math.ceil(stop_m)
+    squared = np.empty(last - first + 1)
+    # Beyond the stop the pattern runs on below zero, so that it is exact at a stop between two metres.
+    squared[last - first] = -2.0 * deceleration_mps2 * (last - stop_m)
+    for i in range(last - 1, first - 1, -1):
+        limit = limit_mps[i]
+        squared[i - first] = min(limit * limit, squared[i + 1 - first] + 2.0 * deceleration_mps2)
+    return squared
+
+
+@compiled
+def _permitted_mps(
+    squared: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    first: int,
+    position_m: float,
+    deceleration_mps2: float,
+) -> float:
+    """Permitted speed at a position: the limit of its metre, or the braking parabola to the next."""
+    i = min(int(position_m) - first, len(squared) - 2)
+    limit = limit_mps[i + first]
+    parabola = squared[i + 1] + 2.0 * deceleration_mps2 * (i + 1 + first - position_m)
+    return math.sqrt(max(0.0, min(limit * limit, parabola)))
+
+
+@compiled
+def _held_mps(
+    squared: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    first: int,
+    position_m: float,
+    stop_m: float,
+    speed_mps: float,
+    wanted_mps: float,
+    deceleration_mps2: float,
+    dt_s: float,
+) -> float:
+    """`wanted_mps`, or as much of it as the pattern permits where that speed will be reached."""
+    after = wanted_mps
+    for _ in range(3):
+        ahead = min(position_m + 0.5 * (speed_mps + after) * dt_s, stop_m)
+        after = min(after, _permitted_mps(squared, limit_mps, first, ahead, deceleration_mps2))
+    # The search above may fall short; the parabola from here is always open, and exact while braking.
+    drop = deceleration_mps2 * dt_s
+    here = _permitted_mps(squared, limit_mps, first, position_m, deceleration_mps2)
+    root = 0.25 * drop * drop + here * here - drop * speed_mps
+    parabola = math.sqrt(root) - 0.5 * drop if root > 0.0 else 0.0
+    return max(after, min(parabola, wanted_mps), 0.0)
+
+
+@compiled
+def _mean_gradient_permille(elevation_m: NDArray[np.float64], front_m: float, length_m: float) -> float:
+    """Mean gradient below the train, permille; the grid's ends continue level."""
+    top = len(elevation_m) - 1
+    front = min(max(front_m, 0.0), float(top))
+    rear = min(max(front_m - length_m, 0.0), float(top))
+    i = min(int(front), top - 1)
+    j = min(int(rear), top - 1)
+    high: float = elevation_m[i] + (elevation_m[i + 1] - elevation_m[i]) * (front - i)
+    low: float = elevation_m[j] + (elevation_m[j + 1] - elevation_m[j]) * (rear - j)
+    return (high - low) / length_m * 1e3
+
+
+@compiled
+def predicted_run(
+    train: TrainRow,
+    load_share: float,
+    elevation_m: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    start_m: float,
+    stop_m: float,
+    cruise_mps: float,
+    deceleration_mps2: float,
+    dt_s: float,
+    initial_mps: float = 0.0,
+) -> tuple[float, float]:
+    """Time (s) and net energy at the wire (J: traction + auxiliary - regenerated) from `start_m` to a stop.
+
+    `elevation_m[i]` is the height at metre i counted in the direction of travel, `limit_mps[i]` the limit for
+    the train's front from metre i to i + 1 (train length already folded in); both reach beyond ceil(stop_m),
+    and 0 <= start_m <= stop_m. A train that cannot climb gives an infinite time.
+    """
+    mass = mass_kg(train, load_share)
+    inertia = equivalent_mass_kg(train, load_share)
+    first = math.floor(start_m)
+    squared = _pattern_squared(limit_mps, start_m, stop_m, deceleration_mps2)
+    position, speed, time_s, energy_j = start_m, initial_mps, 0.0, 0.0
+    drop = deceleration_mps2 * dt_s
+    for _ in range(STEPS_MAX):
+        left = stop_m - position
+        # Within the last step of the pattern: what is left is one plain stop, no harder than the pattern's.
+        if speed <= drop and left <= speed * dt_s:
+            last_s = 2.0 * left / speed if speed > 0.0 else 0.0
+            return time_s + last_s, energy_j + train.auxiliary_power_w * last_s
+        full_n = full_force_n(train, load_share, speed)
+        gradient = _mean_gradient_permille(elevation_m, position, train.length_m)
+        resist_n = resistance_n(train, mass, speed) + gradient_force_n(mass, gradient)
+        free = speed + (full_n - resist_n) / inertia * dt_s
+        wanted = max(0.0, min(free, max(cruise_mps, speed - drop)))
+        after = _held_mps(squared, limit_mps, first, position, stop_m, speed, wanted, deceleration_mps2, dt_s)
+        after = max(after, min(speed - drop, free))
+        distance = 0.5 * (speed + after) * dt_s
+        if distance <= 0.0:
+            return (time_s, energy_j) if left <= 1e-3 else (math.inf, energy_j)
+        force_n = inertia * (after - speed) / dt_s + resist_n
+        energy_j += train.auxiliary_power_w * dt_s
+        if force_n > 0.0:
+            energy_j += force_n * distance / train.efficiency_traction
+        else:
+            electric_n = min(-force_n, regenerative_limit_n(train, speed))
+            energy_j -= electric_n * distance * train.efficiency_regeneration
+        if distance >= left:
+            share = left / distance
+            return time_s + share * dt_s, energy_j
+        position += distance
+        speed = after
+        time_s += dt_s
+    return math.inf, energy_j

@@ -1,0 +1,335 @@
+"""Reads a train file (TOML) into a TRAIN row, and makes PLANT rows.
+
+Keys end in their unit. Where people write other units than SI the ending says so and the value is converted:
+`_kmh` and `_kmhps` (km/h, km/h/s), `_t`, `_kn`, `_kw`, `_mm`. Every figure must be named in `[provenance]`,
+by its key (`"body.length_m"`) or its table (`"body"`), with a source or a text that begins with "assumed".
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from network.errors import InputError
+from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
+
+TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
+DEAD_TIME_S_MAX: Final = 6.0  # the ring of commands holds 63 steps of 0.1 s
+HOLDING_NOTCH: Final = -3.0
+HOLDING_DECELERATION_MPS2: Final = 0.4
+
+# Ending of a key in the file, ending in SI, factor and divisor (both, so that 36 km/h is 10 m/s to the bit).
+UNITS: Final = (
+    ("_kmhps", "_mps2", 1.0, 3.6),
+    ("_kmh", "_mps", 1.0, 3.6),
+    ("_kn", "_n", 1e3, 1.0),
+    ("_kw", "_w", 1e3, 1.0),
+    ("_mm", "_m", 1.0, 1e3),
+    ("_t", "_kg", 1e3, 1.0),
+)
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0, le=1)]
+SharePositive = Annotated[float, Field(gt=0, le=1)]
+DeadTime = Annotated[float, Field(ge=0, le=DEAD_TIME_S_MAX)]
+Count = Annotated[float, Field(ge=1)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class _Body(_Table):
+    length_m: Positive
+    mass_empty_kg: Positive
+    mass_load_full_kg: NotNegative
+    rotating_mass_factor: NotNegative
+    cars: Count
+    motored_mass_share: Share
+    motored_axle_mass_share: SharePositive
+    speed_max_mps: Positive
+
+
+class _Resistance(_Table):
+    resistance_motored_constant_n_per_kn: NotNegative = Field(alias="motored_constant_n_per_kn")
+    resistance_motored_linear_n_per_kn_kmh: NotNegative = Field(alias="motored_linear_n_per_kn_kmh")
+    resistance_trailer_constant_n_per_kn: NotNegative = Field(alias="trailer_constant_n_per_kn")
+    resistance_trailer_linear_n_per_kn_kmh: NotNegative = Field(alias="trailer_linear_n_per_kn_kmh")
+    resistance_air_n_per_kmh2: NotNegative = Field(alias="air_n_per_kmh2")
+    starting_resistance_n_per_kn: NotNegative = Field(alias="starting_n_per_kn")
+    curve_resistance_coefficient_m: NotNegative = Field(alias="curve_coefficient_m")
+
+
+class _Traction(_Table):
+    force_max_n: Positive
+    power_max_w: Positive
+    weak_field_speed_mps: NotNegative = 0.0
+    notch_share: list[SharePositive] = Field(min_length=1, max_length=NOTCHES_MAX - 1)
+    notch_speed_cap_mps: list[NotNegative] = []
+    load_compensated: bool = False
+    curve_speed_mps: list[NotNegative] = []
+    curve_force_n: list[NotNegative] = []
+    dead_time_s: DeadTime
+    lag_s: NotNegative
+    jerk_max_mps3: NotNegative
+    motors: Count
+
+    @model_validator(mode="after")
+    def _lists_agree(self) -> _Traction:
+        if self.notch_speed_cap_mps and len(self.notch_speed_cap_mps) != len(self.notch_share):
+            raise ValueError("as many notch speed caps as notch shares (0: no cap)")
+        speeds = self.curve_speed_mps
+        if len(speeds) != len(self.curve_force_n) or len(speeds) == 1:
+            raise ValueError("curve speeds and curve forces of equal length, at least two")
+        if speeds and (speeds[0] != 0.0 or any(b <= a for a, b in pairwise(speeds))):
+            raise ValueError("curve speeds that start at 0 and rise")
+        return self
+
+
+class _Brakes(_Table):
+    notch_deceleration_mps2: list[Positive] = Field(min_length=1, max_length=NOTCHES_MAX - 1)
+    stepless: bool
+    dead_time_s: DeadTime
+    lag_s: NotNegative
+    jerk_max_mps3: NotNegative
+
+    @model_validator(mode="after")
+    def _notches_rise(self) -> _Brakes:
+        notches = self.notch_deceleration_mps2
+        if any(b <= a for a, b in pairwise(notches)):
+            raise ValueError("decelerations that rise from notch to notch")
+        return self
+
+
+class _Emergency(_Table):
+    deceleration_mps2: Positive
+    dead_time_s: DeadTime
+    lag_s: NotNegative
+
+
+class _Regeneration(_Table):
+    force_max_n: NotNegative
+    power_max_w: NotNegative
+    fade_from_mps: NotNegative
+    fade_to_mps: NotNegative
+
+    @model_validator(mode="after")
+    def _fades_downwards(self) -> _Regeneration:
+        if self.fade_from_mps < self.fade_to_mps:
+            raise ValueError("a fade that ends at a lower speed than it starts from")
+        return self
+
+
+class _Energy(_Table):
+    efficiency_traction: SharePositive
+    efficiency_regeneration: Share
+    auxiliary_power_w: NotNegative
+
+
+class _Adhesion(_Table):
+    dry: SharePositive
+    speed_factor_s_per_m: NotNegative
+    slide_share_max: SharePositive
+
+
+class _Sensors(_Table):
+    wheel_diameter_m: Positive
+    pulses_per_revolution: Count
+
+
+class _TrainFile(_Table):
+    id: str = Field(min_length=1)
+    name: str = Field(min_length=1)
+    body: _Body
+    resistance: _Resistance
+    traction: _Traction
+    brakes: _Brakes
+    emergency: _Emergency
+    regeneration: _Regeneration
+    energy: _Energy
+    adhesion: _Adhesion
+    sensors: _Sensors
+    provenance: dict[str, str]
+
+
+@dataclass(frozen=True)
+class TrainType:
+    """A kind of train; `row` is one TRAIN record, shape (1,), read-only: hand `row[0]` to the compiled laws.
+
+    `sources` and `assumed` hold "key: text" of the file's provenance, for reports.
+    """
+
+    id: str
+    name: str
+    sources: tuple[str, ...]
+    assumed: tuple[str, ...]
+    row: NDArray[np.void]
+
+
+def shipped_train(name: str) -> Path:
+    """Path of a train file that comes with the project; InputError names those there are."""
+    names = sorted(file.stem for file in TRAINS_FOLDER.glob("*.toml"))
+    if name not in names:
+        raise InputError("vehicle/trains", "name", name, "one of " + ", ".join(names))
+    return TRAINS_FOLDER / f"{name}.toml"
+
+
+def load_train(path: Path) -> TrainType:
+    """Read and check a train file; raises InputError naming file, key, value and what was expected."""
+    file = str(path)
+    try:
+        with path.open("rb") as stream:
+            raw = tomllib.load(stream)
+    except OSError as error:
+        raise InputError(file, "", None, f"a readable train file ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(file, "", None, f"valid TOML ({error})") from error
+    tables: dict[str, object] = {}
+    written: dict[str, str] = {}
+    for key, value in raw.items():
+        if isinstance(value, dict) and key != "provenance":
+            tables[key] = _table_in_si(file, key, value, written)
+        else:
+            tables[key] = value
+    try:
+        model = _TrainFile.model_validate(tables)
+    except ValidationError as error:
+        raise _input_error(file, error, written) from error
+    _check_provenance(file, raw, model.provenance)
+    texts = [f"{key}: {text}" for key, text in model.provenance.items()]
+    assumed = tuple(text for text in texts if text.partition(": ")[2].lower().startswith("assumed"))
+    sources = tuple(text for text in texts if text not in assumed)
+    return TrainType(model.id, model.name, sources, assumed, _row(model))
+
+
+def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
+    """`n` PLANT records: empty trains on dry rail with nominal brakes.
+
+    At rest they stand with a holding brake applied, as in a station, until the first command's dead time is
+    over; with a speed they are coasting.
+    """
+    plants = np.zeros(n, dtype=PLANT)
+    plants["adhesion_factor"] = 1.0
+    plants["brake_factor"] = 1.0
+    plants["speed_mps"] = speed_mps
+    plants["wheel_speed_mps"] = speed_mps
+    if speed_mps <= 0.0:
+        plants["command_notch"] = HOLDING_NOTCH
+        plants["service_deceleration_mps2"] = HOLDING_DECELERATION_MPS2
+    return plants
+
+
+def _table_in_si(
+    file: str, table: str, values: Mapping[str, object], written: dict[str, str]
+) -> dict[str, object]:
+    """One table with SI keys and values; `written` learns how the file spelt each key."""
+    result: dict[str, object] = {}
+    for key, value in values.items():
+        si_key, factor, divisor = key, 1.0, 1.0
+        for ending, si_ending, up, down in UNITS:
+            if key.endswith(ending) and "_per_" not in key:
+                si_key, factor, divisor = key.removesuffix(ending) + si_ending, up, down
+                break
+        if si_key in result:
+            raise InputError(file, f"{table}.{key}", value, "the quantity once, in one unit")
+        written[f"{table}.{si_key}"] = f"{table}.{key}"
+        result[si_key] = value if si_key == key else _scaled(value, factor, divisor)
+    return result
+
+
+def _scaled(value: object, factor: float, divisor: float) -> object:
+    """A number or a list of numbers converted; anything else as it is, for the validator to refuse."""
+    if isinstance(value, list):
+        return [_scaled(item, factor, divisor) for item in value]
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return value * factor / divisor
+    return value
+
+
+def _input_error(file: str, error: ValidationError, written: Mapping[str, str]) -> InputError:
+    """The first complaint of pydantic as one line about the key as the file spells it."""
+    first = error.errors()[0]
+    place = [str(part) for part in first["loc"]]
+    key = ".".join([written.get(".".join(place[:2]), ".".join(place[:2])), *place[2:]])
+    if first["type"] == "missing":
+        return InputError(file, key, None, "this key to be present (or the same quantity in another unit)")
+    if first["type"] == "extra_forbidden":
+        return InputError(file, key, first["input"], "no such key")
+    message = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    value = None if isinstance(first["input"], dict) else first["input"]
+    unit = " (after conversion to SI)" if ".".join(place[:2]) != written.get(".".join(place[:2])) else ""
+    return InputError(file, key, value, message + (unit if value is not None and len(place) > 1 else ""))
+
+
+def _check_provenance(file: str, raw: Mapping[str, object], provenance: Mapping[str, str]) -> None:
+    """Every figure has a source or is marked assumed, and nothing is named that is not there."""
+    figures = {f"{t}.{k}" for t, v in raw.items() if isinstance(v, dict) and t != "provenance" for k in v}
+    for figure in sorted(figures):
+        if figure not in provenance and figure.partition(".")[0] not in provenance:
+            raise InputError(file, "provenance", None, f'a source or "assumed: why" for {figure}')
+    tables = {figure.partition(".")[0] for figure in figures}
+    for key, text in provenance.items():
+        if key not in figures and key not in tables:
+            raise InputError(file, f"provenance.{key}", text, "the name of a key or table of this file")
+
+
+def _row(model: _TrainFile) -> NDArray[np.void]:
+    """The checked file as one TRAIN record."""
+    row = np.zeros(1, dtype=TRAIN)
+    plain: dict[str, float] = {**model.body.model_dump(), **model.resistance.model_dump()}
+    plain |= {**model.energy.model_dump(), **model.sensors.model_dump()}
+    for table, prefix in ((model.emergency, "emergency_"), (model.regeneration, "regenerative_")):
+        plain |= {prefix + key: value for key, value in table.model_dump().items()}
+    traction, brakes, adhesion = model.traction, model.brakes, model.adhesion
+    plain |= {
+        "power_notches": len(traction.notch_share),
+        "traction_force_max_n": traction.force_max_n,
+        "traction_power_max_w": traction.power_max_w,
+        "traction_weak_field_speed_mps": traction.weak_field_speed_mps,
+        "traction_dead_time_s": traction.dead_time_s,
+        "traction_lag_s": traction.lag_s,
+        "traction_jerk_max_mps3": traction.jerk_max_mps3,
+        "traction_load_compensated": float(traction.load_compensated),
+        "motors": traction.motors,
+        "brake_notches": len(brakes.notch_deceleration_mps2),
+        "brake_stepless": float(brakes.stepless),
+        "brake_dead_time_s": brakes.dead_time_s,
+        "brake_lag_s": brakes.lag_s,
+        "brake_jerk_max_mps3": brakes.jerk_max_mps3,
+        "adhesion_dry": adhesion.dry,
+        "adhesion_speed_factor_s_per_m": adhesion.speed_factor_s_per_m,
+        "wheel_slide_share_max": adhesion.slide_share_max,
+    }
+    for key, value in plain.items():
+        row[key] = value
+    row["traction_notch_share"][0, 1 : len(traction.notch_share) + 1] = traction.notch_share
+    row["traction_speed_cap_mps"][0, 1 : len(traction.notch_speed_cap_mps) + 1] = traction.notch_speed_cap_mps
+    row["brake_deceleration_mps2"][0, 1 : len(brakes.notch_deceleration_mps2) + 1] = (
+        brakes.notch_deceleration_mps2
+    )
+    _set_curve(row, traction)
+    row.flags.writeable = False
+    return row
+
+
+def _set_curve(row: NDArray[np.void], traction: _Traction) -> None:
+    """Put the measured traction curve, if any, on an even grid: 1 km/h where that reaches its end."""
+    if not traction.curve_speed_mps:
+        return
+    top = traction.curve_speed_mps[-1]
+    step = max(1.0 / 3.6, top / (CURVE_POINTS_MAX - 1))
+    points = min(int(np.ceil(top / step - 1e-9)) + 1, CURVE_POINTS_MAX)
+    row["traction_curve_points"] = points
+    row["traction_curve_step_mps"] = step
+    row["traction_curve_n"][0, :points] = np.interp(
+        np.arange(points) * step, traction.curve_speed_mps, traction.curve_force_n
+    )

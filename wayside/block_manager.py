@@ -1,0 +1,410 @@
+"""Invariant: a section has at most one holder; while any registered unit is unknown or disputed nothing is
+granted; a section is freed only by its holder's own report (same boot, current token), its sign-off, or a
+person's entry. Silence, a lease or a timeout never frees anything.
+
+The block manager (閉そく管理装置) of Sugiyama et al. 2017, sections 2.1 (1) and 4.4, as a pure machine:
+`step(register, event, now_s) -> (register, actions)`. A route is granted whole or not at all. Tokens are
+(boot << 32) + counter: they grow with every grant and over restarts.
+
+Re-entry after a restart (the open problem of section 5 and 4.4 (4)): the manager asks every unknown unit; a
+claim counts only if its sender has heard this boot, so no claim from before the restart does. Claims and
+sign-ons add to the register and never free. A claim against another holder is shown, its sender is
+DISPUTED, and nothing is granted until the other releases or a person corrects an entry made by hand; so a
+wrong entry shows as soon as the unit speaks. A person may speak for a silent unit only, never against one
+that reports, and after a restart only when no telegram of the boot before can arrive any more.
+
+`TELEGRAMS` and `ACTS` are the whole table; what they do not name is refused and changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, Final, Generic, TypeVar
+
+from radio.fleet import ConfirmHolding, ConfirmOutside, Note, NoteKind
+from radio.messages import (
+    AnyMessage,
+    Claim,
+    ClaimQuery,
+    HoldingConfirmed,
+    HoldingReport,
+    RefusalReason,
+    RouteGranted,
+    RouteRefused,
+    RouteRequest,
+    SignOff,
+    SignOffAccepted,
+    SignOffRefused,
+    SignOn,
+    SignOnAccepted,
+    SignOnRefused,
+)
+from wayside.actions import Action, Send, Show
+from wayside.register import Register, Standing, Unit
+
+M = TypeVar("M")
+Step = tuple[Register, tuple[Action, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Heard(Generic[M]):
+    """A telegram passed the envelope's checks. `fresh`: its sender has heard this boot of the manager."""
+
+    unit_id: str
+    epoch: int
+    fresh: bool
+    correlation: int
+    message: M
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """Look whether it is time to ask the units that block the line what they hold."""
+
+
+Event = Heard[AnyMessage] | ConfirmOutside | ConfirmHolding | Ask
+
+
+def step(register: Register, event: Event, now_s: float) -> Step:
+    """The next register and what to do. Never raises for what a unit or an operator sends."""
+    if register.started_s is None:
+        register = replace(register, started_s=now_s)
+    if isinstance(event, Ask):
+        return _ask(register, now_s)
+    if event.unit_id not in register.plan.unit_ids:
+        return register, (_show(NoteKind.REFUSED, event.unit_id, detail="not on the fleet list"),)
+    standing = register.unit(event.unit_id).standing
+    if isinstance(event, Heard):
+        return TELEGRAMS.get((standing, type(event.message)), _not_for_manager)(register, event)
+    # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
+    if register.epoch > 1 and now_s <= register.started_s + register.plan.telegram_age_max_s:
+        return register, (_show(NoteKind.REFUSED, event.unit_id, detail=f"{event.person}: too early"),)
+    return ACTS[standing, type(event)](register, event)
+
+
+def wake_at_s(register: Register) -> float | None:
+    """When the manager wants to ask again; None while the line is defined."""
+    return register.ask_at_s if register.undefined_because_of() else None
+
+
+def _ask(register: Register, now_s: float) -> Step:
+    blocking = register.undefined_because_of()
+    if not blocking or now_s < register.ask_at_s:
+        return register, ()
+    asked = replace(register, ask_at_s=now_s + register.plan.ask_interval_s)
+    return asked, tuple(Send(unit_id, ClaimQuery()) for unit_id in blocking)
+
+
+def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
+    held = register.held_by(heard.unit_id)
+    against = _against(register, heard, frozenset(held))
+    return _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
+
+
+def _against(
+    register: Register, heard: Heard[RouteRequest], held: frozenset[str]
+) -> tuple[RefusalReason, str | None, str | None] | None:
+    """Why the route may not be granted, and the section and unit in the way; or None."""
+    message, unit_id = heard.message, heard.unit_id
+    route = register.plan.routes.get(message.route_id)
+    blocking = register.undefined_because_of()
+    against: tuple[RefusalReason, str | None, str | None] | None = None
+    if message.unit_id != unit_id:
+        against = (RefusalReason.WRONG_UNIT, None, None)
+    elif heard.epoch != register.unit(unit_id).epoch:
+        against = (RefusalReason.NOT_SIGNED_ON, None, None)
+    elif blocking:
+        against = (RefusalReason.UNDEFINED, None, blocking[0])
+    elif route is None or route.section_ids != message.section_ids:
+        against = (RefusalReason.UNKNOWN_ROUTE, None, None)
+    elif held.isdisjoint({route.from_section, *route.section_ids}):
+        against = (RefusalReason.NOT_CONNECTED, route.from_section, None)
+    elif (conflict := register.other_holder(unit_id, route.section_ids)) is not None:
+        against = (RefusalReason.HELD, *conflict)
+    return against
+
+
+def _grant(register: Register, heard: Heard[RouteRequest], held: tuple[str, ...]) -> Step:
+    message, unit_id = heard.message, heard.unit_id
+    unit = register.unit(unit_id)
+    same_request = (unit.route_id, unit.correlation) == (message.route_id, heard.correlation)
+    repeated = heard.correlation > 0 and same_request and set(message.section_ids) <= set(held)
+    actions: list[Action] = []
+    if not repeated:
+        register, token = register.next_token()
+        unit = replace(unit, token=token, route_id=message.route_id, correlation=heard.correlation)
+        register = register.with_held(unit_id, (*held, *message.section_ids)).with_unit(unit_id, unit)
+        actions.append(_show(NoteKind.GRANTED, unit_id, message.section_ids, token, detail=message.route_id))
+    capabilities = register.capabilities(unit_id, message.section_ids, unit.token)
+    granted = RouteGranted(message.route_id, message.section_ids, unit.token, capabilities)
+    return register, (*actions, Send(unit_id, granted, heard.correlation))
+
+
+def _refuse_route(
+    register: Register,
+    heard: Heard[RouteRequest],
+    reason: RefusalReason,
+    section_id: str | None = None,
+    holder: str | None = None,
+) -> Step:
+    refused = RouteRefused(heard.message.route_id, reason, section_id, holder)
+    return register, (
+        _show_refusal(heard.unit_id, reason, section_id, holder),
+        Send(heard.unit_id, refused, heard.correlation),
+    )
+
+
+def _request_undefined(register: Register, heard: Heard[RouteRequest]) -> Step:
+    _, refusal = _refuse_route(register, heard, RefusalReason.UNDEFINED, holder=heard.unit_id)
+    return register, (*refusal, Send(heard.unit_id, ClaimQuery(), heard.correlation))
+
+
+def _request_not_signed_on(register: Register, heard: Heard[RouteRequest]) -> Step:
+    return _refuse_route(register, heard, RefusalReason.NOT_SIGNED_ON)
+
+
+def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
+    message, unit_id = heard.message, heard.unit_id
+    unit = register.unit(unit_id)
+    held, listed = register.held_by(unit_id), frozenset(message.section_ids)
+    confirmed = Send(unit_id, HoldingConfirmed(held, unit.token), heard.correlation)
+    if heard.epoch != unit.epoch:
+        return register, (_show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
+    if message.token != unit.token:
+        return register, (_show_refusal(unit_id, RefusalReason.STALE_TOKEN), confirmed)
+    if extra := [section_id for section_id in message.section_ids if section_id not in held]:
+        # It believes to hold more than the register says: a contradiction, so nothing of it is freed.
+        holder = register.holders.get(extra[0], "")
+        return register, (_show(NoteKind.CONTRADICTION, unit_id, extra, unit.token, holder), confirmed)
+    if not listed:
+        detail = "an empty report; sign off to leave the line"
+        return register, (_show(NoteKind.REFUSED, unit_id, held, unit.token, detail=detail), confirmed)
+    freed = tuple(section_id for section_id in held if section_id not in listed)
+    if not freed:
+        return register, (confirmed,)
+    kept = tuple(section_id for section_id in held if section_id in listed)
+    return register.with_held(unit_id, kept), (
+        _show(NoteKind.FREED, unit_id, freed, unit.token),
+        Send(unit_id, HoldingConfirmed(kept, unit.token), heard.correlation),
+    )
+
+
+def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
+    if heard.message.unit_id != heard.unit_id:
+        return _refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
+    if not heard.fresh and register.unit(heard.unit_id).standing is not Standing.REPORTED:
+        return _challenge(register, heard)
+    return _take_claim(register, heard)
+
+
+def _claim(register: Register, heard: Heard[Claim]) -> Step:
+    if not heard.fresh:
+        return _challenge(register, heard)
+    return _take_claim(register, heard)
+
+
+def _challenge(register: Register, heard: Heard[Any]) -> Step:
+    """Ask: a claim may date from before this boot, but not the answer to this."""
+    return register, (Send(heard.unit_id, ClaimQuery(), heard.correlation),)
+
+
+def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
+    unit_id, claimed = heard.unit_id, heard.message.section_ids
+    unit = register.unit(unit_id)
+    if claimed is None:
+        if unit.standing in (Standing.UNKNOWN, Standing.DISPUTED):
+            return _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
+        claimed = ()
+    if unknown := [section_id for section_id in claimed if section_id not in register.plan.order]:
+        return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
+    conflict = register.other_holder(unit_id, claimed)
+    if unit.standing is Standing.OUTSIDE and claimed and register.plan.portals.issuperset(claimed):
+        # To enter is to be granted the portal, so it needs a defined line and a free portal.
+        if blocking := register.undefined_because_of():
+            return _refuse_claim(register, heard, RefusalReason.UNDEFINED, None, blocking[0])
+        if conflict is not None:
+            return _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
+    if conflict is not None:
+        free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
+        register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
+        register = register.with_unit(unit_id, replace(unit, standing=Standing.DISPUTED, epoch=heard.epoch))
+        show = _show(NoteKind.CONTRADICTION, unit_id, conflict[:1], unit.token, conflict[1])
+        register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
+        return register, (show, *refusal)
+    return _accept_claim(register, heard, claimed)
+
+
+def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
+    unit_id = heard.unit_id
+    unit, before = register.unit(unit_id), register.held_by(unit_id)
+    added = tuple(section_id for section_id in claimed if section_id not in before)
+    register = register.with_held(unit_id, (*before, *added))
+    held = register.held_by(unit_id)
+    token = max(unit.token, heard.message.token)
+    if held and (token == 0 or token > (register.epoch << 32) + register.counter):
+        register, token = register.next_token()
+    standing = Standing.REPORTED if held else Standing.OUTSIDE
+    # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
+    same_boot = heard.epoch == unit.epoch
+    after = Unit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
+    register = register.with_unit(unit_id, after)
+    actions: list[Action] = []
+    if added or after.standing is not unit.standing or after.epoch != unit.epoch:
+        kind = NoteKind.CLAIMED if held else NoteKind.OUTSIDE
+        actions.append(_show(kind, unit_id, held, token, detail=unit.standing.value))
+    capabilities = register.capabilities(unit_id, held, token)
+    accepted = SignOnAccepted(held, token, after.route_id, capabilities)
+    return register, (*actions, Send(unit_id, accepted, heard.correlation))
+
+
+def _refuse_claim(
+    register: Register,
+    heard: Heard[SignOn] | Heard[Claim],
+    reason: RefusalReason,
+    section_id: str | None = None,
+    holder: str | None = None,
+) -> Step:
+    return register, (
+        _show_refusal(heard.unit_id, reason, section_id, holder),
+        Send(heard.unit_id, SignOnRefused(reason, section_id, holder), heard.correlation),
+    )
+
+
+def _sign_off(register: Register, heard: Heard[SignOff]) -> Step:
+    message, unit_id = heard.message, heard.unit_id
+    unit, held = register.unit(unit_id), register.held_by(unit_id)
+    if message.unit_id != unit_id:
+        return _refuse_sign_off(register, heard, RefusalReason.WRONG_UNIT)
+    if heard.epoch != unit.epoch:
+        return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
+    if message.token != unit.token:
+        return _refuse_sign_off(register, heard, RefusalReason.STALE_TOKEN)
+    if not register.plan.portals.issuperset(held):
+        return _refuse_sign_off(register, heard, RefusalReason.STILL_HOLDING)
+    register = register.with_held(unit_id, ())
+    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, unit.token))
+    return register, (
+        _show(NoteKind.FREED, unit_id, held, unit.token),
+        _show(NoteKind.OUTSIDE, unit_id, token=unit.token),
+        Send(unit_id, SignOffAccepted(), heard.correlation),
+    )
+
+
+def _sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:
+    return register, (Send(heard.unit_id, SignOffAccepted(), heard.correlation),)
+
+
+def _refuse_sign_off(register: Register, heard: Heard[SignOff], reason: RefusalReason) -> Step:
+    return register, (
+        _show_refusal(heard.unit_id, reason),
+        Send(heard.unit_id, SignOffRefused(reason), heard.correlation),
+    )
+
+
+def _sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
+    return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
+
+
+def _confirm_outside(register: Register, act: ConfirmOutside) -> Step:
+    unit_id = act.unit_id
+    freed = register.held_by(unit_id)
+    unit = replace(register.unit(unit_id), standing=Standing.OUTSIDE, route_id=None)
+    register = register.with_held(unit_id, ()).with_unit(unit_id, unit)
+    shows = [_show(NoteKind.FREED, unit_id, freed, detail=act.person)] if freed else []
+    return register, (*shows, _show(NoteKind.OUTSIDE, unit_id, detail=act.person))
+
+
+def _confirm_holding(register: Register, act: ConfirmHolding) -> Step:
+    unit_id, section_ids = act.unit_id, act.section_ids
+    unknown = [section_id for section_id in section_ids if section_id not in register.plan.order]
+    if unknown or not section_ids:
+        detail = "unknown section" if unknown else "an empty entry; confirm the unit as outside"
+        return register, (_show(NoteKind.REFUSED, unit_id, unknown, detail=detail),)
+    if (conflict := register.other_holder(unit_id, section_ids)) is not None:
+        return register, (_show(NoteKind.CONTRADICTION, unit_id, conflict[:1], 0, conflict[1], act.person),)
+    before = register.held_by(unit_id)
+    freed = tuple(section_id for section_id in before if section_id not in section_ids)
+    register, token = register.next_token()
+    register = register.with_held(unit_id, section_ids)
+    register = register.with_unit(unit_id, Unit(Standing.BY_HAND, register.unit(unit_id).epoch, token))
+    shows = [_show(NoteKind.FREED, unit_id, freed, token, detail=act.person)] if freed else []
+    held = register.held_by(unit_id)
+    return register, (*shows, _show(NoteKind.BY_HAND, unit_id, held, token, detail=act.person))
+
+
+def _refuse_act(register: Register, act: ConfirmOutside | ConfirmHolding) -> Step:
+    """The unit speaks, or claims what another holds: a person's word must not free it."""
+    standing = register.unit(act.unit_id).standing.value
+    return register, (_show(NoteKind.REFUSED, act.unit_id, detail=f"{act.person}: the unit is {standing}"),)
+
+
+def _not_for_manager(register: Register, heard: Heard[Any]) -> Step:
+    return register, (_show(NoteKind.REFUSED, heard.unit_id, detail=type(heard.message).__name__),)
+
+
+def _show(
+    kind: NoteKind,
+    unit_id: str,
+    section_ids: tuple[str, ...] | list[str] = (),
+    token: int = 0,
+    other_id: str = "",
+    detail: str = "",
+) -> Show:
+    return Show(Note(kind, unit_id, tuple(section_ids), token, other_id, detail))
+
+
+def _show_refusal(
+    unit_id: str, reason: RefusalReason, section_id: str | None = None, holder: str | None = None
+) -> Show:
+    sections = () if section_id is None else (section_id,)
+    return _show(NoteKind.REFUSED, unit_id, sections, 0, holder or "", reason.name)
+
+
+_Handler = Callable[[Register, Heard[Any]], Step]
+
+TELEGRAMS: Final[Mapping[tuple[Standing, type], _Handler]] = MappingProxyType(
+    {
+        (Standing.UNKNOWN, RouteRequest): _request_undefined,
+        (Standing.UNKNOWN, HoldingReport): _challenge,
+        (Standing.UNKNOWN, SignOn): _sign_on,
+        (Standing.UNKNOWN, SignOff): _sign_off_not_signed_on,
+        (Standing.UNKNOWN, Claim): _claim,
+        (Standing.OUTSIDE, RouteRequest): _request_not_signed_on,
+        (Standing.OUTSIDE, HoldingReport): _challenge,
+        (Standing.OUTSIDE, SignOn): _sign_on,
+        (Standing.OUTSIDE, SignOff): _sign_off_again,
+        (Standing.OUTSIDE, Claim): _claim,
+        (Standing.BY_HAND, RouteRequest): _request_not_signed_on,
+        (Standing.BY_HAND, HoldingReport): _challenge,
+        (Standing.BY_HAND, SignOn): _sign_on,
+        (Standing.BY_HAND, SignOff): _sign_off_not_signed_on,
+        (Standing.BY_HAND, Claim): _claim,
+        (Standing.REPORTED, RouteRequest): _request,
+        (Standing.REPORTED, HoldingReport): _report,
+        (Standing.REPORTED, SignOn): _sign_on,
+        (Standing.REPORTED, SignOff): _sign_off,
+        (Standing.REPORTED, Claim): _claim,
+        (Standing.DISPUTED, RouteRequest): _request_undefined,
+        (Standing.DISPUTED, HoldingReport): _challenge,
+        (Standing.DISPUTED, SignOn): _sign_on,
+        (Standing.DISPUTED, SignOff): _sign_off_not_signed_on,
+        (Standing.DISPUTED, Claim): _claim,
+    }
+)
+
+ACTS: Final[Mapping[tuple[Standing, type], Callable[[Register, Any], Step]]] = MappingProxyType(
+    {
+        (Standing.UNKNOWN, ConfirmOutside): _confirm_outside,
+        (Standing.UNKNOWN, ConfirmHolding): _confirm_holding,
+        (Standing.OUTSIDE, ConfirmOutside): _confirm_outside,
+        (Standing.OUTSIDE, ConfirmHolding): _confirm_holding,
+        (Standing.BY_HAND, ConfirmOutside): _confirm_outside,
+        (Standing.BY_HAND, ConfirmHolding): _confirm_holding,
+        (Standing.REPORTED, ConfirmOutside): _refuse_act,
+        (Standing.REPORTED, ConfirmHolding): _refuse_act,
+        (Standing.DISPUTED, ConfirmOutside): _refuse_act,
+        (Standing.DISPUTED, ConfirmHolding): _refuse_act,
+    }
+)

@@ -1,0 +1,128 @@
+"""What a wayside device must know: its fixed data (固定データ, section 4.1.3 (3)), which a power cut does
+not lose.
+
+Built by the simulator from the line, kept as JSON beside the device's durable state, read at its start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+import msgspec
+
+from network.errors import InputError
+from network.model import Line, Route, SectionKind
+from radio.envelope import AGE_MAX_S
+from radio.fleet import DeviceSpec, Role
+from radio.keys import key_ring
+
+MANAGER_ID: Final = "block-manager"
+ASK_INTERVAL_S: Final = 5.0
+
+
+class SectionEntry(msgspec.Struct, frozen=True):
+    """A section of the register; `terminal_ids` drive points in it; a train may leave the line from a
+    portal.
+    """
+
+    section_id: str
+    portal: bool = False
+    terminal_ids: tuple[str, ...] = ()
+
+
+class RouteEntry(msgspec.Struct, frozen=True):
+    """A route that may be granted; the unit must hold `from_section` or a part of the route."""
+
+    route_id: str
+    from_section: str
+    section_ids: tuple[str, ...]
+
+
+class ManagerConfig(msgspec.Struct, frozen=True, tag="block-manager"):
+    """Fixed data of the block manager. `unit_ids` is the fleet list; units not on it do not exist."""
+
+    line_id: str
+    device_id: str
+    unit_ids: tuple[str, ...]
+    sections: tuple[SectionEntry, ...]
+    routes: tuple[RouteEntry, ...]
+    ask_interval_s: float = ASK_INTERVAL_S
+    telegram_age_max_s: float = AGE_MAX_S
+
+
+class PointsEntry(msgspec.Struct, frozen=True):
+    """Points of a terminal; a throw that is not proven within `throw_limit_s` has failed."""
+
+    points_id: str
+    section_id: str
+    throw_limit_s: float
+
+
+class TerminalConfig(msgspec.Struct, frozen=True, tag="point-terminal"):
+    """Fixed data of a point terminal."""
+
+    line_id: str
+    device_id: str
+    points: tuple[PointsEntry, ...]
+    telegram_age_max_s: float = AGE_MAX_S
+
+
+DeviceConfig = ManagerConfig | TerminalConfig
+
+
+def encode_config(config: DeviceConfig) -> bytes:
+    """The configuration as JSON."""
+    return msgspec.json.encode(config)
+
+
+def decode_config(data: bytes, file: str = "config.json") -> DeviceConfig:
+    """The configuration in JSON. Raises InputError that names `file`."""
+    try:
+        return msgspec.json.decode(data, type=DeviceConfig)  # type: ignore[no-any-return, arg-type, unused-ignore]
+    except msgspec.MsgspecError as error:
+        raise InputError(file, "", None, f"the configuration of a wayside device ({error})") from None
+
+
+def manager_config(
+    line: Line, routes: Iterable[Route], unit_ids: Sequence[str], age_max_s: float = AGE_MAX_S
+) -> ManagerConfig:
+    """Fixed data of the line's one block manager; sections in the order of the line file."""
+    terminals: dict[str, set[str]] = {}
+    for points in line.points.values():
+        terminals.setdefault(points.section_id, set()).add(points.terminal_id)
+    sections = tuple(
+        SectionEntry(
+            section.id, section.kind is SectionKind.PORTAL, tuple(sorted(terminals.get(section.id, ())))
+        )
+        for section in line.sections.values()
+    )
+    entries = tuple(RouteEntry(route.id, route.from_section, route.section_ids) for route in routes)
+    return ManagerConfig(
+        line.id, MANAGER_ID, tuple(unit_ids), sections, entries, telegram_age_max_s=age_max_s
+    )
+
+
+def terminal_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[TerminalConfig, ...]:
+    """Fixed data of every point terminal. The limit of a throw is its time and a half, and a second."""
+    entries: dict[str, list[PointsEntry]] = {}
+    for points in line.points.values():
+        entry = PointsEntry(points.id, points.section_id, 1.5 * points.throw_time_s + 1.0)
+        entries.setdefault(points.terminal_id, []).append(entry)
+    return tuple(
+        TerminalConfig(line.id, terminal_id, tuple(entries[terminal_id]), age_max_s)
+        for terminal_id in sorted(entries)
+    )
+
+
+def device_specs(
+    manager: ManagerConfig, terminals: Sequence[TerminalConfig], master_key: bytes
+) -> tuple[DeviceSpec, ...]:
+    """What a fleet needs to start all devices: each with the keys of its own pairs only."""
+    terminal_ids = [terminal.device_id for terminal in terminals]
+    ring = key_ring(master_key, manager.device_id, manager.unit_ids, terminal_ids)
+    specs = [DeviceSpec(manager.device_id, Role.BLOCK_MANAGER, encode_config(manager), ring)]
+    for terminal in terminals:
+        ring = key_ring(master_key, terminal.device_id, manager.unit_ids, [terminal.device_id])
+        specs.append(DeviceSpec(terminal.device_id, Role.POINT_TERMINAL, encode_config(terminal), ring))
+    return tuple(specs)

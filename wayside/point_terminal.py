@@ -1,0 +1,317 @@
+"""Invariant: points are thrown only for a unit that the block manager granted their section, under the
+highest token seen for that section, and then stay locked for that token; a proof is sent only while
+position and lock are detected.
+
+The point terminal (制御端末装置) of Sugiyama et al. 2017, sections 2.1 (3) and 4.4 (1), as a pure machine:
+`step(terminal, event) -> (terminal, actions)`. The terminal never talks to the manager (table 2): the grant
+is checked offline by the capability's code. Highest tokens and what the points are locked for are its
+durable memory; after a restart it knows them, but proves nothing until the detection shows it. Repeated
+commands change nothing. `TABLE` is the state of the points and the kind of event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from types import MappingProxyType
+from typing import Any, Final
+
+import msgspec
+
+from network.model import Position
+from radio.fleet import Note, NoteKind, PointsDetected, StartThrow, StopThrow
+from radio.keys import capability_mac, mac_equal
+from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
+from wayside.actions import Action, Drive, Send, Show
+from wayside.config import PointsEntry, TerminalConfig
+
+_TIME_TOLERANCE_S: Final = 1e-9
+
+
+class PointsState(Enum):
+    """What the terminal knows of one set of points."""
+
+    FREE = "free"  # never commanded
+    THROWING = "throwing"
+    PROVEN = "proven"  # in the position commanded and locked, as detected
+    UNPROVEN = "unproven"  # commanded, but not (or no longer, or not yet since a restart) detected
+
+
+class Commitment(msgspec.Struct, frozen=True, array_like=True):
+    """What the points are locked for."""
+
+    unit_id: str
+    position: Position
+    token: int
+
+
+class Memory(msgspec.Struct, frozen=True):
+    """Durable state: highest token by section, commitment by points. Kept before anything is thrown."""
+
+    tokens: dict[str, int] = {}
+    commitments: dict[str, Commitment] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class PointsView:
+    """One set of points as the terminal sees it; `correlation` is that of the command being carried out."""
+
+    entry: PointsEntry
+    state: PointsState
+    detected: PointsDetected
+    deadline_s: float | None = None
+    correlation: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Terminal:
+    """State of a terminal. `key` is shared with the block manager only."""
+
+    terminal_id: str
+    key: bytes
+    memory: Memory
+    views: Mapping[str, PointsView] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Commanded:
+    """Event: a command passed the envelope's checks."""
+
+    unit_id: str
+    correlation: int
+    message: PointsCommand
+
+
+@dataclass(frozen=True, slots=True)
+class Expired:
+    """Event: look at the time limits of throws."""
+
+
+TerminalEvent = Commanded | PointsDetected | Expired
+TerminalStep = tuple[Terminal, tuple[Action, ...]]
+
+
+def start(config: TerminalConfig, key: bytes, memory: Memory) -> Terminal:
+    """A terminal after a (re)start: it remembers for whom the points are locked and has detected nothing
+    yet.
+    """
+    views = {
+        entry.points_id: PointsView(
+            entry,
+            PointsState.UNPROVEN if entry.points_id in memory.commitments else PointsState.FREE,
+            PointsDetected(entry.points_id, None, False),
+        )
+        for entry in config.points
+    }
+    return Terminal(config.device_id, key, memory, views)
+
+
+def step(terminal: Terminal, event: TerminalEvent, now_s: float) -> TerminalStep:
+    """The next state and what to do. Never raises for what a unit sends."""
+    if isinstance(event, Expired):
+        return _expire(terminal, now_s)
+    if isinstance(event, PointsDetected):
+        if event.points_id not in terminal.views:
+            return terminal, ()
+        return _dispatch(terminal, event.points_id, event, now_s)
+    if (reason := refusal(terminal, event.unit_id, event.message)) is not None:
+        return terminal, _refuse(event, reason)
+    return _dispatch(terminal, event.message.points_id, event, now_s)
+
+
+def wake_at_s(terminal: Terminal) -> float | None:
+    """When the first running throw reaches its limit."""
+    return min(
+        (view.deadline_s for view in terminal.views.values() if view.deadline_s is not None), default=None
+    )
+
+
+def refusal(terminal: Terminal, unit_id: str, command: PointsCommand) -> PointsRefusalReason | None:
+    """Why a command must not be carried out, or None."""
+    view = terminal.views.get(command.points_id)
+    if view is None:
+        return PointsRefusalReason.UNKNOWN_POINTS
+    section_id = view.entry.section_id
+    if command.section_id != section_id:
+        return PointsRefusalReason.WRONG_SECTION
+    expected = capability_mac(terminal.key, terminal.terminal_id, section_id, unit_id, command.token)
+    if not mac_equal(expected, command.mac):
+        return PointsRefusalReason.BAD_CAPABILITY
+    if command.token < terminal.memory.tokens.get(section_id, 0):
+        return PointsRefusalReason.OLD_TOKEN
+    held = terminal.memory.commitments.get(command.points_id)
+    if held is not None and held.token == command.token and held.position is not command.position:
+        return PointsRefusalReason.LOCKED
+    return None
+
+
+def _dispatch(
+    terminal: Terminal, points_id: str, event: Commanded | PointsDetected, now_s: float
+) -> TerminalStep:
+    return TABLE[terminal.views[points_id].state, type(event)](terminal, event, now_s)
+
+
+def _command(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep:
+    """A command that is new, or repeated while the points are not proven: commit, then throw if needed."""
+    command = event.message
+    view = terminal.views[command.points_id]
+    commitment = Commitment(event.unit_id, command.position, command.token)
+    memory = terminal.memory
+    if memory.commitments.get(command.points_id) != commitment:
+        memory = Memory(
+            {**memory.tokens, view.entry.section_id: command.token},
+            {**memory.commitments, command.points_id: commitment},
+        )
+    note = Note(
+        NoteKind.COMMANDED,
+        event.unit_id,
+        (command.section_id,),
+        command.token,
+        detail=f"{command.points_id} {command.position.value}",
+    )
+    terminal = replace(terminal, memory=memory)
+    if _shows(view.detected, command.position):
+        proven = replace(view, state=PointsState.PROVEN, deadline_s=None, correlation=event.correlation)
+        return _with(terminal, proven), (
+            Show(note),
+            _proven_note(commitment, view),
+            _proof(proven, commitment),
+        )
+    deadline_s = now_s + view.entry.throw_limit_s
+    throwing = replace(view, state=PointsState.THROWING, deadline_s=deadline_s, correlation=event.correlation)
+    drive = Drive(StartThrow(command.points_id, command.position))
+    return _with(terminal, throwing), (Show(note), drive)
+
+
+def _command_while_throwing(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep:
+    """The same command again: no proof yet, the throw runs on. One with a higher token: throw for that."""
+    points_id = event.message.points_id
+    if terminal.memory.commitments[points_id].token < event.message.token:
+        return _command(terminal, event, now_s)
+    return _with(terminal, replace(terminal.views[points_id], correlation=event.correlation)), ()
+
+
+def _command_while_proven(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep:
+    """The same command again: the same proof. One with a higher token: lock for that, throw if needed."""
+    points_id = event.message.points_id
+    commitment = terminal.memory.commitments[points_id]
+    if commitment.token < event.message.token:
+        return _command(terminal, event, now_s)
+    view = replace(terminal.views[points_id], correlation=event.correlation)
+    return _with(terminal, view), (_proof(view, commitment),)
+
+
+def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
+    return _with(terminal, replace(terminal.views[event.points_id], detected=event)), ()
+
+
+def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
+    """Thrown, or found in place after a restart: the proof goes to the unit that commanded."""
+    view = replace(terminal.views[event.points_id], detected=event)
+    commitment = terminal.memory.commitments[event.points_id]
+    if not _shows(event, commitment.position):
+        return _with(terminal, view), ()
+    view = replace(view, state=PointsState.PROVEN, deadline_s=None)
+    return _with(terminal, view), (_proven_note(commitment, view), _proof(view, commitment))
+
+
+def _detect_proven(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
+    """A proof that no longer holds is withdrawn at once, unasked."""
+    view = replace(terminal.views[event.points_id], detected=event)
+    commitment = terminal.memory.commitments[event.points_id]
+    if _shows(event, commitment.position):
+        return _with(terminal, view), ()
+    view = replace(view, state=PointsState.UNPROVEN)
+    return _with(terminal, view), (_unproven_note(commitment, view, "lost"), _proof(view, commitment))
+
+
+def _expire(terminal: Terminal, now_s: float) -> TerminalStep:
+    actions: list[Action] = []
+    for points_id, view in terminal.views.items():
+        if view.deadline_s is None or now_s < view.deadline_s - _TIME_TOLERANCE_S:
+            continue
+        commitment = terminal.memory.commitments[points_id]
+        terminal = _with(terminal, replace(view, state=PointsState.UNPROVEN, deadline_s=None))
+        refused = PointsRefused(points_id, PointsRefusalReason.NOT_DETECTED, commitment.token)
+        actions += (
+            Drive(StopThrow(points_id)),
+            _unproven_note(commitment, view, "not detected in time"),
+            Send(commitment.unit_id, refused, view.correlation),
+        )
+    return terminal, tuple(actions)
+
+
+def _refuse(event: Commanded, reason: PointsRefusalReason) -> tuple[Action, ...]:
+    command = event.message
+    note = Note(
+        NoteKind.REFUSED,
+        event.unit_id,
+        (command.section_id,),
+        command.token,
+        detail=f"{command.points_id} {reason.name}",
+    )
+    refused: AnyMessage = PointsRefused(command.points_id, reason, command.token)
+    return Show(note), Send(event.unit_id, refused, event.correlation)
+
+
+def _shows(detected: PointsDetected, position: Position) -> bool:
+    return detected.position is position and detected.locked
+
+
+def _proof(view: PointsView, commitment: Commitment) -> Send:
+    detected = view.detected
+    proof = PointsProof(
+        view.entry.points_id,
+        detected.position,
+        detected.locked,
+        detected.position is not None,
+        commitment.token,
+    )
+    return Send(commitment.unit_id, proof, view.correlation)
+
+
+def _proven_note(commitment: Commitment, view: PointsView) -> Show:
+    detail = f"{view.entry.points_id} {commitment.position.value}"
+    return Show(
+        Note(
+            NoteKind.PROVEN,
+            commitment.unit_id,
+            (view.entry.section_id,),
+            commitment.token,
+            detail=detail,
+        )
+    )
+
+
+def _unproven_note(commitment: Commitment, view: PointsView, why: str) -> Show:
+    detail = f"{view.entry.points_id} {why}"
+    return Show(
+        Note(
+            NoteKind.UNPROVEN,
+            commitment.unit_id,
+            (view.entry.section_id,),
+            commitment.token,
+            detail=detail,
+        )
+    )
+
+
+def _with(terminal: Terminal, view: PointsView) -> Terminal:
+    return replace(terminal, views={**terminal.views, view.entry.points_id: view})
+
+
+TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], TerminalStep]]] = (
+    MappingProxyType(
+        {
+            (PointsState.FREE, Commanded): _command,
+            (PointsState.FREE, PointsDetected): _detect,
+            (PointsState.THROWING, Commanded): _command_while_throwing,
+            (PointsState.THROWING, PointsDetected): _detect_committed,
+            (PointsState.PROVEN, Commanded): _command_while_proven,
+            (PointsState.PROVEN, PointsDetected): _detect_proven,
+            (PointsState.UNPROVEN, Commanded): _command,
+            (PointsState.UNPROVEN, PointsDetected): _detect_committed,
+        }
+    )
+)

@@ -1,0 +1,143 @@
+"""The register of the block manager: who holds which section, and what is known of each unit.
+
+`holders` maps a section to its one holder, so two holders cannot be written down. A registered unit that is
+not in `units` is UNKNOWN: at a start `units` is empty, so "every section undefined after a restart"
+(一旦、全区間を在線状態, section 4.4 (2)) cannot be forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+from radio.keys import capability_mac
+from radio.messages import Capability
+from wayside.config import ManagerConfig, RouteEntry
+
+
+class Standing(Enum):
+    """What the manager knows of a registered unit since its own restart."""
+
+    UNKNOWN = "unknown"  # derived: not heard
+    OUTSIDE = "outside"  # signed off, confirmed outside, or its claim was empty
+    BY_HAND = "by hand"  # a person entered what it holds; it has not spoken
+    REPORTED = "reported"  # it speaks for itself
+    DISPUTED = "disputed"  # it claims what another holds; nothing is granted to anyone meanwhile
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit that has been heard or entered.
+
+    `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request.
+    """
+
+    standing: Standing
+    epoch: int = 0
+    token: int = 0
+    route_id: str | None = None
+    correlation: int = 0
+
+
+UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Fixed data, indexed."""
+
+    unit_ids: tuple[str, ...]
+    order: Mapping[str, int]
+    portals: frozenset[str]
+    terminals: Mapping[str, tuple[str, ...]]
+    routes: Mapping[str, RouteEntry]
+    capability_keys: Mapping[str, bytes]
+    ask_interval_s: float
+    telegram_age_max_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Register:
+    """State of the block manager. `epoch` is its boot, `counter` counts the tokens given in it.
+
+    `started_s`: time of the first event of this boot.
+    """
+
+    plan: Plan
+    epoch: int
+    counter: int = 0
+    holders: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, Unit] = field(default_factory=dict)
+    started_s: float | None = None
+    ask_at_s: float = 0.0
+
+    def unit(self, unit_id: str) -> Unit:
+        """What is known of a unit."""
+        return self.units.get(unit_id, UNKNOWN_UNIT)
+
+    def held_by(self, unit_id: str) -> tuple[str, ...]:
+        """Its sections, in the order of the line."""
+        mine = [section for section, holder in self.holders.items() if holder == unit_id]
+        return tuple(sorted(mine, key=self.plan.order.__getitem__))
+
+    def undefined_because_of(self) -> tuple[str, ...]:
+        """Units for which nothing may be granted: unknown or disputed. Empty: the line is defined."""
+        blocking = (Standing.UNKNOWN, Standing.DISPUTED)
+        return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
+
+    def other_holder(self, unit_id: str, section_ids: Iterable[str]) -> tuple[str, str] | None:
+        """The first of the sections that another unit holds, and that unit."""
+        for section_id in section_ids:
+            holder = self.holders.get(section_id, unit_id)
+            if holder != unit_id:
+                return section_id, holder
+        return None
+
+    def with_unit(self, unit_id: str, unit: Unit) -> Register:
+        """The register with this known of the unit."""
+        return replace(self, units={**self.units, unit_id: unit})
+
+    def with_held(self, unit_id: str, section_ids: Iterable[str]) -> Register:
+        """The unit holds exactly these. Raises ValueError if another holds one of them: never two holders."""
+        wanted = tuple(section_ids)
+        if (conflict := self.other_holder(unit_id, wanted)) is not None:
+            raise ValueError(f"section {conflict[0]} is held by {conflict[1]}, not free for {unit_id}")
+        kept = {section: holder for section, holder in self.holders.items() if holder != unit_id}
+        return replace(self, holders=kept | dict.fromkeys(wanted, unit_id))
+
+    def next_token(self) -> tuple[Register, int]:
+        """A token greater than any given before, in this boot or an earlier one."""
+        counter = self.counter + 1
+        return replace(self, counter=counter), (self.epoch << 32) + counter
+
+    def capabilities(self, unit_id: str, section_ids: Iterable[str], token: int) -> tuple[Capability, ...]:
+        """For each terminal with points among the sections, the proof that the unit holds them."""
+        return tuple(
+            Capability(
+                terminal_id,
+                section_id,
+                capability_mac(
+                    self.plan.capability_keys[terminal_id], terminal_id, section_id, unit_id, token
+                ),
+            )
+            for section_id in section_ids
+            for terminal_id in self.plan.terminals.get(section_id, ())
+        )
+
+
+def start(config: ManagerConfig, epoch: int, capability_keys: Mapping[str, bytes]) -> Register:
+    """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier
+    boot.
+    """
+    plan = Plan(
+        config.unit_ids,
+        {section.section_id: index for index, section in enumerate(config.sections)},
+        frozenset(section.section_id for section in config.sections if section.portal),
+        {section.section_id: section.terminal_ids for section in config.sections if section.terminal_ids},
+        {route.route_id: route for route in config.routes},
+        capability_keys,
+        config.ask_interval_s,
+        config.telegram_age_max_s,
+    )
+    return Register(plan, epoch)
