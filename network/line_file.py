@@ -51,7 +51,11 @@ def load_line(path: Path) -> Line:
 
 def parse_line(text: str, file: str) -> Line:
     """Parse and validate the text of a line file; `file` names it in errors. Raises InputError."""
-    entry = parse_toml(text, file, LineFile)
+    return line_of(parse_toml(text, file, LineFile), file)
+
+
+def line_of(entry: LineFile, file: str) -> Line:
+    """The line that the tables of a line file describe; `file` names it in errors. Raises InputError."""
     _unique(file, "alignments", [a.id for a in entry.alignments])
     alignments = {a.id: _alignment(file, i, a) for i, a in enumerate(entry.alignments)}
     drafts = _drafts(file, entry, alignments)

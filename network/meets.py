@@ -78,6 +78,45 @@ def unresolvable_meets(line: Line, timetable: Timetable) -> tuple[Meet, ...]:
     return tuple(meet for meet in planned_meets(line, timetable) if meet.crossing_station is None)
 
 
+def meet_text(meet: Meet, line: Line) -> str:
+    """One clause for people: who meets where and when, and if they cannot pass, why not and where they could."""
+    trains = f"{meet.down_train} and {meet.up_train}"
+    when = clock(meet.time_s // 60 * 60)[:-3]
+    if meet.crossing_station is not None:
+        return f"{trains} pass each other at {line.stations[meet.crossing_station].name} at {when}"
+    where, why = _place_and_reason(meet, line)
+    passing = [s for s in line.stations.values() if _has_two_tracks(s) and s.id != meet.low_station]
+    nearest = min(passing, key=lambda s: abs(s.position_m - meet.position_m), default=None)
+    other = "other " if meet.low_station == meet.high_station else ""
+    remedy = (
+        f"no {other}station has two tracks"
+        if nearest is None
+        else f"the nearest {other}station with two tracks is {nearest.name}"
+    )
+    return f"{trains} would meet {where} at {when}: {why}, and {remedy}"
+
+
+def _place_and_reason(meet: Meet, line: Line) -> tuple[str, str]:
+    """Where two trains that cannot pass meet, by name, and what is missing there."""
+    low, high = (
+        line.stations[name] if name is not None else None for name in (meet.low_station, meet.high_station)
+    )
+    if low is not None and low is high:
+        if low.is_halt:
+            return f"at {low.name}", "a halt has no second track"
+        if not _has_two_tracks(low):
+            return f"at {low.name}", "it has one track"
+        return f"at {low.name}", "both need the same track"
+    if low is None or high is None:
+        end = low or high
+        return f"beyond {end.name}" if end else "on the line", "the line is single there"
+    return f"between {low.name} and {high.name}", "the line is single there"
+
+
+def _has_two_tracks(station: Station) -> bool:
+    return not station.is_halt and len(station.tracks) > 1
+
+
 def _trajectory(line: Line, train: TimetableTrain, dwell_min_s: float) -> _Trajectory:
     """A call without arrival gets the shortest dwell, at most half the time since the call before."""
     times_s: list[float] = []

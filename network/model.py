@@ -244,9 +244,3 @@ class Line:
     points: Mapping[str, Points]
     tags: Mapping[int, Tag]
     assumed: tuple[str, ...]  # what the line file marks as assumed, for reports
-
-    def next_pieces(self, piece_id: str, direction: Direction) -> tuple[str, ...]:
-        """Pieces that a train on `piece_id` can run onto next in `direction`; two where it meets a toe."""
-        from network.graph import next_pieces
-
-        return next_pieces(self, piece_id, direction)

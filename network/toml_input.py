@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
@@ -36,10 +36,19 @@ def read_text(path: Path) -> str:
 
 def parse_toml(text: str, file: str, model: type[ModelT]) -> ModelT:
     """Parse `text` as TOML into `model`; `file` names the source in errors. Raises the first InputError."""
+    return validate(parse_table(text, file), file, model)
+
+
+def parse_table(text: str, file: str) -> dict[str, Any]:
+    """Parse `text` as TOML; `file` names the source in the InputError."""
     try:
-        table = tomllib.loads(text)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(file, "", None, f"valid TOML: {error}") from error
+
+
+def validate(table: Mapping[str, Any], file: str, model: type[ModelT]) -> ModelT:
+    """Check a parsed table against `model`. Raises the first InputError."""
     try:
         return model.model_validate(table)
     except ValidationError as error:

@@ -5,20 +5,39 @@ back; it gives a section back only after its safe rear has left it, and drops it
 count as proven only while their section is held and by a proof for the position and token of its own command.
 
 A pure machine: `step(state, event, now_s, covered) -> (state, actions)`. Requests are repeated with the same
-correlation until answered, and only where the radio reaches (`covered`); silence changes nothing.
+correlation until answered, and only where the radio reaches (`covered`); silence changes nothing. An answer
+counts only for the request outstanding, by its correlation; a grant only with a token greater than the unit's.
 Sugiyama et al. 2017, section 2.2 and table 1 (閉そく要求機能, 進路構成機能).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Final
 
-from network.model import Position, Route
+from onboard.authority_records import (
+    NEVER,
+    Action,
+    Ask,
+    Authority,
+    BeginOnLine,
+    Cleared,
+    Command,
+    EndOnLine,
+    Event,
+    Heard,
+    Held,
+    Noted,
+    PointsNeeded,
+    Send,
+    Throw,
+    Tick,
+    TurnedBack,
+)
 from radio.messages import (
     AnyMessage,
+    Capability,
     Claim,
     ClaimQuery,
     HoldingConfirmed,
@@ -26,6 +45,7 @@ from radio.messages import (
     PointsCommand,
     PointsProof,
     PointsRefused,
+    RefusalReason,
     Restarted,
     RouteGranted,
     RouteRefused,
@@ -38,153 +58,32 @@ from radio.messages import (
     SignOnRefused,
 )
 
+__all__ = [
+    "NEVER",
+    "Action",
+    "Ask",
+    "Authority",
+    "BeginOnLine",
+    "Cleared",
+    "Command",
+    "EndOnLine",
+    "Event",
+    "Heard",
+    "Held",
+    "Noted",
+    "PointsNeeded",
+    "Send",
+    "Throw",
+    "Tick",
+    "TurnedBack",
+    "step",
+    "waiting_for_radio",
+]
+
 REPEAT_S: Final = 2.0
 REFUSED_REPEAT_S: Final = 5.0
-NEVER: Final = math.inf
 
 
-@dataclass(frozen=True, slots=True)
-class Held:
-    """A section held: under which token, and for a points section what proves it to its terminal."""
-
-    section_id: str
-    token: int
-    mac: bytes = b""
-
-
-@dataclass(frozen=True, slots=True)
-class PointsNeeded:
-    """A set of points as the path needs it."""
-
-    points_id: str
-    position: Position
-    section_id: str
-    terminal_id: str
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """A points command not yet proven."""
-
-    needed: PointsNeeded
-    token: int
-    mac: bytes
-    correlation: int
-    next_s: float
-    refusal: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Authority:
-    """The state. `refusal` says why the last request was not granted: what the train waits for."""
-
-    unit_id: str
-    manager_id: str
-    held: tuple[Held, ...] = ()
-    token: int = 0
-    on_line: bool = False  # signed on and not signed off
-    sign_on: SignOn | None = None
-    sign_off: SignOff | None = None
-    next_sign_s: float = NEVER
-    asked: Route | None = None
-    next_ask_s: float = NEVER
-    refusal: str = ""
-    commands: tuple[Command, ...] = ()
-    proven: tuple[PointsNeeded, ...] = ()
-    report_due: bool = False
-    next_report_s: float = NEVER
-    correlation: int = 0  # of the newest request; each open request keeps its own
-    sign_correlation: int = 0
-    ask_correlation: int = 0
-    report_correlation: int = 0
-
-    def holds(self, section_id: str) -> bool:
-        """Whether the unit holds a section."""
-        return any(held.section_id == section_id for held in self.held)
-
-    def section_ids(self) -> tuple[str, ...]:
-        """Sections held, in order of travel."""
-        return tuple(held.section_id for held in self.held)
-
-    def next_timer_s(self) -> float:
-        """When the machine wants a Tick; NEVER if it waits for nothing."""
-        times = [self.next_sign_s, self.next_ask_s, self.next_report_s]
-        return min([*times, *(command.next_s for command in self.commands)])
-
-
-@dataclass(frozen=True, slots=True)
-class BeginOnLine:
-    """The train has come onto the line, or has been switched on, and claims these sections."""
-
-    section_ids: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class EndOnLine:
-    """The train leaves the line; it holds nothing but its portal."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ask:
-    """Ask for a route (閉そく確保要求)."""
-
-    route: Route
-
-
-@dataclass(frozen=True, slots=True)
-class Throw:
-    """Command points inside what is held (転換指示)."""
-
-    points: tuple[PointsNeeded, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Cleared:
-    """The safe rear has left these sections."""
-
-    section_ids: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class TurnedBack:
-    """The train changed ends: what was behind is ahead; proofs made for the old path are forgotten."""
-
-
-@dataclass(frozen=True, slots=True)
-class Heard:
-    """An authentic telegram."""
-
-    source: str
-    message: AnyMessage
-    fresh: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Tick:
-    """A timer is due, or the radio reaches again."""
-
-
-Event = BeginOnLine | EndOnLine | Ask | Throw | Cleared | TurnedBack | Heard | Tick
-
-
-@dataclass(frozen=True, slots=True)
-class Send:
-    """Send a telegram."""
-
-    destination: str
-    message: AnyMessage
-    correlation: int
-
-
-@dataclass(frozen=True, slots=True)
-class Noted:
-    """Something for the journal."""
-
-    what: str
-    data: Mapping[str, Any]
-
-
-Action = Send | Noted
 Result = tuple[Authority, tuple[Action, ...]]
 
 
@@ -258,10 +157,11 @@ def _throw(state: Authority, event: Throw, now_s: float, covered: bool) -> Resul
     new: list[Command] = []
     for needed in event.points:
         held = next((h for h in state.held if h.section_id == needed.section_id), None)
-        if held is None or not held.mac or needed in under_way:
+        mac = b"" if held is None else held.mac_for(needed.terminal_id)
+        if held is None or not mac or needed in under_way:
             continue
         state = _counted(state)
-        new.append(Command(needed, held.token, held.mac, state.correlation, now_s))
+        new.append(Command(needed, held.token, mac, state.correlation, now_s))
     return _due(replace(state, commands=(*state.commands, *new)), now_s, covered)
 
 
@@ -333,18 +233,52 @@ def waiting_for_radio(state: Authority) -> bool:
     return state.next_timer_s() == -NEVER
 
 
-def _sign_on_accepted(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Result:
+def _macs(capabilities: Iterable[Capability], section_id: str) -> tuple[tuple[str, bytes], ...]:
+    return tuple((c.terminal_id, c.mac) for c in capabilities if c.section_id == section_id)
+
+
+def _newer_token(
+    state: Authority, token: int, capabilities: tuple[Capability, ...], now_s: float
+) -> Authority:
+    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
+    if token <= state.token:
+        return state
+    held = tuple(
+        Held(h.section_id, token, macs) if (macs := _macs(capabilities, h.section_id)) else h
+        for h in state.held
+    )
+    state = replace(_counted(state), held=held, token=token)
+    if state.asked is not None:
+        state = replace(state, ask_correlation=state.correlation, next_ask_s=now_s)
+    if state.sign_off is not None:
+        sign_off = SignOff(state.unit_id, token)
+        state = _counted(replace(state, sign_off=sign_off, next_sign_s=now_s))
+        state = replace(state, sign_correlation=state.correlation)
+    return state
+
+
+def _report_now(state: Authority, now_s: float) -> Authority:
+    """Report what is held: a manager that has lost sight of the unit answers with its token or a query."""
+    state = _counted(state)
+    return replace(state, report_due=True, next_report_s=now_s, report_correlation=state.correlation)
+
+
+def _sign_on_accepted(state: Authority, event: Heard, now_s: float, covered: bool) -> Result:
     message = event.message
-    if not isinstance(message, SignOnAccepted) or state.sign_on is None:
+    if not isinstance(message, SignOnAccepted):
         return state, ()
-    macs = {capability.section_id: capability.mac for capability in message.capabilities}
+    if state.on_line:  # the answer to a claim: the unit knows better what it holds
+        return _due(_newer_token(state, message.token, message.capabilities, now_s), now_s, covered)
+    if state.sign_on is None or event.correlation != state.sign_correlation:
+        return state, ()
     accepted = replace(
         state,
-        held=tuple(Held(s, message.token, macs.get(s, b"")) for s in message.section_ids),
+        held=tuple(Held(s, message.token, _macs(message.capabilities, s)) for s in message.section_ids),
         token=message.token,
         on_line=True,
         sign_on=None,
         next_sign_s=NEVER,
+        refusal="",
     )
     return accepted, (Noted("signed_on", {"sections": message.section_ids}), _holds(accepted))
 
@@ -353,44 +287,52 @@ def _sign_on_refused(state: Authority, event: Heard, now_s: float, _covered: boo
     message = event.message
     if not isinstance(message, SignOnRefused) or state.sign_on is None:
         return state, ()
+    if event.correlation != state.sign_correlation:
+        return state, ()
     waiting = replace(state, next_sign_s=now_s + REFUSED_REPEAT_S, refusal=_why(message))
     return waiting, (Noted("sign_on_refused", {"why": waiting.refusal}),)
 
 
-def _sign_off_answer(state: Authority, event: Heard, now_s: float, _covered: bool) -> Result:
-    if state.sign_off is None:
+def _sign_off_answer(state: Authority, event: Heard, now_s: float, covered: bool) -> Result:
+    message = event.message
+    if state.sign_off is None or event.correlation != state.sign_correlation:
         return state, ()
-    if isinstance(event.message, SignOffRefused):
-        why = event.message.reason.name
-        return replace(state, next_sign_s=now_s + REFUSED_REPEAT_S), (
-            Noted("sign_off_refused", {"why": why}),
-        )
+    if isinstance(message, SignOffRefused):
+        waiting = replace(state, next_sign_s=now_s + REFUSED_REPEAT_S)
+        if message.reason in _LOST_SIGHT and not state.report_due:
+            waiting = _report_now(waiting, now_s)
+        return _due(waiting, now_s, covered, (Noted("sign_off_refused", {"why": message.reason.name}),))
     gone = replace(state, held=(), on_line=False, sign_off=None, next_sign_s=NEVER)
     return gone, (Noted("signed_off", {}), _holds(gone))
 
 
 def _granted(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Result:
     message = event.message
-    if not isinstance(message, RouteGranted) or state.asked is None:
+    if not isinstance(message, RouteGranted) or state.asked is None or not event.fresh:
         return state, ()
-    if (
-        message.route_id != state.asked.id
-        or message.section_ids != state.asked.section_ids
-        or not event.fresh
-    ):
+    if event.correlation != state.ask_correlation or message.token <= state.token:
         return state, ()
-    macs = {capability.section_id: capability.mac for capability in message.capabilities}
-    new = tuple(Held(s, message.token, macs.get(s, b"")) for s in message.section_ids if not state.holds(s))
+    if message.route_id != state.asked.id or message.section_ids != state.asked.section_ids:
+        return state, ()
+    granted_now = {s: Held(s, message.token, _macs(message.capabilities, s)) for s in message.section_ids}
+    held = tuple(granted_now.pop(h.section_id, h) for h in state.held)
     granted = replace(
-        state, held=(*state.held, *new), token=message.token, asked=None, next_ask_s=NEVER, refusal=""
+        state,
+        held=(*held, *granted_now.values()),
+        token=message.token,
+        asked=None,
+        next_ask_s=NEVER,
+        refusal="",
     )
     note = Noted("route_held", {"route": message.route_id, "token": message.token})
     return granted, (note, _holds(granted))
 
 
-def _refused(state: Authority, event: Heard, now_s: float, _covered: bool) -> Result:
+def _refused(state: Authority, event: Heard, now_s: float, covered: bool) -> Result:
     message = event.message
     if not isinstance(message, RouteRefused) or state.asked is None or message.route_id != state.asked.id:
+        return state, ()
+    if event.correlation != state.ask_correlation:
         return state, ()
     refusal = _why(message)
     notes = (
@@ -402,7 +344,9 @@ def _refused(state: Authority, event: Heard, now_s: float, _covered: bool) -> Re
         refusal=refusal,
         ask_correlation=state.correlation + 1,
     )
-    return again, notes
+    if message.reason in _LOST_SIGHT and not state.report_due:
+        again = _report_now(again, now_s)
+    return _due(again, now_s, covered, notes)
 
 
 def _why(message: RouteRefused | SignOnRefused) -> str:
@@ -447,7 +391,9 @@ def _points_refused(state: Authority, event: Heard, now_s: float, _covered: bool
     commands: list[Command] = []
     notes: list[Action] = []
     for command in state.commands:
-        mine = command.needed.points_id == message.points_id and command.token == message.token
+        needed = command.needed
+        mine = (needed.points_id, needed.terminal_id) == (message.points_id, event.source)
+        mine = mine and command.token == message.token
         if mine and command.refusal != why:
             notes.append(Noted("points_refused", {"points": message.points_id, "why": why}))
         commands.append(replace(command, next_s=now_s + REFUSED_REPEAT_S, refusal=why) if mine else command)
@@ -458,16 +404,19 @@ def _confirmed(state: Authority, event: Heard, now_s: float, covered: bool) -> R
     message = event.message
     if not isinstance(message, HoldingConfirmed) or not state.report_due:
         return state, ()
-    if set(message.section_ids) != set(state.section_ids()):
+    if event.correlation != state.report_correlation:
         return state, ()
-    done = replace(state, token=max(state.token, message.token), report_due=False, next_report_s=NEVER)
-    return _due(done, now_s, covered)
+    if set(message.section_ids) == set(state.section_ids()):
+        state = replace(state, report_due=False, next_report_s=NEVER)
+    elif message.token > state.token:  # refused for its token: the same report again under the newer one
+        state = replace(state, next_report_s=now_s)
+    return _due(_newer_token(state, message.token, (), now_s), now_s, covered)
 
 
-def _claim_query(state: Authority, _event: Heard, _now_s: float, _covered: bool) -> Result:
-    sections = state.section_ids() if state.on_line or state.held else ()
+def _claim_query(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Result:
+    sections = state.section_ids()
     return state, (
-        Send(state.manager_id, Claim(sections, state.token), state.correlation),
+        Send(state.manager_id, Claim(sections, state.token), event.correlation),
         Noted("claimed", {"sections": sections, "token": state.token}),
     )
 
@@ -483,6 +432,8 @@ def _peer_restarted(state: Authority, _event: Heard, now_s: float, covered: bool
     )
     return _due(again, now_s, covered)
 
+
+_LOST_SIGHT: Final = (RefusalReason.NOT_SIGNED_ON, RefusalReason.STALE_TOKEN)
 
 _HEARD: Final[Mapping[type[AnyMessage], Callable[[Authority, Heard, float, bool], Result]]] = {
     SignOnAccepted: _sign_on_accepted,

@@ -99,7 +99,7 @@ def plan_mission(
         at = leg[-1].to_section
     pieces = _pieces(line, routes, start_section)
     path = path_of(line, pieces, direction)
-    spans = _spans(line, path, routes, start_section)
+    spans = _spans(line, path, routes)
     targets = _targets(line, train, path, spans, start_section, leave_by, enter_mark_m)
     return Mission(
         number=train.number,
@@ -164,7 +164,7 @@ def _pieces(line: Line, routes: list[Route], start_section: str) -> tuple[str, .
     return tuple(pieces)
 
 
-def _spans(line: Line, path: Path, routes: list[Route], start_section: str) -> tuple[SectionSpan, ...]:
+def _spans(line: Line, path: Path, routes: list[Route]) -> tuple[SectionSpan, ...]:
     needed = {points_id: position for route in routes for points_id, position in route.points}
     spans: list[SectionSpan] = []
     for step in path.steps:

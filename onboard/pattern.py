@@ -1,7 +1,7 @@
 """Speed curves along a path: the permitted speed for supervision and the driving speed for the ATO.
 
 Curves towards lower limits are overlaid backwards from each limit with a constant braking deceleration and the
-gradient's part by elevation, so v^2/2 falls by (b + g*slope/(1 + rotating mass)) per metre.
+gradient's part by the mean elevation under the train, so v^2/2 falls by (b + g*slope/(1 + rotating mass)) per metre.
 """
 
 from __future__ import annotations
@@ -45,17 +45,27 @@ def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray
     )
 
 
+def mean_over_length(elevation_m: NDArray[np.float64], length_m: float) -> NDArray[np.float64]:
+    """Mean elevation below a train with its front at each metre; the path's beginning continues level; shape (n,)."""
+    rear_m = max(round(length_m), 1)
+    levelled = np.concatenate([np.full(rear_m, elevation_m[0]), elevation_m])
+    trapezia = np.concatenate([[0.0], np.cumsum((levelled[1:] + levelled[:-1]) / 2.0)])
+    return np.asarray((trapezia[rear_m:] - trapezia[:-rear_m]) / rear_m, dtype=np.float64)
+
+
 def pattern_of(
     elevation_m: NDArray[np.float64], limit_mps: NDArray[np.float64], train: TrainRow, behaviour: BehaviourRow
 ) -> NDArray[np.void]:
     """The path database of one kind of train on one path: rows of PATTERN on the 1 m grid; shape (n,)."""
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
     whole = np.minimum(limit_for_length(limit_mps, train.length_m), train.speed_max_mps)
-    permitted = braking_curve(whole, elevation_m, behaviour.service_guaranteed_mps2, gravity_share)
+    body_m = mean_over_length(elevation_m, train.length_m)
+    permitted = braking_curve(whole, body_m, behaviour.service_guaranteed_mps2, gravity_share)
     lowered = np.maximum(whole - behaviour.driving_margin_mps, 1.0)
-    driving = braking_curve(lowered, elevation_m, behaviour.stop_deceleration_mps2, gravity_share)
+    driving = braking_curve(lowered, body_m, behaviour.stop_deceleration_mps2, gravity_share)
     rows = np.zeros(elevation_m.size, dtype=PATTERN)
     rows["elevation_m"] = elevation_m
+    rows["body_elevation_m"] = body_m
     rows["permitted_mps"] = permitted
     rows["driving_mps"] = driving
     return rows

@@ -67,6 +67,7 @@ UNIT: Final = np.dtype(
 PATTERN: Final = np.dtype(
     [
         ("elevation_m", "f8"),
+        ("body_elevation_m", "f8"),  # mean over the train's length, its front here
         ("permitted_mps", "f8"),  # supervision: speed limits with the brake curves towards them
         ("driving_mps", "f8"),  # automatic driving stays under this one
     ],

@@ -41,6 +41,7 @@ class PathRow(Protocol):
     """One metre of the path database."""
 
     elevation_m: float
+    body_elevation_m: float
     permitted_mps: float
     driving_mps: float
 

@@ -1,7 +1,8 @@
 """The speed that may not be passed (速度制御機能, Sugiyama table 1); it may only brake harder than the driver.
 
 Invariant: with the guaranteed brakes, a train supervised here never brings its front past `stop_limit_m`, because
-the permitted speed leaves room for the reaction time and for the position's bound ahead.
+the permitted speed leaves room for the reaction time, for what the train may gain in it while the traction or a
+descent still pulls, and for the position's bound ahead.
 """
 
 from __future__ import annotations
@@ -29,6 +30,16 @@ def path_index(unit: UnitRow, position_m: float) -> int:
 
 
 @compiled
+def body_elevation_m(unit: UnitRow, path: NDArray[np.void], position_m: float) -> float:
+    """Mean elevation under the train with its front at a path coordinate, between the rows by proportion, m."""
+    low = path_index(unit, position_m)
+    high = path_index(unit, position_m + 1.0)
+    share = min(max(position_m - int(position_m), 0.0), 1.0)
+    below = path[low].body_elevation_m
+    return float(below + share * (path[high].body_elevation_m - below))
+
+
+@compiled
 def stop_curve_mps(
     distance_m: float, climb_m: float, deceleration_mps2: float, reaction_s: float, gravity_share_mps2: float
 ) -> float:
@@ -50,33 +61,32 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
     """Set the permitted speed and the intervention of this step; returns event bits."""
     front_m = unit.position_m + unit.bound_ahead_m
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
-    here = path[path_index(unit, front_m)]
     distance_m = unit.stop_limit_m - front_m
-    climb_m = path[path_index(unit, unit.stop_limit_m)].elevation_m - here.elevation_m
-    ceiling = min(here.permitted_mps, unit.restricted_mps)
-    service = min(
-        ceiling,
-        stop_curve_mps(
-            distance_m,
-            climb_m,
-            behaviour.service_guaranteed_mps2,
-            behaviour.service_reaction_s,
-            gravity_share,
-        ),
+    climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, front_m)
+    ceiling = min(path[path_index(unit, np.ceil(front_m))].permitted_mps, unit.restricted_mps)
+    service_stop = stop_curve_mps(
+        distance_m,
+        climb_m,
+        behaviour.service_guaranteed_mps2,
+        behaviour.service_reaction_s,
+        gravity_share,
     )
-    emergency = min(
-        ceiling + behaviour.emergency_margin_mps,
-        stop_curve_mps(
-            distance_m,
-            climb_m,
-            behaviour.emergency_guaranteed_mps2,
-            behaviour.emergency_reaction_s,
-            gravity_share,
-        ),
+    emergency_stop = stop_curve_mps(
+        distance_m,
+        climb_m,
+        behaviour.emergency_guaranteed_mps2,
+        behaviour.emergency_reaction_s,
+        gravity_share,
     )
-    unit.permitted_mps = service
     before = unit.intervention
     speed = unit.speed_mps
+    gain = max(unit.acceleration_mps2, 0.0)
+    service = min(ceiling, service_stop)
+    unit.permitted_mps = service
+    emergency = min(
+        ceiling + behaviour.emergency_margin_mps,
+        emergency_stop - gain * behaviour.emergency_reaction_s,
+    )
     if before == EMERGENCY_INTERVENTION:
         after = EMERGENCY_INTERVENTION  # kept until the event-driven part releases it at a stand
     elif speed > emergency and speed > 0.0:

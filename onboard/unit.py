@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 
 from network.model import Line, SectionKind, TagPurpose
 from onboard import authority as auth
+from onboard.coverage import covered_at, next_coverage_m
 from onboard.localisation import calibrated_scale, fix, within_window
 from onboard.mission import Mission, PathTag, Target
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_INTERVENTION,
     EVENT_MOVING,
+    EVENT_POSITION,
     EVENT_STOPPED,
     EVENT_TAG_OVERDUE,
     MODE_DRIVE,
@@ -71,6 +73,7 @@ class UnitParameters:
     wheel_scale_limit: float = 0.015
     tag_window_m: float = 5.0
     emergency_release_s: float = 30.0  # the driver's acknowledgement after an emergency stop
+    restricted_mps: float = 15.0 / 3.6  # on sight while the position is unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +140,7 @@ class Unit:
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._tags: dict[int, PathTag] = {}
         self._last_tag: tuple[PathTag, float] | None = None
+        self._wanted: tuple[auth.PointsNeeded, ...] = ()  # thrown as soon as and whenever they can be
         self._ready_s = -math.inf  # not before: doors, dwell
         self._release_emergency_s = math.inf
         self._actions: list[UnitAction] = []
@@ -153,6 +157,7 @@ class Unit:
         self._driving_mps = np.ascontiguousarray(path["driving_mps"])
         self._tags = {tag.tag_id: tag for tag in mission.tags}
         self._last_tag = None
+        self._wanted = ()
         self._ready_s = ready_s
         self.row.mode = MODE_HOLD
         self.row.cruise_mps = math.inf
@@ -192,10 +197,10 @@ class Unit:
             correlation=opened.correlation,
         )
         asked = self.authority.asked
-        self._authority(auth.Heard(opened.source, opened.message, opened.fresh), now_s)
+        heard = auth.Heard(opened.source, opened.message, opened.fresh, opened.correlation)
+        self._authority(heard, now_s)
         if asked is not None and self.authority.asked is None and self.mission is not None:
-            points = departure_points(self.mission, asked.from_section)
-            self._authority(auth.Throw(points), now_s)
+            self._wanted += departure_points(self.mission, asked.from_section)
         return self._done(now_s)
 
     def tag_read(self, tag_id: int, odometer_m: float, now_s: float) -> list[UnitAction]:
@@ -206,13 +211,14 @@ class Unit:
             self._position_fault(f"tag {tag_id} where none can be", now_s)
             return self._done(now_s)
         self._calibrate(tag, odometer_m)
+        was_known = self.row.position_known == 1
         correction_m = fix(self.row, tag.position_m, odometer_m, tolerance_m)
         self._note("tag_read", tag=tag_id, purpose=tag.purpose.value, correction_m=round(correction_m, 3))
         self._last_tag = (tag, odometer_m)
         self._expect_tag(tag.position_m)
-        if tag.purpose is TagPurpose.APPROACH and self.mission is not None:
-            self._authority(auth.Throw(arrival_points(self.mission, tag.position_m)), now_s)
-            self._ask_beyond(now_s)
+        if not was_known:
+            self._position_found(now_s)
+        self._approach(tag, now_s)
         return self._done(now_s)
 
     def events(self, bits: int, now_s: float) -> list[UnitAction]:
@@ -225,6 +231,8 @@ class Unit:
             self._note("moving")
         if bits & EVENT_STOPPED:
             self._stopped(now_s)
+        if bits & EVENT_POSITION:  # the radio reaches again
+            self._authority(auth.Tick(), now_s)
         return self._done(now_s)
 
     def timer(self, now_s: float) -> list[UnitAction]:
@@ -233,6 +241,7 @@ class Unit:
             self._release_emergency_s = math.inf
             self.row.intervention = NO_INTERVENTION
             self._note("emergency_released")
+            self._choose_cruise(now_s)
         self._authority(auth.Tick(), now_s)
         return self._done(now_s)
 
@@ -250,7 +259,7 @@ class Unit:
             return "release of the emergency brake"
         if self.phase is Phase.STANDING:
             return "departure time"
-        return "nothing"
+        return "nothing" if self.row.position_known else "a tag: its position is unknown"
 
     # parts --------------------------------------------------------------------------------------------------
 
@@ -278,17 +287,14 @@ class Unit:
         return self._taken()
 
     def _covered(self) -> bool:
-        if self.mission is None:
-            return True
-        step = self.mission.path.step_at(self.row.position_m)
-        kilometrage_m = step.kilometrage_m(self.row.position_m)
-        alignment = self.facts.line.alignments[self.facts.line.pieces[step.piece_id].alignment_id]
-        return any(c.from_m <= kilometrage_m <= c.to_m for c in alignment.coverage)
+        mission = self.mission
+        return mission is None or covered_at(self.facts.line, mission.path, self.row.position_m)
 
     def _expect_tag(self, after_m: float | None = None) -> None:
         if self.mission is None:
             return
-        beyond_m = self.row.position_m if after_m is None else after_m
+        # A tag within the bound may lie behind already: none is due before the front is surely short of it.
+        beyond_m = self.row.position_m + self.row.bound_ahead_m if after_m is None else after_m
         ahead = (tag.position_m for tag in self.mission.tags if tag.position_m > beyond_m + 0.1)
         self.row.expected_tag_m = next(ahead, math.inf)
 
@@ -306,11 +312,32 @@ class Unit:
         )
 
     def _position_fault(self, why: str, now_s: float) -> None:
-        """The position cannot be trusted: stop (位置検知異常による停止制御, table 5)."""
+        """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         self._note("position_fault", why=why)
+        self._last_tag = None
+        self.row.position_known = 0
+        self.row.restricted_mps = self.facts.parameters.restricted_mps
         self.row.intervention = EMERGENCY_INTERVENTION
         if self.row.speed_mps == 0.0:
             self._release_emergency_s = now_s + self.facts.parameters.emergency_release_s
+
+    def _position_found(self, now_s: float) -> None:
+        """A tag has told where the train is; what it holds has not changed, so it runs normally again."""
+        self._note("position_found")
+        self.row.restricted_mps = math.inf
+        self._choose_cruise(now_s)
+
+    def _approach(self, tag: PathTag, now_s: float) -> None:
+        """At the approach tag (④), or at the next one if that was not read: arrival points, next route."""
+        if self.mission is None:
+            return
+        passed = [t for t in self.mission.tags if t.position_m <= tag.position_m]
+        approach = next((t for t in reversed(passed) if t.purpose is TagPurpose.APPROACH), None)
+        newer = [t for t in passed if approach is not None and t.position_m >= approach.position_m]
+        if approach is None or any(t.purpose is TagPurpose.ARRIVAL for t in newer):
+            return
+        self._wanted += arrival_points(self.mission, approach.position_m)
+        self._ask_beyond(now_s)
 
     def _stopped(self, now_s: float) -> None:
         if self.row.intervention == EMERGENCY_INTERVENTION:
@@ -319,10 +346,12 @@ class Unit:
             return
         target = self.mission.targets[self.at + 1]
         away_m = float(self.row.position_m) - target.mark_m
-        if abs(away_m) > ARRIVED_WITHIN_M:
+        if away_m < -ARRIVED_WITHIN_M:
             self._note("stopped_short", short_m=round(-away_m, 2), why=self.limit.reason)
             self.row.braking_to_stop = 0
             return
+        if away_m > ARRIVED_WITHIN_M:  # no train sets back here: it counts as arrived, as far as it went
+            self._note("overran", beyond_m=round(away_m, 2))
         self.at += 1
         self.phase = Phase.STANDING
         self.row.mode = MODE_HOLD
@@ -355,11 +384,13 @@ class Unit:
             self._actions.append(LeftLine())
             return
         row = self.row
-        rear_m = float(row.position_m - row.bound_behind_m - self._train.length_m)
-        cleared = cleared_sections(mission, self.authority, rear_m)
-        if cleared:
-            self._authority(auth.Cleared(cleared), now_s)
-        self._set_limit(mission)
+        if row.position_known:
+            rear_m = float(row.position_m - row.bound_behind_m - self._train.length_m)
+            cleared = cleared_sections(mission, self.authority, rear_m)
+            if cleared:
+                self._authority(auth.Cleared(cleared), now_s)
+            self._throw_wanted(mission, now_s)
+        self._set_limit(mission, now_s)
         if self.phase is Phase.STANDING:
             self._stand(mission, now_s)
         if self.phase is Phase.RUNNING:
@@ -368,14 +399,28 @@ class Unit:
         row.position_trigger_m = math.inf
         timer_s = self.authority.next_timer_s()
         if auth.waiting_for_radio(self.authority):
-            row.position_trigger_m = self._next_coverage_m(mission)
+            row.position_trigger_m = next_coverage_m(self.facts.line, mission.path, row.position_m)
         else:
             self.wake_at_s = min(self.wake_at_s, timer_s)
 
-    def _set_limit(self, mission: Mission) -> None:
+    def _throw_wanted(self, mission: Mission, now_s: float) -> None:
+        """Command what is wanted and neither proven nor under way: anew, too, when a proof was withdrawn."""
+        if not self._wanted:
+            return
+        position_m = self.row.position_m
+        ahead = {span.section_id for span in mission.spans if span.start_m > position_m}
+        self._wanted = tuple(dict.fromkeys(n for n in self._wanted if n.section_id in ahead))
+        under_way = {*self.authority.proven, *(command.needed for command in self.authority.commands)}
+        missing = tuple(needed for needed in self._wanted if needed not in under_way)
+        if missing:
+            self._authority(auth.Throw(missing), now_s)
+
+    def _set_limit(self, mission: Mission, now_s: float) -> None:
         limit = stop_limit(mission, self.authority)
         if limit != self.limit:
             self.limit = limit
+            if self.phase is Phase.RUNNING and self.row.speed_mps == 0.0:
+                self._choose_cruise(now_s)
             piece_id, kilometrage_m = mission.path.locate(limit.limit_m)
             self._note(
                 "stop_limit",
@@ -393,7 +438,7 @@ class Unit:
                 self.phase = Phase.FINISHED
                 self._actions.append(Finished(mission.number))
             return
-        here, there = mission.targets[self.at], mission.targets[self.at + 1]
+        here = mission.targets[self.at]
         leave_s = max(self._ready_s, -math.inf if here.departure_s is None else here.departure_s)
         route = mission.route_beyond(here.section_id)
         missing = route is not None and not all(self.authority.holds(s) for s in route.section_ids)
@@ -405,33 +450,49 @@ class Unit:
                 self.wake_at_s = min(self.wake_at_s, ask_s)
         if now_s < leave_s:
             self.wake_at_s = min(self.wake_at_s, leave_s)
-        elif self.limit.limit_m - self.row.position_m > 2.0 * self.facts.parameters.standoff_m:
-            self._leave_target(mission, there, now_s)
+        elif self._way_is_free(mission, here):
+            self._leave_target(mission, now_s)
 
-    def _leave_target(self, mission: Mission, there: Target, now_s: float) -> None:
-        parameters = self.facts.parameters
-        due_s = there.arrival_s
-        if due_s is not None and there.departure_s is not None:
-            due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
-        cruise_mps = math.inf
-        if due_s is not None:
-            cruise_mps = cruise_for(
-                self._train,
-                self.load_share,
-                self._elevation_m,
-                self._driving_mps,
-                self.row.position_m,
-                there.mark_m,
-                due_s - now_s - parameters.time_margin_s,
-                self._behaviour.stop_deceleration_mps2,
-            )
-        self.row.cruise_mps = cruise_mps
+    def _way_is_free(self, mission: Mission, here: Target) -> bool:
+        """The stop limit lies beyond the track where the train stands: no start towards points not proven."""
+        end_m = mission.spans[mission.span_index(here.section_id)].end_m
+        room_m = self.limit.limit_m - self.row.position_m
+        beyond = self.limit.limit_m > end_m or self.limit.before_section is None
+        on_track = mission.route_beyond(here.section_id) is not None
+        return room_m > 2.0 * self.facts.parameters.standoff_m and (beyond or not on_track)
+
+    def _leave_target(self, mission: Mission, now_s: float) -> None:
         self.row.braking_to_stop = 0
         self.row.mode = MODE_DRIVE
         self.row.target_stop_m = self.row.position_m
         self.phase = Phase.RUNNING
+        self._choose_cruise(now_s)
         station = mission.targets[self.at].station_id
         self._note("departs", station=station or mission.targets[self.at].section_id)
+
+    def _choose_cruise(self, now_s: float) -> None:
+        """Cruising speed for what is left of the way to the next target and of the time."""
+        if self.mission is None or self.phase is not Phase.RUNNING:
+            return
+        parameters = self.facts.parameters
+        there = self.mission.targets[self.at + 1]
+        due_s = there.arrival_s
+        if due_s is not None and there.departure_s is not None:
+            due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
+        self.row.cruise_mps = math.inf
+        if due_s is None or there.mark_m <= self.row.position_m:
+            return
+        self.row.cruise_mps = cruise_for(
+            self._train,
+            self.load_share,
+            self._elevation_m,
+            self._driving_mps,
+            self.row.position_m,
+            there.mark_m,
+            due_s - now_s - parameters.time_margin_s,
+            self._behaviour.stop_deceleration_mps2,
+            float(self.row.speed_mps),
+        )
 
     def _aim(self, mission: Mission) -> None:
         """The front stops at the next mark, or before the stop limit if that comes first."""
@@ -441,16 +502,3 @@ class Unit:
         if aim_m > self.row.target_stop_m + 0.01:
             self.row.braking_to_stop = 0
         self.row.target_stop_m = aim_m
-
-    def _next_coverage_m(self, mission: Mission) -> float:
-        """Path coordinate where the radio reaches again; infinite if nowhere ahead."""
-        position_m = self.row.position_m
-        best = math.inf
-        for step in mission.path.steps:
-            piece = self.facts.line.pieces[step.piece_id]
-            for stretch in self.facts.line.alignments[piece.alignment_id].coverage:
-                for edge_m in (stretch.from_m, stretch.to_m):
-                    if piece.from_m <= edge_m <= piece.to_m:
-                        at_m = step.to_path_m(edge_m)
-                        best = min(best, at_m) if at_m > position_m else best
-        return best + 1.0

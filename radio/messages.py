@@ -8,14 +8,14 @@ Identifiers are those of `network.model`; a token is the fencing token of `waysi
 
 What a unit owes, so that no late answer gives it back what it has released:
 - A request is repeated with the same correlation and contents until it is answered; a new one has a new
-  correlation, from 1 up. RouteGranted takes effect once, for the request outstanding, and only if its token is greater
-  than the unit's own.
-- SignOnAccepted takes effect once, for the sign-on outstanding or the claim just made. A unit that knows what
-  it holds takes token and capabilities from it, never sections.
+  correlation, from 1 up. RouteGranted takes effect once, for the request outstanding, and only if its token
+  is greater than the unit's own.
+- SignOnAccepted takes effect once, for the sign-on outstanding or the claim just made. A unit that knows
+  what it holds takes token and capabilities from it, never sections.
 - HoldingConfirmed never adds a section. A unit may take a greater token from it or from SignOnAccepted, and
   then gives up the request outstanding.
-- Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A unit
-  that waits for its portal holds nothing yet.
+- Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
+  unit that waits for its portal holds nothing yet.
 - A unit drops a section before it reports.
 """
 
@@ -109,7 +109,10 @@ class HoldingConfirmed(Message, frozen=True, array_like=True, tag=5):
 
 
 class SignOn(Message, frozen=True, array_like=True, tag=6):
-    """Unit to manager: I am here and hold this; None: I have started again and do not know."""
+    """Unit to manager: I am here and hold this; None: I have started again and do not know.
+
+    A portal that the unit does not hold yet is a wish to enter there, and granted like a route.
+    """
 
     unit_id: str
     section_ids: tuple[str, ...] | None

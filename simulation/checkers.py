@@ -5,8 +5,9 @@ be held against the truth. Call `observe` for every train before the journal ent
 is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
 
 A train may occupy a section if the block manager gave it to its unit and the unit counts it as held. Two
-exceptions: where a train is put on the line, until its sign-on is accepted; and a portal it stands in after
-the manager has it as outside, until it leaves.
+exceptions: where a train is put on the line, until its sign-on is accepted and its unit says what it holds; and
+a portal it stands in after the manager has it as outside, until it leaves. A unit that has restarted knows
+nothing: until it says anew what it holds, the manager's word alone counts.
 """
 
 from __future__ import annotations
@@ -40,8 +41,11 @@ class Checkers:
         self._portals = frozenset(portals)
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
-        self._own: dict[str, frozenset[str]] = {}  # what each unit counts as held; missing: not known
+        self._own: dict[str, frozenset[str]] = {}  # what each unit counts as held
+        self._forgetful: set[str] = set()  # units that have restarted and not yet said what they hold
         self._proofs: dict[str, dict[str, Proof]] = {}
+        self._changed: set[str] = set()  # units whose holdings changed at `_changed_s`, not yet judged
+        self._changed_s = 0.0
         self._effects: dict[tuple[str, str, int], set[int]] = {}
         self._handlers: dict[str, dict[str, Callable[[float, Entry], None]]] = {
             MANAGER: {
@@ -58,6 +62,7 @@ class Checkers:
                 "points_locked": self._points_locked,
                 "points_unlocked": self._points_unlocked,
                 "points_lost": self._points_lost,
+                "points_forced": self._points_lost,
                 "collision": self._collision,
             },
         }
@@ -102,10 +107,15 @@ class Checkers:
             self._occupants[section_id].discard(unit_id)
         self._own.pop(unit_id, None)
         self._proofs.pop(unit_id, None)
+        self._forgetful.discard(unit_id)
 
     def reversed(self, t_s: float, unit_id: str) -> None:
-        """A train changed ends in place. Raises KeyError for a train that has not entered."""
+        """A train changed ends in place: what was proven was proven for the way it no longer goes.
+
+        Raises KeyError for a train that has not entered.
+        """
         body = self._bodies[unit_id]
+        self._proofs.pop(unit_id, None)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
             self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
@@ -143,12 +153,13 @@ class Checkers:
 
     def finish(self, t_s: float, arrived: Mapping[str, bool]) -> None:
         """`everyone-arrives`: `arrived` has every train expected to arrive, and whether it has."""
+        self._judge_changes()
         for train, has_arrived in arrived.items():
             if not has_arrived:
                 self._log.note(t_s, Checker.EVERYONE_ARRIVES, train, f"{train} has not arrived")
 
     def _settle(self, t_s: float, body: Body, edge_id: str, front_m: float) -> None:
-        """The front came onto another edge, or the rear may have left one, or holdings changed."""
+        """The front came onto another edge, or the rear may have left one."""
         if not self._track.has(edge_id):
             text = f"{body.unit_id} is on {edge_id!r}, which is no edge of the net"
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
@@ -189,12 +200,12 @@ class Checkers:
 
     def _check_held(self, t_s: float, body: Body) -> None:
         """`inside-holding`: manager and unit both have the unit as holder of all that its train occupies."""
-        unit_id, own = body.unit_id, self._own.get(body.unit_id)
+        unit_id, own = body.unit_id, self._own.get(body.unit_id, frozenset())
         for section_id in sorted(body.sections.difference(body.excepted or ())):
             missing = (
                 [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
             )
-            if own is not None and section_id not in own:
+            if section_id not in own and unit_id not in self._forgetful:
                 missing.append("its unit does not hold it")
             if missing:
                 text = f"{unit_id} is in section {section_id}: {' and '.join(missing)}"
@@ -204,6 +215,8 @@ class Checkers:
 
     def journal(self, entry: Entry) -> None:
         """One journal entry, in order. Entries that say nothing to a checker are passed over."""
+        if self._changed and entry["t"] > self._changed_s:
+            self._judge_changes()
         what = entry["what"]
         if what == "took_effect":
             self._took_effect(entry["t"], entry)
@@ -216,18 +229,19 @@ class Checkers:
         unit_id = entry["unit"]
         self._register.granted(t_s, unit_id, entry["route"], entry["sections"], entry["token"])
 
-    def _freed(self, _t_s: float, entry: Entry) -> None:
-        self._register.freed(entry["unit"], entry["sections"])
-        self._look_again(entry["unit"])
+    def _freed(self, t_s: float, entry: Entry) -> None:
+        self._register.freed(entry["unit"], entry.get("sections", ()))
+        self._note_change(t_s, entry["unit"])
 
     def _accepted(self, t_s: float, entry: Entry) -> None:
         unit_id = entry["unit"]
-        self._register.accepted(t_s, unit_id, entry["sections"])
-        self._except(unit_id, frozenset())
+        self._register.accepted(t_s, unit_id, entry.get("sections", ()))
+        if unit_id in self._own or unit_id in self._forgetful:
+            self._except(t_s, unit_id, frozenset())
 
-    def _outside(self, _t_s: float, entry: Entry) -> None:
+    def _outside(self, t_s: float, entry: Entry) -> None:
         self._register.outside(entry["unit"])
-        self._except(entry["unit"], self._portals)
+        self._except(t_s, entry["unit"], self._portals)
 
     def _manager_restarted(self, _t_s: float, entry: Entry) -> None:
         self._register.restarted(entry["registered"])
@@ -237,11 +251,14 @@ class Checkers:
         unit_id, sections = entry["who"], frozenset(entry["sections"])
         before = self._own.get(unit_id, sections)
         self._own[unit_id] = sections
+        self._forgetful.discard(unit_id)
+        if self._register.knows(unit_id):
+            self._except(t_s, unit_id, frozenset())
         proofs = self._proofs.get(unit_id, {})
         for points_id in [p for p in proofs if self._points.section_of(p) not in sections]:
             del proofs[points_id]
         self._check_release(t_s, unit_id, before - sections, "drops")
-        self._look_again(unit_id)
+        self._note_change(t_s, unit_id)
 
     def _reported(self, t_s: float, entry: Entry) -> None:
         """`release-behind-rear`, second half: a report lists every section that the train still occupies."""
@@ -265,7 +282,7 @@ class Checkers:
         self._proofs.get(entry["who"], {}).pop(entry["points"], None)
 
     def _unit_restarted(self, _t_s: float, entry: Entry) -> None:
-        """The unit has forgotten all: until it says anew what it holds, the manager's word alone counts."""
+        self._forgetful.add(entry["who"])
         self._own.pop(entry["who"], None)
         self._proofs.pop(entry["who"], None)
 
@@ -295,13 +312,20 @@ class Checkers:
             self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{receiver} {source} {epoch} {sequence}", text)
         done.add(sequence)
 
-    def _except(self, unit_id: str, sections: frozenset[str]) -> None:
+    def _except(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
         body = self._bodies.get(unit_id)
         if body is not None:
             body.excepted = body.sections & sections
-            body.look_again()
+            self._note_change(t_s, unit_id)
 
-    def _look_again(self, unit_id: str) -> None:
-        body = self._bodies.get(unit_id)
-        if body is not None:
-            body.look_again()
+    def _note_change(self, t_s: float, unit_id: str) -> None:
+        """A standing train is judged too, but once all entries of this moment are in."""
+        self._changed.add(unit_id)
+        self._changed_s = t_s
+
+    def _judge_changes(self) -> None:
+        for unit_id in sorted(self._changed):
+            body = self._bodies.get(unit_id)
+            if body is not None:
+                self._check_held(self._changed_s, body)
+        self._changed.clear()

@@ -34,10 +34,6 @@ class Body:
     excepted: frozenset[str] | None = None
     fresh: list[str] = field(default_factory=list)
 
-    def look_again(self) -> None:
-        """Make the next observation a full one."""
-        self.still_to_m = -math.inf
-
 
 class Track:
     """The net, for following bodies along it."""
@@ -95,7 +91,7 @@ class Track:
         body.path = [edges[edge_id].bidi_edge_id for edge_id in reversed(body.path)]
         body.fresh.clear()
         body.edge_id = ""
-        body.look_again()
+        body.still_to_m = -math.inf
 
     def _way(self, origin: str, target: str) -> tuple[str, ...]:
         """Shortest sequence of edges from behind `origin` to `target`; empty if there is none so near."""

@@ -20,6 +20,10 @@ class RegisterWatch:
         self._unheard: set[str] = set()
         self._token_max = -1
 
+    def knows(self, unit_id: str) -> bool:
+        """Whether the manager has the unit on the line."""
+        return unit_id in self._held
+
     def holds(self, unit_id: str, section_id: str) -> bool:
         """Whether the manager says, or said last, that the unit holds a section."""
         return section_id in self._held.get(unit_id, ())

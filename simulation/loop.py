@@ -52,8 +52,6 @@ class Simulation:
         net: NetMap,
         master_key: bytes,
         link: str,
-        *,
-        record_speeds: bool = False,
     ) -> None:
         self.setup: Final = setup
         self.journal = Journal()
@@ -97,9 +95,6 @@ class Simulation:
         self._speeds = np.zeros((STANDING_STEPS_MAX, len(self.trains.stock_ids)))
         self._moved_step = self._begin_step
         self._timer_steps: dict[str, int] = {}
-        self._record_speeds = record_speeds
-        self._recorded: list[tuple[int, np.ndarray]] = []
-        self._insertions: list[tuple[int, str, str, float, float]] = []
         self._broken = ""
 
     @property
@@ -203,36 +198,31 @@ class Simulation:
             if events & EVENT_FRONT:
                 self._cross_points(slot)
         columns = [(trains.stock_ids[slot], self._speeds[:done, slot].tolist()) for slot in moving]
-        if self._record_speeds:
-            self._record(done, moving)
         hit = self._carrier.run(columns, done)
         self._step += hit or done
         if moving:
             self._moved_step = self._step
-        self._observe(moving if not hit else active)
-        if hit:
+        if hit:  # the kernel may have run on beyond it, so its sums are no measure any more
+            self._observe(active, compare=False)
             self._collided()
             return
+        self._observe(moving)
         for slot, events in bits:
             if events:
                 self._report(slot, events)
 
-    def _record(self, done: int, moving: list[int]) -> None:
-        rows = np.full((done, self._speeds.shape[1]), np.nan)
-        rows[:, moving] = self._speeds[:done, moving]
-        self._recorded.append((self._step, rows))
-
-    def _observe(self, slots: list[int]) -> None:
+    def _observe(self, slots: list[int], *, compare: bool = True) -> None:
         """Truth to the checkers; only trains that moved can have changed anything."""
         now_s = self.now_s
         for slot in slots:
             stock_id = self.trains.stock_ids[slot]
             seen = self._carrier.truth(stock_id)
-            self.trains.compare(slot, seen)
+            if compare:
+                self.trains.compare(slot, seen)
             edge = seen.piece_id + SIGN[seen.direction]
             self.checkers.observe(now_s, stock_id, edge, seen.offset_m, seen.speed_mps)
             truth, unit = self.trains.truths[slot], self.trains.units[slot]
-            if unit.position_known:
+            if compare and unit.position_known:
                 self.checkers.bounds(
                     now_s,
                     stock_id,
@@ -384,8 +374,6 @@ class Simulation:
             self.now_s, "world", "entered", unit=stock_id, train=duty.train.number, edges=under
         )
         self.checkers.entered(stock_id, length_m, under)
-        step = path.step_at(position_m)
-        self._insertions.append((self._step, stock_id, under[-1], position_m - step.start_m, length_m))
         self._observe([slot])
 
     def _span(self, slot: int, duty: Duty) -> TraceSpan:
@@ -532,6 +520,4 @@ class Simulation:
             spans=self._spans,
             journal=self.journal,
             ended_because=because,
-            speeds=self._recorded,
-            insertions=self._insertions,
         )

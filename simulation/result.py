@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,8 +89,6 @@ class RunResult:
     spans: list[TraceSpan]
     journal: Journal
     ended_because: str
-    speeds: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)  # first step, speeds[k, slot]
-    insertions: list[tuple[int, str, str, float, float]] = field(default_factory=list)
 
     @property
     def digest(self) -> str:

@@ -189,7 +189,7 @@ def _parts(run: Run, facts: Mapping[str, Any]) -> tuple[Part, ...]:
     ):
         svg = () if figure is None else (svg_of(figure, title.split()[0].lower()),)
         parts.append(Part(title, caption if svg else "Nothing to show: the run has none.", svg))
-    parts.append(Part("Trains", "", grids=(_train_grid(run),), folded=f"{len(run.trains)} trains"))
+    parts.append(Part("Trains", "", grids=(_train_grid(run),), folded="Plan and run of every train"))
     return (*parts, _telegram_part(run.tables.telegrams), _event_part(run.tables.events))
 
 
@@ -235,7 +235,7 @@ def _telegram_part(telegrams: pl.DataFrame) -> Part:
 
     return Part(
         "Telegrams",
-        "Lost by the air, dropped by the receiver's checks; delivered includes duplicates made by the air.",
+        "Lost by the air, dropped by the receiver's checks.",
         grids=(grid("kind", "kind"), grid("source", "sent by"), grid("destination", "sent to")),
     )
 

@@ -74,7 +74,7 @@ def draw_stop_errors(run: Run, summary: Mapping[str, Any]) -> Figure | None:
     reach_m = max(float(np.abs(errors_m).max()) * 1.1, 0.05)
     histogram.hist(errors_m, bins=np.linspace(-reach_m, reach_m, 32), color="#8fa9c0", ec="white", lw=0.4)
     mean_m, sigma_m = float(summary["stop_error_m_mean"]), summary["stop_error_m_sigma"]
-    histogram.axvline(mean_m, color=INK, lw=1.2, label=f"mean {mean_m:+.3f} m")
+    histogram.axvline(mean_m, color=INK, lw=1.2, label=f"mean {mean_m:+.3f} m".replace("-", "−"))
     if sigma_m is not None:
         label = f"mean ± σ, σ = {sigma_m:.3f} m"
         histogram.axvspan(mean_m - sigma_m, mean_m + sigma_m, color=PALE, alpha=0.15, lw=0, label=label)

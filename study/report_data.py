@@ -23,11 +23,13 @@ class Run:
 
     @cached_property
     def trajectory(self) -> pl.DataFrame:
-        """Samples with a finite time, place and speed, by time."""
+        """Samples on the line with a finite time, place and speed, by time."""
         known = (
             pl.col("t_s").is_finite() & pl.col("kilometrage_m").is_finite() & pl.col("speed_mps").is_finite()
         )
-        return self.tables.trajectory.filter(known).sort("t_s", maintain_order=True)
+        return self.tables.trajectory.filter(known, pl.col("piece").is_in(list(self.line.pieces))).sort(
+            "t_s", maintain_order=True
+        )
 
     @cached_property
     def courses(self) -> Mapping[tuple[str, str], pl.DataFrame]:

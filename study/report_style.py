@@ -56,6 +56,7 @@ _TYPE: Final[dict[RcKeyType, Any]] = {
     "lines.solid_capstyle": "round",
     "lines.solid_joinstyle": "round",
     "svg.fonttype": "path",
+    "text.parse_math": False,
     "axes.unicode_minus": True,
 }
 

@@ -99,9 +99,13 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
 }
 
 
+_WITH_GAPS: Final = ("stops", "blocks")
+
+
 def make_table(name: str, columns: Mapping[str, Any] | None = None) -> pl.DataFrame:
     """The table `name` from columns (sequences or arrays of one length); none given makes it empty.
 
+    In the tables of times, stops and blocks, NaN becomes null: arrays have no other way to say "not yet".
     Raises ValueError when the columns are not exactly those of the schema, TypeError for values that do not
     fit it.
     """
@@ -110,7 +114,8 @@ def make_table(name: str, columns: Mapping[str, Any] | None = None) -> pl.DataFr
         return pl.DataFrame(schema=schema)
     if set(columns) != set(schema):
         raise ValueError(f"table {name}: columns {sorted(set(columns) ^ set(schema))} missing or unknown")
-    return pl.DataFrame({column: columns[column] for column in schema}, schema=schema)
+    frame = pl.DataFrame({column: columns[column] for column in schema}, schema=schema)
+    return frame.with_columns(pl.col(pl.Float64).fill_nan(None)) if name in _WITH_GAPS else frame
 
 
 @dataclass(frozen=True, slots=True)

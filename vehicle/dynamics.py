@@ -16,7 +16,7 @@ from vehicle.records import COMMAND_DELAY_STEPS_MAX
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
 from vehicle.response import approach, dead_time_steps
 from vehicle.rows import PlantRow, TrainRow
-from vehicle.traction import traction_target_n
+from vehicle.traction import full_force_n, traction_target_n
 
 __all__ = ["equivalent_mass_kg", "step"]
 
@@ -74,7 +74,9 @@ def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> float:
 
     regenerative_n = 0.0
     # The emergency brake is air alone, and the motors do not brake while they still pull.
-    if plant.emergency_deceleration_mps2 < 1e-3 and traction_n <= 0.0:
+    # (A lag dies away and never quite ends: a hundredth of the force counts as none.)
+    released = traction_n <= 0.01 * full_force_n(train, plant.load_share, plant.speed_mps)
+    if plant.emergency_deceleration_mps2 < 1e-3 and released:
         regenerative_n = min(brake_n, regenerative_limit_n(train, plant.speed_mps))
     plant.traction_force_n = traction_n
     plant.regenerative_force_n = regenerative_n

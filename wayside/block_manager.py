@@ -69,8 +69,8 @@ Event = Heard[AnyMessage] | ConfirmOutside | ConfirmHolding | Ask
 
 def step(register: Register, event: Event, now_s: float) -> Step:
     """The next register and what to do. Never raises for what a unit or an operator sends."""
-    if register.started_s is None:
-        register = replace(register, started_s=now_s)
+    started_s = now_s if register.started_s is None else register.started_s
+    register = replace(register, started_s=started_s)
     if isinstance(event, Ask):
         return _ask(register, now_s)
     if event.unit_id not in register.plan.unit_ids:
@@ -79,7 +79,7 @@ def step(register: Register, event: Event, now_s: float) -> Step:
     if isinstance(event, Heard):
         return TELEGRAMS.get((standing, type(event.message)), _not_for_manager)(register, event)
     # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
-    if register.epoch > 1 and now_s <= register.started_s + register.plan.telegram_age_max_s:
+    if register.epoch > 1 and now_s <= started_s + register.plan.telegram_age_max_s:
         return register, (_show(NoteKind.REFUSED, event.unit_id, detail=f"{event.person}: too early"),)
     return ACTS[standing, type(event)](register, event)
 
@@ -194,7 +194,10 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
 def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
     if heard.message.unit_id != heard.unit_id:
         return _refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
-    if not heard.fresh and register.unit(heard.unit_id).standing is not Standing.REPORTED:
+    standing, claimed = register.unit(heard.unit_id).standing, heard.message.section_ids
+    # Of a unit known to be outside, even an old wish to enter is only a wish; and a unit that reports is only added to.
+    outside = standing is Standing.OUTSIDE and _enters(register, heard.unit_id, claimed or ())
+    if not (heard.fresh or outside or standing is Standing.REPORTED):
         return _challenge(register, heard)
     return _take_claim(register, heard)
 
@@ -220,12 +223,8 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     if unknown := [section_id for section_id in claimed if section_id not in register.plan.order]:
         return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
     conflict = register.other_holder(unit_id, claimed)
-    if unit.standing is Standing.OUTSIDE and claimed and register.plan.portals.issuperset(claimed):
-        # To enter is to be granted the portal, so it needs a defined line and a free portal.
-        if blocking := register.undefined_because_of():
-            return _refuse_claim(register, heard, RefusalReason.UNDEFINED, None, blocking[0])
-        if conflict is not None:
-            return _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
+    if isinstance(heard.message, SignOn) and _enters(register, unit_id, claimed):
+        return _enter(register, heard, claimed, conflict)
     if conflict is not None:
         free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
         register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
@@ -234,6 +233,29 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
         register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
         return register, (show, *refusal)
     return _accept_claim(register, heard, claimed)
+
+
+def _enters(register: Register, unit_id: str, claimed: tuple[str, ...]) -> bool:
+    """Whether a sign-on asks for a portal that the unit does not hold yet."""
+    return register.plan.portals.issuperset(claimed) and not set(claimed) <= set(register.held_by(unit_id))
+
+
+def _enter(
+    register: Register, heard: Heard[Any], portals: tuple[str, ...], conflict: tuple[str, str] | None
+) -> Step:
+    """A wish, not a fact: it shows that an unknown unit is outside, and needs a defined line and a free portal."""
+    unit_id = heard.unit_id
+    shows: tuple[Action, ...] = ()
+    if register.unit(unit_id).standing is Standing.UNKNOWN:
+        register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, heard.epoch))
+        shows = (_show(NoteKind.OUTSIDE, unit_id, detail=Standing.UNKNOWN.value),)
+    if blocking := register.undefined_because_of():
+        register, actions = _refuse_claim(register, heard, RefusalReason.UNDEFINED, None, blocking[0])
+    elif conflict is not None:
+        register, actions = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
+    else:
+        register, actions = _accept_claim(register, heard, portals)
+    return register, (*shows, *actions)
 
 
 def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
@@ -284,7 +306,8 @@ def _sign_off(register: Register, heard: Heard[SignOff]) -> Step:
     if not register.plan.portals.issuperset(held):
         return _refuse_sign_off(register, heard, RefusalReason.STILL_HOLDING)
     register = register.with_held(unit_id, ())
-    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, unit.token))
+    # Entering again gives a new token, so nothing said before this counts then.
+    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
     return register, (
         _show(NoteKind.FREED, unit_id, held, unit.token),
         _show(NoteKind.OUTSIDE, unit_id, token=unit.token),
@@ -310,7 +333,7 @@ def _sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
 def _confirm_outside(register: Register, act: ConfirmOutside) -> Step:
     unit_id = act.unit_id
     freed = register.held_by(unit_id)
-    unit = replace(register.unit(unit_id), standing=Standing.OUTSIDE, route_id=None)
+    unit = Unit(Standing.OUTSIDE, register.unit(unit_id).epoch)
     register = register.with_held(unit_id, ()).with_unit(unit_id, unit)
     shows = [_show(NoteKind.FREED, unit_id, freed, detail=act.person)] if freed else []
     return register, (*shows, _show(NoteKind.OUTSIDE, unit_id, detail=act.person))

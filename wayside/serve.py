@@ -173,12 +173,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     options = _arguments(arguments)
-    _end_with_parent()
     try:
         host = _host(options)
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         return 2
+    _end_with_parent()
     with zenoh.open(zenoh.Config.from_json5(session_json5("connect", options.connect))) as session:
         _Server(session, host, options.line, options.device).run()
     return 0

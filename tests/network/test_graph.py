@@ -35,7 +35,7 @@ def test_two_pieces_follow_at_a_toe_normal_first_and_one_when_trailing() -> None
     assert next_pieces(LINE, "A.2", Direction.DOWN) == ("A.12.reverse",)
     assert next_pieces(LINE, "A.12.stem", Direction.UP) == ("A.12.normal", "A.12.reverse")
     assert next_pieces(LINE, "B.1", Direction.DOWN) == ()
-    assert LINE.next_pieces("P", Direction.DOWN) == ("A.11.stem",)
+    assert next_pieces(LINE, "P", Direction.DOWN) == ("A.11.stem",)
 
 
 def test_graph_is_built_once_a_line() -> None:

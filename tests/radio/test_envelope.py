@@ -110,9 +110,8 @@ def test_far_behind_the_window_is_out_of_order() -> None:
     train, manager = pair()
     first = train.seal("manager", REPORT, 0.0)
     received(manager.open(first, 0.0))
-    for _ in range(SEQUENCE_WINDOW + 1):
-        last = train.seal("manager", REPORT, 0.0)
-    received(manager.open(last, 0.0))
+    later = [train.seal("manager", REPORT, 0.0) for _ in range(SEQUENCE_WINDOW + 1)]
+    received(manager.open(later[-1], 0.0))
     assert reason(manager.open(first, 0.0)) is DropReason.OUT_OF_ORDER
 
 

@@ -6,6 +6,7 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from network.line_file import load_line
 from network.model import Line
 from network.shipped import shipped_line, shipped_timetable
 from network.timetable import Timetable, TimetableTrain, load_timetable, platform_of
+from study.report_data import Run
 from study.run_tables import SCHEMAS, RunTables, make_table
 
 STEP_S = 1.0
@@ -28,7 +30,7 @@ class Rows:
 
     tables: dict[str, list[tuple[Any, ...]]] = field(default_factory=lambda: {name: [] for name in SCHEMAS})
 
-    def add(self, name: str, *row: Any) -> None:
+    def add(self, name: str, *row: object) -> None:
         assert len(row) == len(SCHEMAS[name])
         self.tables[name].append(row)
 
@@ -56,7 +58,14 @@ def _speed(at_m: float, distance_m: float, top_mps: float) -> tuple[float, float
     return speed_mps, 4.0 if speed_mps == up_mps else -5.0 if speed_mps == down_mps else 1.0
 
 
-def _hop(rows: Rows, line: Line, who: tuple[str, TimetableTrain], ends_m: tuple[float, float], ends_s: tuple[float, float], pieces: tuple[str, ...]) -> float:  # fmt: skip
+def _hop(
+    rows: Rows,
+    line: Line,
+    who: tuple[str, TimetableTrain],
+    ends_m: tuple[float, float],
+    ends_s: tuple[float, float],
+    pieces: tuple[str, ...],
+) -> float:
     """Samples from one mark to the next; the time of arrival."""
     unit, train = who
     distance_m = abs(ends_m[1] - ends_m[0])
@@ -66,25 +75,31 @@ def _hop(rows: Rows, line: Line, who: tuple[str, TimetableTrain], ends_m: tuple[
         speed_mps, notch = _speed(at_m, distance_m, top_mps)
         arrived = at_m >= distance_m - 0.05
         here_m = ends_m[0] + train.direction * at_m
-        piece = next((p for p in pieces if line.pieces[p].from_m <= here_m <= line.pieces[p].to_m), pieces[-1])
+        piece = next(
+            (p for p in pieces if line.pieces[p].from_m <= here_m <= line.pieces[p].to_m), pieces[-1]
+        )
         row = (t_s, unit, train.number, int(train.direction), here_m, piece, 0.0 if arrived else speed_mps)
         stop_mps = math.sqrt(2 * 0.9 * max(distance_m - at_m, 0.0))
         permitted_mps = min(line.max_speed_mps, stop_mps + PERMITTED_MARGIN_MPS)
         target_mps = min(top_mps, math.sqrt(2 * BRAKE_MPS2 * max(distance_m - at_m, 0.0)))
-        rows.add("trajectory", *row, 0.0, 0.0 if arrived else notch, permitted_mps, target_mps, 0, 0.3, 2.0, 2.0)
+        rows.add(
+            "trajectory", *row, 0.0, 0.0 if arrived else notch, permitted_mps, target_mps, 0, 0.3, 2.0, 2.0
+        )
         if arrived:
             return t_s
         at_m = min(at_m + max(speed_mps, 0.3) * STEP_S, distance_m)
         t_s += STEP_S
 
 
-def _run_train(rows: Rows, line: Line, unit: str, train: TimetableTrain, late_s: float, draw: random.Random) -> None:
+def _run_train(
+    rows: Rows, line: Line, unit: str, train: TimetableTrain, late_s: float, draw: random.Random
+) -> None:
     number, direction = train.number, train.direction
     tracks = [platform_of(line, call, direction) for call in train.calls]
     stations = [i for i, call in enumerate(train.calls) if not line.stations[call.station_id].is_halt]
     pieces: list[str] = []
     spans: list[tuple[int, int, tuple[str, ...]]] = []
-    for i, j in zip(stations, stations[1:], strict=False):
+    for i, j in pairwise(stations):
         route = find_route(line, tracks[i].section_id, tracks[j].section_id, direction)
         assert route is not None
         pieces += route.piece_ids
@@ -97,7 +112,12 @@ def _run_train(rows: Rows, line: Line, unit: str, train: TimetableTrain, late_s:
             reach_s = max(call.first_s + late_s, left_s[i - 1] + 30)
             ends_m = tracks[i - 1].marks_m[direction], tracks[i].marks_m[direction]
             came_s[i] = _hop(
-                rows, line, (unit, train), ends_m, (left_s[i - 1], reach_s), tuple(pieces) or (tracks[0].piece_id,)
+                rows,
+                line,
+                (unit, train),
+                ends_m,
+                (left_s[i - 1], reach_s),
+                tuple(pieces) or (tracks[0].piece_id,),
             )
             assert before.departure_s is not None
         if call.departure_s is not None:
@@ -114,8 +134,11 @@ def _run_train(rows: Rows, line: Line, unit: str, train: TimetableTrain, late_s:
     for i, j, sections in spans:
         for k, section in enumerate(sections):
             enters_s = left_s[i] + (came_s[j] - left_s[i]) * (k + 0.3) / len(sections)
-            clears_s = left_s.get(j, came_s[j] + 300) + 25 if k == len(sections) - 1 else came_s[j] - 10 + 8 * k
-            rows.add("blocks", section, unit, number, len(rows.tables["blocks"]), left_s[i] - 20, clears_s + 3, enters_s, clears_s)  # fmt: skip
+            clears_s = (
+                left_s.get(j, came_s[j] + 300) + 25 if k == len(sections) - 1 else came_s[j] - 10 + 8 * k
+            )
+            token = len(rows.tables["blocks"])
+            rows.add("blocks", section, unit, number, token, left_s[i] - 20, clears_s + 3, enters_s, clears_s)
     km = abs(tracks[-1].marks_m[direction] - tracks[0].marks_m[direction]) / 1000
     rows.add("energy", unit, number, train.revenue, km, 2.1 * km + 2, 0.6 * km, 0.4 * km)
 
@@ -139,25 +162,18 @@ def make_run(line: Line, timetable: Timetable, seed: int = 1) -> RunTables:
     return rows.finish()
 
 
-@dataclass(frozen=True)
-class Day:
-    line: Line
-    timetable: Timetable
-    tables: RunTables
-
-
 @pytest.fixture(scope="session")
-def make_day() -> Callable[[str, str], Day]:
+def make_day() -> Callable[[str, str], Run]:
     """A made-up run of a shipped line and timetable."""
 
-    def make(line_name: str, timetable_name: str) -> Day:
+    def make(line_name: str, timetable_name: str) -> Run:
         line = load_line(shipped_line(line_name))
         timetable = load_timetable(shipped_timetable(timetable_name), line)
-        return Day(line, timetable, make_run(line, timetable))
+        return Run(line, timetable, make_run(line, timetable))
 
     return make
 
 
 @pytest.fixture(scope="session")
-def weekday(make_day: Callable[[str, str], Day]) -> Day:
+def weekday(make_day: Callable[[str, str], Run]) -> Run:
     return make_day("karasuyama", "karasuyama_weekday")

@@ -1,0 +1,326 @@
+"""The command `branchline`: reads arguments, shows progress, prints results, sets exit codes.
+
+Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input. Heavy imports are inside the
+commands, so that help is quick. With `--json` stdout carries one object and nothing else; all else is on stderr.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from network.errors import InputError
+
+if TYPE_CHECKING:
+    from study.run import Run
+
+BROKEN: Final = 1
+BAD_INPUT: Final = 2
+INTERRUPTED: Final = 130
+
+app = typer.Typer(
+    name="branchline",
+    help="Line-level traffic and interlocking simulator for single-track branch lines.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+importers = typer.Typer(help="Make line and timetable data from outside sources.", no_args_is_help=True)
+app.add_typer(importers, name="import")
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
+Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of every chance in the run.")]
+Out = Annotated[Path | None, typer.Option("--out", help="Run directory; default runs/<scenario>.")]
+LinkName = Annotated[
+    str, typer.Option("--link", help="simulated, or zenoh: a process for each wayside device.")
+]
+
+
+def main() -> None:
+    """Entry point."""
+    signal.signal(signal.SIGTERM, _terminated)
+    try:
+        app()
+    except InputError as error:
+        _tell(f"error: {error}")
+        sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:
+        _tell("interrupted; nothing was written")
+        sys.exit(INTERRUPTED)
+
+
+def _terminated(_number: int, _frame: FrameType | None) -> None:
+    """A polite end is an end like any other: contexts close, processes go."""
+    raise KeyboardInterrupt
+
+
+def _tell(text: str) -> None:
+    sys.stderr.write(text + "\n")
+    sys.stderr.flush()
+
+
+def _print_json(value: object) -> None:
+    sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
+    sys.stdout.flush()
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[float, float, int], None]]:
+    """A progress line on stderr; a plain line now and then where stderr is no terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        told = -1
+
+        def tell(now_s: float, _end_s: float, arrived: int) -> None:
+            nonlocal told
+            hour = int(now_s // 3600)
+            if hour != told:
+                told = hour
+                _tell(f"{title}: {hour:02d}:00, {arrived} trains arrived")
+
+        yield tell
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.fields[clock]}  {task.fields[arrived]} trains arrived"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True, refresh_per_second=5) as bar:
+        task = bar.add_task(title, total=1.0, clock="", arrived=0)
+        first_s: list[float] = []
+
+        def show(now_s: float, end_s: float, arrived: int) -> None:
+            if not first_s:
+                first_s.append(now_s)
+            share = (now_s - first_s[0]) / max(end_s - first_s[0], 1.0)
+            clock = f"{int(now_s // 3600):02d}:{int(now_s % 3600 // 60):02d}"
+            bar.update(task, completed=share, clock=clock, arrived=arrived)
+
+        yield show
+
+
+@app.command()
+def run(
+    scenario: Annotated[str, typer.Argument(help="A shipped scenario, or a scenario file (.toml).")],
+    link: LinkName = "simulated",
+    carrier: Annotated[
+        str, typer.Option("--carrier", help="sumo, or plain: one train on plain track.")
+    ] = "sumo",
+    seed: Seed = None,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Run a scenario and write its run directory with report.html."""
+    from study.run import CarrierKind, execute, link_of, write_run
+    from study.scenario import load_scenario
+
+    chosen = link_of(link)
+    if carrier not in {kind.value for kind in CarrierKind}:
+        raise InputError("command line", "--carrier", carrier, "sumo or plain")
+    loaded = load_scenario(scenario, seed)
+    directory = (out or Path("runs") / loaded.id).resolve()
+    with _progress(loaded.id) as progress:
+        done = execute(loaded, chosen, carrier=CarrierKind(carrier), progress=progress)
+    _tell("writing the report")
+    report = write_run(done, directory)
+    if as_json:
+        _print_json(done.summary | {"out": str(directory)})
+    else:
+        _print_run(done, report)
+    for text in done.broken:
+        _tell(f"broken: {text}")
+    raise typer.Exit(BROKEN if done.broken else 0)
+
+
+def _print_run(done: Run, report: Path) -> None:
+    """The figures of a run for a person."""
+    from rich.console import Console
+    from rich.table import Table
+
+    summary = done.summary
+    error = {key: summary[f"stop_error_m_{key}"] for key in ("mean", "sigma", "max_abs")}
+    energy, telegrams = summary["energy_kwh"], summary["telegrams"]
+
+    def metres(value: float | None) -> str:
+        return "-" if value is None else f"{value:.3f}"
+
+    rows = [
+        ("trains", f"{summary['trains_arrived']} of {summary['trains_planned']} ran their whole journey"),
+        ("empty workings", f"{summary['empty_workings_arrived']} of {summary['empty_workings_planned']}"),
+        ("latest", f"{summary['late_s_max']:.1f} s after the timetable"),
+        ("earliest departure", f"{summary['early_departure_s_max']:.1f} s before the timetable"),
+        (
+            "stops",
+            f"{summary['stops']}: error mean {metres(error['mean'])} m, sigma {metres(error['sigma'])} m,"
+            f" largest {metres(error['max_abs'])} m",
+        ),
+        ("invariants broken", str(summary["invariants_broken"])),
+        (
+            "energy",
+            f"traction {energy['traction']:.1f}, regenerated {energy['regenerated']:.1f},"
+            f" auxiliary {energy['auxiliary']:.1f} kWh",
+        ),
+        ("telegrams", ", ".join(f"{count} {name}" for name, count in telegrams.items())),
+        ("ended because", summary["ended_because"]),
+        ("journal digest", summary["digest"]),
+        ("wall time", f"{summary['wall_s']:.1f} s for {summary['simulated_s'] / 3600.0:.1f} h"),
+        ("report", str(report)),
+    ]
+    table = Table(title=done.scenario.name, show_header=False, title_justify="left")
+    for name, value in rows:
+        table.add_row(name, value)
+    Console(soft_wrap=True).print(table)
+
+
+@app.command()
+def bench(
+    scenario: Annotated[str, typer.Argument(help="Scenario to measure.")] = "karasuyama_weekday",
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
+    as_json: Json = False,
+) -> None:
+    """Measure the same day three ways: SUMO alone, full system, full system over Zenoh."""
+    from study.bench import bench as measure
+
+    figures = measure(scenario, rounds, _tell)
+    if as_json:
+        _print_json(figures)
+        return
+    sys.stdout.write(f"{scenario}: medians of {rounds} rounds\n")
+    heads = ("", "wall s", "min", "max", "of SUMO", "of simulated", "peak MB")
+    lines = [heads, *(tuple(_short(value) for value in row.values()) for row in figures["rows"])]
+    for line in lines:
+        sys.stdout.write(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]) + "\n")
+    same = "the same journal digest" if figures["same_digest"] else "DIFFERENT journal digests"
+    _tell(f"budgets: {figures['budgets']}; the full runs gave {same}")
+    raise typer.Exit(0 if figures["same_digest"] else BROKEN)
+
+
+def _short(value: object) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+@app.command()
+def reproduce(
+    name: Annotated[str, typer.Argument(help="Name of a reproduction; 'list' shows them.")],
+    link: LinkName = "simulated",
+    seed: Annotated[int, typer.Option("--seed", min=0)] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Directory for plots, where there are any.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A short slice; the remarks say what it leaves out.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Rebuild a published experiment and print the paper's figures beside ours."""
+    from study.reproduction import REPRODUCTIONS, Options, reproduction
+    from study.run import link_of
+
+    if name == "list":
+        _print_json(sorted(REPRODUCTIONS)) if as_json else _tell("\n".join(sorted(REPRODUCTIONS)))
+        return
+    options = Options(seed=seed, link=link_of(link).value, out=None if out is None else str(out), quick=quick)
+    result = reproduction(name)(options)
+    if as_json:
+        _print_json(result.as_dict())
+    else:
+        _print_reproduction(result.as_dict())
+    raise typer.Exit(0 if result.passed else BROKEN)
+
+
+def _print_reproduction(result: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(soft_wrap=False)
+    parameters = Table(title=f"{result['name']}: {result['title']}", title_justify="left")
+    for head in ("parameter", "value", "origin"):
+        parameters.add_column(head)
+    for p in result["parameters"]:
+        parameters.add_row(p["name"], f"{p['value']} {p['unit']}".strip(), p["origin"])
+    console.print(parameters)
+    rows = Table()
+    for head in ("case", "paper", "ours", "criterion", "passed"):
+        rows.add_column(head)
+    for row in result["rows"]:
+        cells = (row["case"], str(row["paper"]), str(row["ours"]), row["criterion"])
+        rows.add_row(*cells, "yes" if row["passed"] else "NO")
+    console.print(rows)
+    for remark in result["remarks"]:
+        console.print(f"- {remark}")
+    console.print("passed" if result["passed"] else "NOT passed")
+
+
+@app.command()
+def check(
+    scenario: Annotated[str, typer.Argument(help="A shipped scenario, or a scenario file (.toml).")],
+    as_json: Json = False,
+) -> None:
+    """Read a scenario with all that it names and say whether its trains can meet; runs nothing."""
+    from network.meets import meet_text, planned_meets, unresolvable_meets
+    from study.scenario import load_scenario
+
+    loaded = load_scenario(scenario)
+    line, timetable = loaded.setup.line, loaded.setup.timetable
+    impossible = [meet_text(meet, line) for meet in unresolvable_meets(line, timetable)]
+    figures = {
+        "scenario": loaded.id,
+        "line": line.id,
+        "trains": len(timetable.trains),
+        "stocks": len(timetable.diagrams),
+        "meets": len(planned_meets(line, timetable)),
+        "impossible_meets": impossible,
+    }
+    if as_json:
+        _print_json(figures)
+    else:
+        for key, value in figures.items():
+            if key != "impossible_meets":
+                sys.stdout.write(f"{key}: {value}\n")
+        for text in impossible:
+            sys.stdout.write(f"impossible: {text}\n")
+    raise typer.Exit(BROKEN if impossible else 0)
+
+
+@importers.command("geometry")
+def import_geometry_command(
+    polyline: Annotated[Path, typer.Argument(help="Track polyline (GeoJSON, longitude and latitude).")],
+    stations: Annotated[Path, typer.Argument(help="Stations of the line (JSON of the same source).")],
+    out: Annotated[Path, typer.Argument(help="TOML fragment to write.")],
+) -> None:
+    """Fit kilometrage, straights, transitions and curves to a track polyline."""
+    from network.geometry_import import import_geometry
+
+    import_geometry(polyline, stations, out)
+    _tell(f"wrote {out}")
+
+
+@importers.command("timetable")
+def import_timetable_command(
+    source: Annotated[Path, typer.Argument(help="Timetable in the form of mini-tokyo-3d (JSON).")],
+    out: Annotated[Path, typer.Argument(help="Timetable file (TOML) to write.")],
+    calendar: Annotated[str, typer.Option("--calendar", help="Weekday or SaturdayHoliday.")] = "Weekday",
+) -> None:
+    """Make a timetable file of the Karasuyama line from published times."""
+    from network.timetable_import import import_timetable
+
+    import_timetable(source, out, calendar)
+    _tell(f"wrote {out}")
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("PYTHONUNBUFFERED", "1")
+    main()

@@ -1,0 +1,30 @@
+"""Where on its path a train reaches the radio network (無線エリア), by the unit's own fixed data and position."""
+
+from __future__ import annotations
+
+import math
+
+from network.model import Line
+from network.path import Path
+
+WELL_INSIDE_M = 1.0  # beyond the edge by this much, so that rounding cannot put the train outside
+
+
+def covered_at(line: Line, path: Path, position_m: float) -> bool:
+    """Whether the radio reaches a train whose front is at a path coordinate, m."""
+    step = path.step_at(position_m)
+    kilometrage_m = step.kilometrage_m(position_m)
+    alignment = line.alignments[line.pieces[step.piece_id].alignment_id]
+    return any(stretch.from_m <= kilometrage_m <= stretch.to_m for stretch in alignment.coverage)
+
+
+def next_coverage_m(line: Line, path: Path, position_m: float) -> float:
+    """Path coordinate (m) just inside the next stretch that begins ahead; infinite if none does."""
+    best_m = math.inf
+    for step in path.steps:
+        piece = line.pieces[step.piece_id]
+        for stretch in line.alignments[piece.alignment_id].coverage:
+            edge_m = stretch.from_m if step.direction > 0 else stretch.to_m
+            if piece.from_m <= edge_m <= piece.to_m and step.to_path_m(edge_m) > position_m:
+                best_m = min(best_m, step.to_path_m(edge_m))
+    return best_m + WELL_INSIDE_M

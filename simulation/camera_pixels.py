@@ -1,0 +1,181 @@
+"""The compiled pixels of the rendered camera: a box tunnel by ray, flat boards and discs over it, then the sensor.
+
+Image arrays have the shape (rows, columns, 3), BGR, 1.0 for full white. `lens_m[row]` is the lens's place along
+the track when the row's exposure begins (rolling shutter), so every row sees its own picture.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.compiled import compiled
+
+Singles = NDArray[np.float32]
+Floats = NDArray[np.float64]
+
+INSTANTS: Final = 4  # a row's exposure is sampled this often, for motion blur
+RAY_MAX_M: Final = 1e6
+
+# columns of a board: distance along the track, centre right and up, half width and height, blue, green, red, round
+ALONG, RIGHT, UP, HALF_WIDTH, HALF_HEIGHT, BLUE, GREEN, RED, ROUND = range(9)
+
+
+@compiled
+def sample(texture: Singles, along: float, across: float, blur: float, pixel: Singles) -> None:
+    """Bilinear sample of a texture (along, across, BGR) into `pixel`; coordinates in cells, the first wraps round.
+
+    The texture's last row holds the mean along the track; `blur` (0 to 1) fades to it where detail is too fine.
+    """
+    rows = texture.shape[0] - 1
+    q = min(max(across, 0.0), texture.shape[1] - 1.001)
+    j = int(q)
+    right = np.float32(q - j)
+    left = np.float32(1.0) - right
+    if blur >= 1.0:
+        for c in range(3):
+            pixel[c] = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
+        return
+    i = math.floor(along)
+    far = np.float32(along - i)
+    near = np.float32(1.0) - far
+    i0 = i % rows
+    i1 = i0 + 1 if i0 + 1 < rows else 0
+    for c in range(3):
+        low = texture[i0, j, c] * left + texture[i0, j + 1, c] * right
+        high = texture[i1, j, c] * left + texture[i1, j + 1, c] * right
+        pixel[c] = low * near + high * far
+    if blur > 0.0:
+        fade = np.float32(blur)
+        for c in range(3):
+            mean = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
+            pixel[c] += (mean - pixel[c]) * fade
+
+
+@compiled
+def draw_tunnel(
+    image: Singles,
+    left_px: int,
+    top_px: int,
+    lens_m: Floats,
+    focal_px: float,
+    axis_row: float,
+    axis_column: float,
+    lens_height_m: float,
+    half_width_m: float,
+    ceiling_m: float,
+    floor: Singles,
+    wall: Singles,
+    ceiling: Singles,
+    cell_m: float,
+    extinction_per_m: float,
+    air: float,
+) -> None:
+    """Fill the image with floor, walls and ceiling of a straight box around the track, fading into the air."""
+    pixel = np.empty(3, dtype=np.float32)
+    for r in range(image.shape[0]):
+        rise = (axis_row - (top_px + r + 0.5)) / focal_px
+        for k in range(image.shape[1]):
+            side = (left_px + k + 0.5 - axis_column) / focal_px
+            to_wall = half_width_m / abs(side) if side != 0.0 else RAY_MAX_M
+            to_level = RAY_MAX_M
+            if rise < 0.0:
+                to_level = lens_height_m / -rise
+            elif rise > 0.0:
+                to_level = (ceiling_m - lens_height_m) / rise
+            ray_m = min(to_wall, to_level)
+            along = (lens_m[r] + ray_m) / cell_m
+            # what one pixel covers along the track, against the texture's finest pattern
+            span = ray_m * ray_m / (focal_px * (half_width_m if to_wall < to_level else lens_height_m))
+            blur = min(max(span / (8.0 * cell_m) - 0.5, 0.0), 1.0)
+            if to_wall < to_level:
+                sample(wall, along, (lens_height_m + rise * ray_m) / cell_m, blur, pixel)
+            elif rise < 0.0:
+                sample(floor, along, (half_width_m + side * ray_m) / cell_m, blur, pixel)
+            else:
+                sample(ceiling, along, (half_width_m + side * ray_m) / cell_m, blur, pixel)
+            clear = math.exp(-extinction_per_m * ray_m) if extinction_per_m > 0.0 else 1.0
+            for c in range(3):
+                image[r, k, c] = pixel[c] * clear + air * (1.0 - clear)
+
+
+@compiled
+def board_cover(board: Floats, x_px: float, y_px: float, scale: float, edge_px: float) -> float:
+    """Share (0 to 1) of a pixel that a board covers; `x_px`, `y_px` from its centre, `scale` pixels a metre."""
+    half_width = board[HALF_WIDTH] * scale
+    half_height = board[HALF_HEIGHT] * scale
+    if board[ROUND] > 0.0:
+        inside = half_width - math.sqrt(x_px * x_px + y_px * y_px)
+        return min(max(inside / edge_px + 0.5, 0.0), 1.0)
+    across = min(max((half_width - abs(x_px)) / edge_px + 0.5, 0.0), min(2.0 * half_width / edge_px, 1.0))
+    upright = min(max((half_height - abs(y_px)) / edge_px + 0.5, 0.0), min(2.0 * half_height / edge_px, 1.0))
+    return across * upright
+
+
+@compiled
+def draw_board(
+    image: Singles,
+    left_px: int,
+    top_px: int,
+    lens_m: Floats,
+    way_in_exposure_m: float,
+    focal_px: float,
+    axis_row: float,
+    axis_column: float,
+    lens_height_m: float,
+    board: Floats,
+    edge_px: float,
+    extinction_per_m: float,
+    air: float,
+) -> None:
+    """Draw one board or disc that faces the camera, blurred by the lens and by the way run while exposing."""
+    rows, columns = image.shape[0], image.shape[1]
+    nearest_m = board[ALONG] - lens_m[rows - 1] - way_in_exposure_m
+    if nearest_m <= 0.01:
+        return
+    scale = focal_px / nearest_m
+    reach = board[HALF_WIDTH] * scale + edge_px + 2.0
+    centre = axis_column + board[RIGHT] * scale
+    far_centre = axis_column + board[RIGHT] * focal_px / (board[ALONG] - lens_m[0])
+    first = max(int(min(centre, far_centre) - reach) - left_px, 0)
+    last = min(int(max(centre, far_centre) + reach) + 1 - left_px, columns)
+    for r in range(rows):
+        v_px = top_px + r + 0.5 - axis_row
+        near_v = (lens_height_m - board[UP]) * focal_px / nearest_m
+        far_v = (lens_height_m - board[UP]) * focal_px / (board[ALONG] - lens_m[0])
+        tall = board[HALF_HEIGHT] * scale + edge_px + 2.0
+        if v_px < min(near_v, far_v) - tall or v_px > max(near_v, far_v) + tall:
+            continue
+        for k in range(first, last):
+            u_px = left_px + k + 0.5 - axis_column
+            cover = 0.0
+            for instant in range(INSTANTS):
+                distance = board[ALONG] - lens_m[r] - way_in_exposure_m * (instant + 0.5) / INSTANTS
+                now = focal_px / distance
+                x_px = u_px - board[RIGHT] * now
+                y_px = v_px - (lens_height_m - board[UP]) * now
+                cover += board_cover(board, x_px, y_px, now, edge_px) / INSTANTS
+            if cover <= 0.0:
+                continue
+            clear = math.exp(-extinction_per_m * (board[ALONG] - lens_m[r]))
+            for c in range(3):
+                colour = board[BLUE + c] * clear + air * (1.0 - clear)
+                image[r, k, c] = image[r, k, c] * (1.0 - cover) + colour * cover
+
+
+@compiled
+def expose(
+    image: Singles, light: Floats, noise: Singles, noise_from: int, noise_grey: float, out: NDArray[np.uint8]
+) -> None:
+    """Light (one factor a row), sensor noise (standard deviation in grey levels) and 8 bits, into `out`."""
+    used = noise_from
+    last = noise.size - 1  # a power of two less one
+    for r in range(image.shape[0]):
+        for k in range(image.shape[1]):
+            for c in range(3):
+                grey = 255.0 * image[r, k, c] * light[r] + noise_grey * noise[used & last]
+                used += 1
+                out[r, k, c] = np.uint8(min(max(grey + 0.5, 0.0), 255.0))

@@ -1,0 +1,222 @@
+"""Run a scenario: build the world, run it, write the run directory."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from network.errors import InputError
+from network.graph import routes_from
+from network.meets import meet_text, unresolvable_meets
+from network.model import Direction, Line, SectionKind
+from radio.fleet import DeviceSpec, Fleet
+from simulation.carrier import Carrier
+from simulation.loop import Progress, Simulation
+from simulation.result import RunResult
+from simulation.setup import STEP_S, Setup
+from study.collect import tables_of
+from study.report import write_report
+from study.run_tables import RunTables
+from study.scenario import Scenario
+from study.summary import summarise
+from sumo_cfg.build import net_for
+from sumo_cfg.truth_map import read_net
+from wayside.config import device_specs, manager_config, terminal_configs
+
+
+class Link(Enum):
+    """How telegrams reach the wayside devices: inside this process, or processes over Zenoh."""
+
+    SIMULATED = "simulated"
+    ZENOH = "zenoh"
+
+
+class CarrierKind(Enum):
+    """What carries the trains."""
+
+    SUMO = "sumo"
+    PLAIN = "plain"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A finished run. `broken` lists what makes it a failure, one sentence each."""
+
+    scenario: Scenario
+    result: RunResult
+    summary: dict[str, Any]
+    tables: RunTables
+    broken: tuple[str, ...]
+
+
+def execute(
+    scenario: Scenario,
+    link: Link,
+    *,
+    carrier: CarrierKind = CarrierKind.SUMO,
+    progress: Progress | None = None,
+    wrap: Callable[[Carrier], Carrier] | None = None,
+) -> Run:
+    """Run a scenario and compute its tables and summary; writes nothing that stays.
+
+    `wrap` may put something around the carrier, to watch what it is asked to do.
+    """
+    setup = scenario.setup
+    with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
+        net = net_for(setup.line, Path(folder))
+        master_key = master_key_of(setup)
+        specs = specs_of(setup, master_key)
+        make = carrier_factory(carrier, setup.line, net)
+        wrapped = wrap or (lambda plain: plain)
+        started = time.perf_counter()
+        with fleet_of(link, setup.line.id, specs, Path(folder)) as fleet:
+            simulation = Simulation(
+                setup,
+                lambda begin_s: wrapped(make(begin_s)),
+                fleet,
+                read_net(net),
+                master_key,
+                link.value,
+            )
+            result = simulation.run(progress)
+        wall_s = time.perf_counter() - started
+    lengths_m = {stock: float(train.row[0]["length_m"]) for stock, train in setup.trains.items()}
+    tables = tables_of(result, setup.line, lengths_m)
+    broken = broken_by(result, setup)
+    summary = {
+        "scenario": scenario.id,
+        "seed": setup.seed,
+        "link": link.value,
+        "carrier": carrier.value,
+        "digest": result.digest,
+        **summarise(tables, setup.timetable),
+        "empty_workings_planned": len(result.empty_planned),
+        "empty_workings_arrived": len(result.empty_arrived),
+        "invariants_broken": len(result.violations),
+        "collisions": len(result.collisions),
+        "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
+        "ended_because": result.ended_because,
+        "broken": list(broken),
+        "simulated_s": (result.end_step - result.begin_step) * STEP_S,
+        "wall_s": round(wall_s, 3),
+    }
+    return Run(scenario, result, summary, tables, broken)
+
+
+def write_run(run: Run, out: Path) -> Path:
+    """Write the run directory: all of it or nothing. Returns the path of the report."""
+    setup = run.scenario.setup
+    out.parent.mkdir(parents=True, exist_ok=True)
+    aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    try:
+        run.tables.write(aside)
+        (aside / "journal.jsonl").write_bytes(run.result.journal.to_bytes())
+        summary = run.summary | {"out": str(out)}
+        (aside / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
+        facts = summary | {
+            "scenario": run.scenario.name,
+            "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
+            "violations": run.summary["violations"],
+            "broken_expectations": list(run.broken),
+            "assumed": list(run.scenario.assumed),
+        }
+        write_report(aside, setup.line, setup.timetable, run.tables, facts)
+        aside.chmod(0o755)
+        if out.exists():
+            old = Path(tempfile.mkdtemp(prefix=f".{out.name}-old-", dir=out.parent))
+            out.rename(old / "run")
+            aside.rename(out)
+            shutil.rmtree(old)
+        else:
+            aside.rename(out)
+    except BaseException:
+        shutil.rmtree(aside, ignore_errors=True)
+        raise
+    return out / "report.html"
+
+
+def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
+    """What makes a run a failure: collisions, broken invariants, trains that did not arrive and why."""
+    broken = [*result.collisions]
+    broken += [f"{v.checker}: {v.text}" for v in result.violations if v.checker != "everyone-arrives"]
+    missing = [
+        n
+        for n in (*result.trains_planned, *result.empty_planned)
+        if n not in (*result.trains_arrived, *result.empty_arrived)
+    ]
+    if missing:
+        broken.append(f"{len(missing)} trains did not arrive: {', '.join(missing)}")
+        broken += [
+            f"{waiting.number} ({waiting.stock_id}) stands in {waiting.place} and waits for {waiting.waits_for}"
+            for waiting in result.waiting
+        ]
+        broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
+    return tuple(broken)
+
+
+def terminals_of(line: Line) -> tuple[str, ...]:
+    """Point terminals of a line."""
+    return tuple(sorted({points.terminal_id for points in line.points.values()}))
+
+
+def master_key_of(setup: Setup) -> bytes:
+    """Key of the run, from which all pair keys come: simulated, so drawn from the seed."""
+    return hashlib.blake2b(f"{setup.name}/{setup.seed}".encode(), digest_size=32).digest()
+
+
+def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
+    """What is needed to start the wayside devices of a run."""
+    line = setup.line
+    stops = (SectionKind.TRACK, SectionKind.PORTAL)
+    routes = [
+        route
+        for section in line.sections.values()
+        if section.kind in stops
+        for direction in Direction
+        for route in routes_from(line, section.id, direction)
+    ]
+    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
+    return device_specs(manager_config(line, routes, unit_ids), terminal_configs(line), master_key)
+
+
+def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:
+    """How the loop makes its carrier, given the time at which the run begins (s)."""
+    if kind is CarrierKind.SUMO:
+        from simulation.sumo_carrier import SumoCarrier
+
+        return lambda begin_s: SumoCarrier(net, begin_s)
+    from simulation.plain_track import PlainTrack
+
+    return lambda _begin_s: PlainTrack({piece.id: piece.length_m for piece in line.pieces.values()}, STEP_S)
+
+
+@contextmanager
+def fleet_of(link: Link, line_id: str, specs: tuple[DeviceSpec, ...], folder: Path) -> Iterator[Fleet]:
+    """The wayside devices, in this process or as processes; gone when the context ends, however it ends."""
+    if link is Link.ZENOH:
+        from radio.zenoh_link import ZenohFleet
+
+        with ZenohFleet(line_id, specs, folder / "devices") as fleet:
+            yield fleet
+        return
+    from wayside.local_fleet import LocalFleet
+
+    with LocalFleet(specs) as local:
+        yield local
+
+
+def link_of(name: str) -> Link:
+    """The link of that name; InputError otherwise."""
+    try:
+        return Link(name)
+    except ValueError:
+        raise InputError("command line", "--link", name, "simulated or zenoh") from None

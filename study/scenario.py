@@ -1,0 +1,226 @@
+"""Scenarios: line, timetable, trains, sensors, air and seed of a run, read from TOML and made into a Setup.
+
+A scenario may extend another (`extends = "karasuyama_weekday"`) and patch the line (`[line_patch]`): that is a
+what-if. Whatever it leaves out has the defaults of `simulation.setup`, which are assumed and shown by the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from pydantic import Field
+
+from network.errors import InputError
+from network.line_file import load_line, validate_train_fits
+from network.model import Line
+from network.shipped import shipped_line, shipped_timetable
+from network.timetable import Timetable, load_timetable
+from network.toml_input import Record, one_of, parse_table, read_text, validate
+from onboard.unit import UnitParameters
+from radio.air import AirParameters, DelayShape
+from simulation.setup import Driving, Sensors, Setup
+from vehicle.train_file import TrainType, load_train, shipped_train
+
+FOLDER: Final = "scenarios"
+
+
+class _Trains(Record):
+    default: str
+    stock: dict[str, str] = Field(default_factory=dict)
+    load_share_mean: float = Field(default=0.2, ge=0.0, le=1.0)
+    load_share_spread: float = Field(default=0.15, ge=0.0, le=0.5)
+
+
+class _Air(Record):
+    delay_min_s: float = Field(default=0.1, gt=0.0)
+    delay_mean_s: float = Field(default=0.1, gt=0.0)
+    delay_shape: Literal["constant", "exponential"] = "exponential"
+    loss_good_p: float = Field(default=0.0, ge=0.0, le=1.0)
+    loss_bad_p: float = Field(default=1.0, ge=0.0, le=1.0)
+    good_to_bad_per_s: float = Field(default=0.0, ge=0.0)
+    bad_to_good_per_s: float = Field(default=1.0, ge=0.0)
+    duplicate_p: float = Field(default=0.0, ge=0.0, le=1.0)
+    reorder_p: float = Field(default=0.0, ge=0.0, le=1.0)
+    reorder_delay_s: float = Field(default=1.0, ge=0.0)
+    flip_p: float = Field(default=0.0, ge=0.0, le=1.0)
+
+
+class _Limits(Record):
+    time_limit_s: float = Field(default=3600.0, gt=0.0)
+    stall_limit_s: float = Field(default=3600.0, gt=0.0)
+
+
+class _Operation(Record):
+    portal_lead_s: float = Field(default=210.0, ge=0.0)
+    change_ends_s: float = Field(default=60.0, ge=0.0)
+    leave_after_s: float = Field(default=60.0, ge=0.0)
+
+
+class _ScenarioFile(Record):
+    id: str
+    name: str
+    line: str
+    timetable: str
+    seed: int = Field(default=1, ge=0)
+    trains: _Trains
+    air: _Air = Field(default_factory=_Air)
+    unit: dict[str, float] = Field(default_factory=dict)
+    driving: dict[str, float] = Field(default_factory=dict)
+    sensors: dict[str, float] = Field(default_factory=dict)
+    limits: _Limits = Field(default_factory=_Limits)
+    operation: _Operation = Field(default_factory=_Operation)
+    line_patch: dict[str, Any] = Field(default_factory=dict)
+    assumed: list[str] = Field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A scenario ready to run. `patched` says whether the line differs from its file."""
+
+    id: str
+    name: str
+    file: str
+    setup: Setup
+    patched: bool
+    assumed: tuple[str, ...]
+
+
+def shipped_scenarios() -> tuple[str, ...]:
+    """Names of the scenarios that come with the program."""
+    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+
+
+def find_scenario(name: str) -> Path:
+    """File of a shipped scenario, or the given .toml file. InputError otherwise."""
+    given = Path(name)
+    if given.suffix == ".toml":
+        if given.is_file():
+            return given
+        raise InputError(
+            name, "", None, f"an existing file, or a shipped scenario: {one_of(shipped_scenarios())}"
+        )
+    if name in shipped_scenarios():
+        return _folder() / f"{name}.toml"
+    raise InputError(
+        name, "", None, f"a .toml file or a shipped scenario: {one_of(shipped_scenarios(), name)}"
+    )
+
+
+def load_scenario(name: str, seed: int | None = None) -> Scenario:
+    """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
+    path = find_scenario(name)
+    model = _read(path)
+    line = _line(path, model)
+    timetable = load_timetable(_beside(path, model.timetable, shipped_timetable), line)
+    trains = _trains(path, model, timetable)
+    lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
+    validate_train_fits(line, lengths_m, timetable, str(path))
+    setup = Setup(
+        name=model.id,
+        line=line,
+        timetable=timetable,
+        trains=trains,
+        seed=model.seed if seed is None else seed,
+        air=_air(model.air),
+        unit=_fill(UnitParameters, {"dwell_min_s": timetable.dwell_min_s, **model.unit}, path, "unit"),
+        driving=_fill(Driving, model.driving, path, "driving"),
+        sensors=_fill(Sensors, model.sensors, path, "sensors"),
+        load_share_mean=model.trains.load_share_mean,
+        load_share_spread=model.trains.load_share_spread,
+        portal_lead_s=model.operation.portal_lead_s,
+        change_ends_s=model.operation.change_ends_s,
+        leave_after_s=model.operation.leave_after_s,
+        time_limit_s=model.limits.time_limit_s,
+        stall_limit_s=model.limits.stall_limit_s,
+    )
+    assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
+    return Scenario(model.id, model.name, str(path), setup, bool(model.line_patch), assumed)
+
+
+def _folder() -> Path:
+    return Path(str(files("study"))) / FOLDER
+
+
+def _read(path: Path) -> _ScenarioFile:
+    return validate(_merged(path, ()), str(path), _ScenarioFile)
+
+
+def _merged(path: Path, above: tuple[Path, ...]) -> dict[str, Any]:
+    """The tables of a scenario laid over those of the one that it extends."""
+    if path in above:
+        raise InputError(str(path), "extends", path.stem, "a scenario that does not extend itself")
+    data = parse_table(read_text(path), str(path))
+    base = data.pop("extends", None)
+    if base is None:
+        return data
+    if not isinstance(base, str):
+        raise InputError(str(path), "extends", base, "the name of a scenario")
+    beside = path.parent / f"{base}.toml"
+    below = _merged(beside if beside.is_file() else find_scenario(base), (*above, path))
+    return _laid_over(below, data)
+
+
+def _laid_over(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        known = merged.get(key)
+        if isinstance(known, dict) and isinstance(value, dict):
+            merged[key] = _laid_over(known, value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def _beside(path: Path, name: str, shipped: Any) -> Path:  # noqa: ANN401 - one of two functions of network.shipped
+    """A file named relative to the scenario's own folder, or one that is shipped."""
+    near = path.parent / name
+    return near if name.endswith(".toml") and near.is_file() else shipped(name)
+
+
+def _line(path: Path, model: _ScenarioFile) -> Line:
+    file = _beside(path, model.line, shipped_line)
+    if not model.line_patch:
+        return load_line(file)
+    from network.patch import load_patched_line
+
+    return load_patched_line(file, model.line_patch, str(path))
+
+
+def _trains(path: Path, model: _ScenarioFile, timetable: Timetable) -> dict[str, TrainType]:
+    known = {diagram.stock_id for diagram in timetable.diagrams}
+    for stock_id in model.trains.stock:
+        if stock_id not in known:
+            raise InputError(
+                str(path), f"trains.stock.{stock_id}", stock_id, f"a stock id: {one_of(sorted(known))}"
+            )
+    loaded: dict[str, TrainType] = {}
+    for name in {model.trains.default, *model.trains.stock.values()}:
+        near = path.parent / name
+        loaded[name] = load_train(near if name.endswith(".toml") and near.is_file() else shipped_train(name))
+    return {
+        stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)] for stock_id in sorted(known)
+    }
+
+
+def _air(model: _Air) -> AirParameters:
+    values = model.model_dump()
+    values["delay_shape"] = DelayShape(values["delay_shape"])
+    return AirParameters(**values)
+
+
+def _fill(kind: type[Any], values: Mapping[str, float], path: Path, table: str) -> Any:  # noqa: ANN401
+    """A parameter dataclass from a table; unknown keys are refused."""
+    known = [field.name for field in fields(kind)]
+    for key, value in values.items():
+        if key not in known:
+            raise InputError(str(path), f"{table}.{key}", value, f"one of {one_of(known, key)}")
+    return kind(**values)
+
+
+def _train_assumptions(trains: Mapping[str, TrainType]) -> tuple[str, ...]:
+    kinds = {train.id: train for train in trains.values()}
+    return tuple(f"{train.name}: {text}" for train in kinds.values() for text in train.assumed)

@@ -1,0 +1,100 @@
+"""The RTRI test line, its one train and records to work on, for the tests of the on-board unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from network.line_file import load_line
+from network.model import Direction, Line
+from network.shipped import shipped_line, shipped_timetable
+from network.timetable import AtPortal, Call, Stabled, TimetableTrain, load_timetable
+from onboard.mission import Mission, plan_mission
+from onboard.pattern import pattern_of
+from onboard.records import BEHAVIOUR, MODE_DRIVE, UNIT
+from vehicle.train_file import load_train, shipped_train
+
+LINE_SPEED_MPS = 18.0
+
+
+@pytest.fixture(scope="session")
+def rtri() -> Line:
+    return load_line(shipped_line("rtri_test_line"))
+
+
+@pytest.fixture(scope="session")
+def mission(rtri: Line) -> Mission:
+    """The paper's running test: from section 3 to section 8."""
+    timetable = load_timetable(shipped_timetable("rtri_test_line"), rtri)
+    return plan_mission(rtri, timetable.trains["T1"], "3", None, None)
+
+
+@pytest.fixture(scope="session")
+def through(rtri: Line) -> Mission:
+    """From portal to portal, calling at A only: B is passed."""
+    train = TimetableTrain(
+        "T2", Direction.DOWN, True, (Call("A", "1", 0, 60),), AtPortal("PW"), AtPortal("PE")
+    )
+    return plan_mission(rtri, train, "PW", "PE", 60.0)
+
+
+@pytest.fixture(scope="session")
+def back(rtri: Line) -> Mission:
+    """UP, from section 8 to section 3's station: track 2 is the usual one there."""
+    calls = (Call("B", "1", None, 300), Call("A", None, 400, None))
+    train = TimetableTrain("T3", Direction.UP, True, calls, Stabled(), Stabled())
+    return plan_mission(rtri, train, "8", None, None)
+
+
+@pytest.fixture(scope="session")
+def train() -> np.recarray:
+    return load_train(shipped_train("ev_e301")).row.view(np.recarray)[0]
+
+
+@pytest.fixture
+def behaviour(train: np.recarray) -> np.recarray:
+    row = np.zeros(1, dtype=BEHAVIOUR).view(np.recarray)[0]
+    row.service_guaranteed_mps2 = 0.8
+    row.service_reaction_s = 1.4
+    row.emergency_guaranteed_mps2 = 1.0
+    row.emergency_reaction_s = 1.4
+    row.service_margin_mps = 0.6
+    row.release_margin_mps = 1.0
+    row.emergency_margin_mps = 2.0
+    row.driving_margin_mps = 1.2
+    row.stop_deceleration_mps2 = 0.6
+    row.stop_gain_per_s = 0.8
+    row.cruise_gain_per_s = 0.3
+    row.notch_hold_s = 2.0
+    row.standing_brake_notch = train.brake_notches / 2.0
+    row.step_s = 0.1
+    return row
+
+
+@pytest.fixture
+def unit() -> np.recarray:
+    """A unit that knows it stands at 100 m of an endless free track."""
+    row = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+    row.position_m = 100.0
+    row.position_known = 1
+    row.odometer_scale = 1.0
+    row.bound_growth = 0.02
+    row.expected_tag_m = row.stop_limit_m = row.restricted_mps = np.inf
+    row.rear_trigger_m = row.position_trigger_m = np.inf
+    row.cruise_mps = row.target_stop_m = np.inf
+    row.tag_window_m = 5.0
+    row.mode = MODE_DRIVE
+    return row
+
+
+@pytest.fixture
+def track(train: np.recarray, behaviour: np.recarray) -> Callable[..., np.recarray]:
+    """Rows of PATTERN over `elevation_m`, with one limit everywhere."""
+
+    def make(elevation_m: np.ndarray, limit_mps: float = LINE_SPEED_MPS) -> np.recarray:
+        limits = np.full(elevation_m.size, limit_mps)
+        return pattern_of(np.ascontiguousarray(elevation_m), limits, train, behaviour).view(np.recarray)
+
+    return make

@@ -1,0 +1,508 @@
+"""The block manager's rules one by one, and its tables walked.
+
+The line, after figure 3: P0 (portal), A (points), B (track), C (between), D (points), E (track), P9 (portal).
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from radio.fleet import ConfirmHolding, ConfirmOutside, NoteKind
+from radio.keys import capability_key, capability_mac
+from radio.messages import (
+    AnyMessage,
+    Claim,
+    ClaimQuery,
+    HoldingConfirmed,
+    HoldingReport,
+    PointsProof,
+    RefusalReason,
+    RouteGranted,
+    RouteRefused,
+    RouteRequest,
+    SignOff,
+    SignOffAccepted,
+    SignOffRefused,
+    SignOn,
+    SignOnAccepted,
+    SignOnRefused,
+)
+from wayside.actions import Send, Show
+from wayside.block_manager import ACTS, TELEGRAMS, Ask, Heard, step, wake_at_s
+from wayside.config import ManagerConfig, RouteEntry, SectionEntry
+from wayside.register import Register, Standing, start
+
+MASTER = b"m" * 32
+KEYS = {terminal: capability_key(MASTER, terminal) for terminal in ("tA", "tD")}
+CONFIG = ManagerConfig(
+    "line",
+    "block-manager",
+    ("u1", "u2", "u3"),
+    (
+        SectionEntry("P0", portal=True),
+        SectionEntry("A", terminal_ids=("tA",)),
+        SectionEntry("B"),
+        SectionEntry("C"),
+        SectionEntry("D", terminal_ids=("tD",)),
+        SectionEntry("E"),
+        SectionEntry("P9", portal=True),
+    ),
+    (
+        RouteEntry("in", "P0", ("A", "B")),
+        RouteEntry("over", "B", ("C", "D", "E")),
+        RouteEntry("back", "E", ("D", "C", "B")),
+    ),
+)
+IN = RouteRequest("u1", "in", ("A", "B"))
+
+
+class Desk:
+    """A register and what it did last, so that tests read as a conversation."""
+
+    def __init__(self, epoch: int = 1) -> None:
+        self.register: Register = start(CONFIG, epoch, KEYS)
+        self.kinds: list[NoteKind] = []
+        self.now_s = 0.0
+
+    def hear(
+        self, unit_id: str, message: AnyMessage, epoch: int = 1, fresh: bool = True, correlation: int = 1
+    ) -> AnyMessage:
+        """The last answer to a telegram; every answer goes to its sender with its correlation."""
+        event = Heard(unit_id, epoch, fresh, correlation, message)
+        self.register, actions = step(self.register, event, self.now_s)
+        sends = [action for action in actions if isinstance(action, Send)]
+        assert all((send.destination, send.correlation) == (unit_id, correlation) for send in sends)
+        self.kinds = [action.note.kind for action in actions if isinstance(action, Show)]
+        return sends[-1].message
+
+    def act(self, act: ConfirmOutside | ConfirmHolding) -> list[NoteKind]:
+        self.register, actions = step(self.register, act, self.now_s)
+        return [action.note.kind for action in actions if isinstance(action, Show)]
+
+    def standing(self, unit_id: str) -> Standing:
+        return self.register.unit(unit_id).standing
+
+    def enter(self, unit_id: str, *sections: str) -> int:
+        """Claim sections that nobody else holds; returns the token."""
+        accepted = self.hear(unit_id, Claim(sections, 0))
+        assert isinstance(accepted, SignOnAccepted)
+        assert accepted.section_ids == sections
+        return accepted.token
+
+
+def defined(**holdings: tuple[str, ...]) -> Desk:
+    """A desk with every unit outside but those named, who have claimed what they hold."""
+    desk = Desk()
+    for unit_id in CONFIG.unit_ids:
+        if unit_id in holdings:
+            desk.enter(unit_id, *holdings[unit_id])
+        else:
+            desk.act(ConfirmOutside(unit_id, "Sato"))
+    return desk
+
+
+def test_nothing_is_granted_while_anyone_is_unknown() -> None:
+    desk = Desk()
+    desk.enter("u1", "P0")
+    desk.act(ConfirmOutside("u2", "Sato"))
+    assert desk.hear("u1", IN) == RouteRefused("in", RefusalReason.UNDEFINED, None, "u3")
+    desk.act(ConfirmHolding("u3", ("E",), "Sato"))
+    assert isinstance(desk.hear("u1", IN), RouteGranted)
+
+
+def test_a_route_is_granted_whole_with_capabilities_for_its_terminals() -> None:
+    desk = defined(u1=("P0",))
+    granted = desk.hear("u1", IN)
+    assert isinstance(granted, RouteGranted)
+    assert granted.section_ids == ("A", "B")
+    assert granted.token >> 32 == desk.register.epoch
+    (capability,) = granted.capabilities
+    assert (capability.terminal_id, capability.section_id) == ("tA", "A")
+    assert capability.mac == capability_mac(KEYS["tA"], "tA", "A", "u1", granted.token)
+    assert desk.register.held_by("u1") == ("P0", "A", "B")
+    assert desk.kinds == [NoteKind.GRANTED]
+
+
+def test_a_route_is_not_granted_in_part() -> None:
+    desk = defined(u1=("B",), u2=("E",))
+    request = RouteRequest("u1", "over", ("C", "D", "E"))
+    assert desk.hear("u1", request) == RouteRefused("over", RefusalReason.HELD, "E", "u2")
+    assert desk.register.held_by("u1") == ("B",)
+
+
+def test_the_same_request_again_gets_the_same_answer_and_changes_nothing() -> None:
+    desk = defined(u1=("P0",))
+    first = desk.hear("u1", IN, correlation=5)
+    before = desk.register
+    assert desk.hear("u1", IN, correlation=5) == first
+    assert desk.register == before
+    assert desk.kinds == []
+
+
+def test_a_new_request_for_what_is_held_already_gets_a_greater_token() -> None:
+    desk = defined(u1=("P0",))
+    first, second = desk.hear("u1", IN, correlation=5), desk.hear("u1", IN, correlation=6)
+    assert isinstance(first, RouteGranted)
+    assert isinstance(second, RouteGranted)
+    assert second.token > first.token
+
+
+@pytest.mark.parametrize(
+    ("request_", "reason"),
+    [
+        (RouteRequest("u1", "nowhere", ("A",)), RefusalReason.UNKNOWN_ROUTE),
+        (RouteRequest("u1", "in", ("A",)), RefusalReason.UNKNOWN_ROUTE),
+        (RouteRequest("u1", "over", ("C", "D", "E")), RefusalReason.NOT_CONNECTED),
+        (RouteRequest("u2", "in", ("A", "B")), RefusalReason.WRONG_UNIT),
+    ],
+)
+def test_requests_that_are_refused(request_: RouteRequest, reason: RefusalReason) -> None:
+    desk = defined(u1=("P0",))
+    before = desk.register
+    answer = desk.hear("u1", request_)
+    assert isinstance(answer, RouteRefused)
+    assert answer.reason is reason
+    assert desk.register == before
+
+
+def test_a_request_from_a_boot_that_has_not_signed_on() -> None:
+    desk = defined(u1=("P0",))
+    assert desk.hear("u1", IN, epoch=2) == RouteRefused("in", RefusalReason.NOT_SIGNED_ON)
+
+
+def test_a_report_frees_what_it_no_longer_lists_and_a_lost_one_heals() -> None:
+    desk = defined(u1=("P0",))
+    granted = desk.hear("u1", IN)
+    assert isinstance(granted, RouteGranted)
+    # The report without P0 is lost; the next says all that is held, and frees both.
+    confirmed = desk.hear("u1", HoldingReport(("B",), granted.token))
+    assert confirmed == HoldingConfirmed(("B",), granted.token)
+    assert desk.register.holders == {"B": "u1"}
+    assert desk.kinds == [NoteKind.FREED]
+    assert desk.hear("u1", HoldingReport(("B",), granted.token)) == confirmed
+    assert desk.kinds == []
+
+
+def test_a_report_from_before_the_last_grant_frees_nothing() -> None:
+    desk = defined(u1=("P0",))
+    old_token = desk.register.unit("u1").token
+    granted = desk.hear("u1", IN)
+    assert isinstance(granted, RouteGranted)
+    expected = HoldingConfirmed(("P0", "A", "B"), granted.token)
+    assert desk.hear("u1", HoldingReport(("P0",), old_token)) == expected
+    assert desk.register.held_by("u1") == ("P0", "A", "B")
+
+
+@pytest.mark.parametrize(("sections", "epoch"), [((), 1), (("B", "E"), 1), (("B",), 2)])
+def test_reports_that_free_nothing(sections: tuple[str, ...], epoch: int) -> None:
+    desk = defined(u1=("A", "B"), u2=("E",))
+    before = desk.register
+    report = HoldingReport(sections, desk.register.unit("u1").token)
+    assert isinstance(desk.hear("u1", report, epoch=epoch), HoldingConfirmed)
+    assert desk.register == before
+    assert desk.kinds in ([NoteKind.REFUSED], [NoteKind.CONTRADICTION])
+
+
+def test_silence_frees_nothing() -> None:
+    desk = defined(u1=("P0",))
+    holders = desk.register.holders
+    for day in range(1, 8):
+        desk.register, _ = step(desk.register, Ask(), day * 86_400.0)
+    assert desk.register.holders == holders
+
+
+def test_a_restarted_manager_asks_until_everyone_is_known() -> None:
+    desk = Desk(epoch=2)
+    assert wake_at_s(desk.register) == 0.0
+    desk.register, actions = step(desk.register, Ask(), 100.0)
+    assert actions == tuple(Send(unit_id, ClaimQuery()) for unit_id in CONFIG.unit_ids)
+    assert wake_at_s(desk.register) == 105.0
+    assert step(desk.register, Ask(), 104.9) == (desk.register, ())
+    for unit_id, sections in [("u1", ("A", "B")), ("u2", ()), ("u3", ("E",))]:
+        desk.hear(unit_id, Claim(sections, 7))
+    assert desk.register.undefined_because_of() == ()
+    assert wake_at_s(desk.register) is None
+    assert step(desk.register, Ask(), 1000.0) == (desk.register, ())
+    assert desk.register.holders == {"A": "u1", "B": "u1", "E": "u3"}
+    assert desk.standing("u2") is Standing.OUTSIDE
+
+
+def test_a_claim_keeps_the_trains_token_and_later_ones_are_greater() -> None:
+    desk = Desk(epoch=2)
+    old_token = (1 << 32) + 40
+    accepted = desk.hear("u1", Claim(("P0",), old_token))
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.token == old_token
+    for unit_id in ("u2", "u3"):
+        desk.hear(unit_id, Claim((), 0))
+    granted = desk.hear("u1", IN)
+    assert isinstance(granted, RouteGranted)
+    assert granted.token > old_token
+
+
+def test_a_token_that_this_manager_never_gave_is_replaced() -> None:
+    desk = Desk(epoch=2)
+    accepted = desk.hear("u1", Claim(("P0",), 9 << 32))
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.token == (2 << 32) + 1
+
+
+@pytest.mark.parametrize("message", [SignOn("u1", ("P0",)), Claim(("P0",), 3), HoldingReport(("P0",), 3)])
+def test_a_claim_that_may_date_from_before_the_restart_is_asked_again(message: AnyMessage) -> None:
+    desk = Desk(epoch=2)
+    assert desk.hear("u1", message, fresh=False) == ClaimQuery()
+    assert desk.standing("u1") is Standing.UNKNOWN
+
+
+def test_a_unit_that_started_again_learns_what_it_holds() -> None:
+    desk = defined(u1=("P0",))
+    granted = desk.hear("u1", IN)
+    assert isinstance(granted, RouteGranted)
+    accepted = desk.hear("u1", SignOn("u1", None), epoch=2, fresh=False)
+    expected = SignOnAccepted(("P0", "A", "B"), granted.token, "in", granted.capabilities)
+    assert accepted == expected
+    assert desk.hear("u1", SignOn("u1", None), epoch=2) == expected
+    # What the boot before sent counts no more.
+    desk.hear("u1", HoldingReport(("B",), granted.token), epoch=1)
+    assert desk.register.held_by("u1") == ("P0", "A", "B")
+
+
+def test_both_dead_and_nobody_knows_a_person_must_say() -> None:
+    desk = Desk(epoch=2)
+    assert desk.hear("u1", SignOn("u1", None)) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
+    assert desk.standing("u1") is Standing.UNKNOWN
+    desk.now_s = 6.0
+    assert desk.act(ConfirmHolding("u1", ("C", "D"), "Sato")) == [NoteKind.BY_HAND]
+    accepted = desk.hear("u1", SignOn("u1", None))
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.section_ids == ("C", "D")
+    assert desk.standing("u1") is Standing.REPORTED
+
+
+def test_a_person_waits_until_no_grant_of_the_boot_before_can_arrive() -> None:
+    desk = Desk(epoch=2)
+    desk.now_s = 50.0
+    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.REFUSED]
+    desk.now_s = 50.0 + CONFIG.telegram_age_max_s
+    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.REFUSED]
+    desk.now_s += 0.1
+    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.OUTSIDE]
+
+
+def test_a_wrong_entry_by_hand_shows_when_the_unit_speaks_and_stops_all_grants() -> None:
+    desk = Desk(epoch=2)
+    desk.register, _ = step(desk.register, Ask(), 0.0)
+    desk.now_s = 10.0
+    desk.act(ConfirmHolding("u1", ("B",), "Sato"))  # wrong: u1 holds A, B and u2 is not in A
+    desk.act(ConfirmHolding("u2", ("A",), "Sato"))
+    desk.act(ConfirmOutside("u3", "Sato"))
+    assert desk.hear("u1", Claim(("A", "B"), 7)) == SignOnRefused(RefusalReason.HELD, "A", "u2")
+    assert NoteKind.CONTRADICTION in desk.kinds
+    assert desk.standing("u1") is Standing.DISPUTED
+    assert desk.register.holders == {"B": "u1", "A": "u2"}
+    desk.hear("u3", SignOn("u3", ("P0",)))
+    assert desk.standing("u3") is Standing.OUTSIDE  # entering is a grant too
+    refused = desk.hear("u1", RouteRequest("u1", "over", ("C", "D", "E")))
+    assert refused == ClaimQuery()
+    # The person corrects the entry for u2, u1 claims again: defined.
+    assert desk.act(ConfirmHolding("u2", ("E",), "Sato")) == [NoteKind.FREED, NoteKind.BY_HAND]
+    assert isinstance(desk.hear("u1", Claim(("A", "B"), 7)), SignOnAccepted)
+    assert desk.register.undefined_because_of() == ()
+
+
+def test_a_person_cannot_contradict_another_holder() -> None:
+    desk = defined(u1=("A", "B"))
+    assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [NoteKind.CONTRADICTION]
+    assert desk.standing("u2") is Standing.OUTSIDE
+
+
+@pytest.mark.parametrize("sections", [(), ("nowhere",)])
+def test_entries_by_hand_that_make_no_sense(sections: tuple[str, ...]) -> None:
+    assert Desk().act(ConfirmHolding("u1", sections, "Sato")) == [NoteKind.REFUSED]
+
+
+def test_a_unit_confirmed_outside_that_claims_the_line_is_believed_and_held() -> None:
+    desk = defined()
+    desk.hear("u1", Claim(("C",), 7))
+    assert desk.register.held_by("u1") == ("C",)
+    assert desk.kinds == [NoteKind.CLAIMED]
+
+
+def test_entering_needs_a_free_portal() -> None:
+    desk = defined(u2=("P0",))
+    assert desk.hear("u1", SignOn("u1", ("P0",))) == SignOnRefused(RefusalReason.HELD, "P0", "u2")
+    assert desk.standing("u1") is Standing.OUTSIDE
+
+
+def test_a_wish_to_enter_is_no_claim() -> None:
+    # u2 may stand in P0 and be silent: u1 must not get it by wishing to enter there.
+    desk = Desk(epoch=2)
+    desk.hear("u3", Claim((), 0))
+    assert desk.hear("u1", SignOn("u1", ("P0",))) == SignOnRefused(RefusalReason.UNDEFINED, None, "u2")
+    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.kinds == [NoteKind.OUTSIDE, NoteKind.REFUSED]
+    desk.hear("u2", Claim((), 0))
+    accepted = desk.hear("u1", SignOn("u1", ("P0",)))
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.section_ids == ("P0",)
+
+
+def test_a_unit_known_to_be_outside_enters_without_being_asked_first() -> None:
+    desk = defined(u2=("P9",))
+    refused = SignOnRefused(RefusalReason.HELD, "P9", "u2")
+    assert desk.hear("u1", SignOn("u1", ("P9",)), fresh=False) == refused
+    assert desk.register.undefined_because_of() == ()
+    assert isinstance(desk.hear("u1", SignOn("u1", ("P0",)), fresh=False), SignOnAccepted)
+
+
+def test_entering_again_takes_a_new_token() -> None:
+    desk = defined(u1=("P0",))
+    off = SignOff("u1", desk.register.unit("u1").token)
+    desk.hear("u1", off)
+    assert isinstance(desk.hear("u1", SignOn("u1", ("P0",))), SignOnAccepted)
+    assert desk.register.unit("u1").token > off.token
+    assert desk.hear("u1", off) == SignOffRefused(RefusalReason.STALE_TOKEN)
+
+
+def test_claims_for_sections_that_do_not_exist() -> None:
+    desk = Desk()
+    refused = SignOnRefused(RefusalReason.UNKNOWN_SECTION, "nowhere")
+    assert desk.hear("u1", Claim(("nowhere",), 0)) == refused
+
+
+def test_a_claim_never_frees() -> None:
+    desk = defined(u1=("A", "B"))
+    accepted = desk.hear("u1", Claim(("B",), 0))
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.section_ids == ("A", "B")
+
+
+def test_signing_off_from_the_portal_and_again() -> None:
+    desk = defined(u1=("P9",))
+    off = SignOff("u1", desk.register.unit("u1").token)
+    assert desk.hear("u1", off) == SignOffAccepted()
+    assert desk.register.holders == {}
+    assert desk.standing("u1") is Standing.OUTSIDE
+    assert desk.hear("u1", off) == SignOffAccepted()
+
+
+@pytest.mark.parametrize(
+    ("section", "token_error", "epoch", "name", "reason"),
+    [
+        ("B", 0, 1, "u1", RefusalReason.STILL_HOLDING),
+        ("P9", 1, 1, "u1", RefusalReason.STALE_TOKEN),
+        ("P9", 0, 2, "u1", RefusalReason.NOT_SIGNED_ON),
+        ("P9", 0, 1, "u2", RefusalReason.WRONG_UNIT),
+    ],
+)
+def test_sign_offs_that_are_refused(
+    section: str, token_error: int, epoch: int, name: str, reason: RefusalReason
+) -> None:
+    desk = defined(u1=(section,))
+    off = SignOff(name, desk.register.unit("u1").token + token_error)
+    assert desk.hear("u1", off, epoch=epoch) == SignOffRefused(reason)
+    assert desk.register.held_by("u1") == (section,)
+
+
+def test_units_that_are_not_on_the_fleet_list_do_not_exist() -> None:
+    desk = defined()
+    before = desk.register
+    assert desk.act(ConfirmOutside("ghost", "Sato")) == [NoteKind.REFUSED]
+    event: Heard[AnyMessage] = Heard("ghost", 1, True, 1, SignOn("ghost", ("C",)))
+    register, (action,) = step(before, event, 0.0)
+    assert register == before
+    assert isinstance(action, Show)
+
+
+def test_the_register_cannot_hold_two_holders() -> None:
+    register = defined(u1=("B",)).register
+    with pytest.raises(ValueError, match="held by u1"):
+        register.with_held("u2", ("B",))
+
+
+def in_standing(standing: Standing) -> Desk:
+    """A desk on which u1 has the standing asked for."""
+    desk = Desk()
+    desk.enter("u2", "E")
+    match standing:
+        case Standing.OUTSIDE:
+            desk.act(ConfirmOutside("u1", "Sato"))
+        case Standing.BY_HAND:
+            desk.act(ConfirmHolding("u1", ("B",), "Sato"))
+        case Standing.REPORTED:
+            desk.enter("u1", "B")
+        case Standing.DISPUTED:
+            desk.hear("u1", Claim(("B", "E"), 0))
+        case Standing.UNKNOWN:
+            pass
+    assert desk.standing("u1") is standing
+    return desk
+
+
+MESSAGES: tuple[AnyMessage, ...] = (
+    RouteRequest("u1", "over", ("C", "D", "E")),
+    HoldingReport(("B",), 1),
+    SignOn("u1", ("B",)),
+    SignOff("u1", 1),
+    Claim(("B",), 1),
+)
+EXPECTED = {
+    (RouteRequest, Standing.UNKNOWN): ClaimQuery,
+    (RouteRequest, Standing.OUTSIDE): RouteRefused,
+    (RouteRequest, Standing.BY_HAND): RouteRefused,
+    (RouteRequest, Standing.REPORTED): RouteRefused,  # u3 is unknown on this desk
+    (RouteRequest, Standing.DISPUTED): ClaimQuery,
+    (HoldingReport, Standing.REPORTED): HoldingConfirmed,
+    (SignOff, Standing.OUTSIDE): SignOffAccepted,
+}
+OTHERWISE = {
+    HoldingReport: ClaimQuery,
+    SignOn: SignOnAccepted,
+    SignOff: SignOffRefused,
+    Claim: SignOnAccepted,
+}
+
+
+@pytest.mark.parametrize(("standing", "message"), list(product(Standing, MESSAGES)))
+def test_the_table_of_telegrams(standing: Standing, message: AnyMessage) -> None:
+    assert (standing, type(message)) in TELEGRAMS
+    desk = in_standing(standing)
+    before = desk.register.holders
+    kind = type(message)
+    assert isinstance(desk.hear("u1", message), EXPECTED.get((kind, standing)) or OTHERWISE[kind])
+    # No telegram of this walk may touch u2, and none may take a section from u1.
+    assert desk.register.held_by("u2") == ("E",)
+    assert before.items() <= desk.register.holders.items()
+
+
+@pytest.mark.parametrize(
+    ("standing", "act"),
+    list(product(Standing, (ConfirmOutside("u1", "Sato"), ConfirmHolding("u1", ("B",), "Sato")))),
+)
+def test_the_table_of_acts(standing: Standing, act: ConfirmOutside | ConfirmHolding) -> None:
+    desk = in_standing(standing)
+    before = desk.register
+    kinds = desk.act(act)
+    if standing in (Standing.REPORTED, Standing.DISPUTED):
+        assert kinds == [NoteKind.REFUSED]
+        assert desk.register == before
+    else:
+        expected = Standing.OUTSIDE if isinstance(act, ConfirmOutside) else Standing.BY_HAND
+        assert desk.standing("u1") is expected
+
+
+@pytest.mark.parametrize("standing", Standing)
+def test_messages_for_others_are_refused_in_every_standing(standing: Standing) -> None:
+    desk = in_standing(standing)
+    event: Heard[AnyMessage] = Heard("u1", 1, True, 1, PointsProof("p", None, False, False, 1))
+    register, (action,) = step(desk.register, event, 0.0)
+    assert register == desk.register
+    assert isinstance(action, Show)
+    assert action.note.kind is NoteKind.REFUSED
+
+
+def test_the_tables_are_complete() -> None:
+    assert set(TELEGRAMS) == {(standing, type(message)) for standing in Standing for message in MESSAGES}
+    assert set(ACTS) == set(product(Standing, (ConfirmOutside, ConfirmHolding)))
