@@ -93,6 +93,8 @@ def step(state: Authority, event: Event, now_s: float, covered: bool) -> Result:
 
 
 def _begin(state: Authority, event: BeginOnLine, now_s: float, covered: bool) -> Result:
+    if state.on_line:
+        return state, ()
     held = tuple(Held(section_id, 0) for section_id in event.section_ids)
     begun = replace(
         _counted(state),
@@ -132,6 +134,8 @@ def _ask(state: Authority, event: Ask, now_s: float, covered: bool) -> Result:
 
 def _turned_back(state: Authority, _event: TurnedBack, _now_s: float, _covered: bool) -> Result:
     turned = replace(state, held=state.held[::-1], commands=(), proven=())
+    if turned == state:
+        return state, ()
     return turned, (_holds(turned),)
 
 

@@ -6,8 +6,8 @@ load beyond the load compensation, a waveform that fits nothing) is counted and 
 
 The evaluation function J is the mean square difference between the designed deceleration (設計減速度) and the
 actual one (発生減速度) moved back by a dead time and, while a brake is asked for, down by an offset: a released brake
-has none. All waveforms are smoothed alike by a Hann window of 2 s, the width of the search: a step of the brake
-then makes J the near quadratic that the approximation needs, and the noise of a differentiated tachometer goes.
+has none. All waveforms are smoothed alike by a Hann window of 1 s: around its least a step of the brake then makes J the
+near quadratic that the approximation needs, and the noise of a differentiated tachometer goes.
 """
 
 from __future__ import annotations
@@ -29,11 +29,22 @@ DEAD_TIMES: Final = 21  # 0 to 2 s by 0.1 s
 OFFSETS: Final = 21  # -1 to +1 km/h/s by 0.1 km/h/s
 OFFSET_STEP_MPS2: Final = 0.1 / 3.6
 OFFSET_ZERO: Final = 10  # index of no offset
-SMOOTHING_S: Final = 2.0
+SMOOTHING_S: Final = 1.0
+BRAKING_LEAST_S: Final = 2.0
 LEAD_S: Final = 2.0  # quiet before the brake that belongs to the window
 SEARCH_EVALUATIONS: Final = DEAD_TIMES * OFFSETS
-# six points around a centre, in steps of the grid; any three rows and columns not on one conic make A regular
-SIX_POINTS: Final = ((0, 0), (4, 0), (-4, 0), (0, 4), (0, -4), (4, 4))
+REACH_X: Final = (
+    2  # of the six points around their centre, in steps of the grid: J is quadratic only nearby in
+)
+REACH_Y: Final = 4  # dead time, but exactly so in the offset
+SIX_POINTS: Final = (
+    (0, 0),
+    (REACH_X, 0),
+    (-REACH_X, 0),
+    (0, REACH_Y),
+    (0, -REACH_Y),
+    (REACH_X, REACH_Y),
+)
 LOAD_SHARE_MAX: Final = 0.9  # assumed: beyond it the load compensation is at its end
 MISFIT_MAX_MPS2: Final = 0.10  # assumed: root mean square left at the best fit; more fits no characteristic
 
@@ -131,7 +142,7 @@ def window(record: StopRecord) -> tuple[int, int] | None:
         return None
     first = max(0, int(applied[0]) - round(LEAD_S / STEP_S))
     last = record.designed_mps2.size - DEAD_TIMES - round(SMOOTHING_S / STEP_S / 2.0)
-    return (first, last) if last - int(applied[0]) >= round(SMOOTHING_S / STEP_S) else None
+    return (first, last) if last - int(applied[0]) >= round(BRAKING_LEAST_S / STEP_S) else None
 
 
 def search(record: StopRecord) -> Fit | None:
@@ -171,8 +182,8 @@ def approximate(record: StopRecord, centre: tuple[int, int]) -> Fit | None:
     if span is None:
         return None
     smooth = waves(record)
-    x0 = min(max(centre[0], 4), DEAD_TIMES - 5)
-    y0 = min(max(centre[1], 4), OFFSETS - 5)
+    x0 = min(max(centre[0], REACH_X), DEAD_TIMES - 1 - REACH_X)
+    y0 = min(max(centre[1], REACH_Y), OFFSETS - 1 - REACH_Y)
     points = np.array(SIX_POINTS, dtype=np.float64)
     values = np.array(
         [misfit(*smooth, *span, x0 + dx, (y0 + dy - OFFSET_ZERO) * OFFSET_STEP_MPS2) for dx, dy in SIX_POINTS]

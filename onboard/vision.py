@@ -25,8 +25,8 @@ Floats = NDArray[np.float64]
 
 EROSIONS: Final = 2  # Oda, 3.2.2
 DILATIONS: Final = 2
-# Oda says "any black pixel around it" and not how many neighbours count. With four a disc of 5 pixels survives,
-# which the paper's own table to 2.8 m needs; with eight the sign would be lost beyond about 2 m.
+# Oda leaves open how many neighbours count. With four a disc of 5 pixels survives, as the paper's table to 2.8 m
+# before the mark needs; with eight the rendered sign is lost some 2.2 m before it.
 NEIGHBOURS: Final = cast("Image", cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3)))
 ROW_SCATTER_PX: Final = 2.0  # largest 3 sigma of the centroid's row in Oda's table 2
 COLUMN_TOLERANCE_PX: Final = 6.0

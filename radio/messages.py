@@ -16,7 +16,8 @@ What a unit owes, so that no late answer gives it back what it has released:
   then gives up the request outstanding.
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
   unit that waits for its portal holds nothing yet.
-- A unit drops a section before it reports.
+- A unit drops a section before it reports or signs off; it repeats the sign-off until accepted, and reports
+  when it is refused.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ class Due(IntEnum):
     TO_UNIT = 2  # a telegram reaches an on-board unit
     UNIT_TIMER = 3
     DUTY = 4  # a stock takes up its next duty
+    SCRIPT = 5  # something fails, heals, or is done by a person
 
 
 @dataclass(order=True, frozen=True, slots=True)

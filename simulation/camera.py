@@ -102,7 +102,9 @@ PAPER_CAMERA: Final = CameraModel(
     vibration_rad=3e-4,
     length_scale=0.1,
 )
-PAPER_SIGN: Final = Sign(diameter_m=0.018, right_m=0.20, up_m=0.359 - 0.189)  # right: assumed, clear of the car
+PAPER_SIGN: Final = Sign(
+    diameter_m=0.018, right_m=0.20, up_m=0.359 - 0.189
+)  # right: assumed, clear of the car
 
 # Each 0.1 m to 2.8 m before the stop with the sign 0.5 m beyond it (3.3.2, 3.3.3); nearer than 0.5 m for overruns
 # and for table 2's places.

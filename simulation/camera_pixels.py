@@ -39,10 +39,10 @@ def sample(texture: Singles, along: float, across: float, blur: float, pixel: Si
         for c in range(3):
             pixel[c] = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
         return
-    i = math.floor(along)
-    far = np.float32(along - i)
+    wrapped = along - rows * math.floor(along / rows)
+    i0 = min(int(wrapped), rows - 1)
+    far = np.float32(wrapped - i0)
     near = np.float32(1.0) - far
-    i0 = i % rows
     i1 = i0 + 1 if i0 + 1 < rows else 0
     for c in range(3):
         low = texture[i0, j, c] * left + texture[i0, j + 1, c] * right

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Final
 
 import msgspec
 
 from network.model import Line, Position
-from radio.air import Air
+from radio.air import Air, Delivery
 from radio.envelope import Envelope
 from radio.fleet import Advance, Fleet, Input, Note, NoteKind, Output
 from radio.keys import MAC_BYTES
@@ -21,7 +20,7 @@ from simulation.journal import Journal
 from simulation.setup import STEP_S, STEPS_PER_S
 from wayside import point_machine
 from wayside.config import MANAGER_ID
-from wayside.point_machine import PointMachine
+from wayside.point_machine import PointMachine, Repaired
 
 WHAT: Final = {
     NoteKind.STARTED: "restarted",
@@ -31,6 +30,7 @@ WHAT: Final = {
     NoteKind.PROVEN: "points_proven",
     NoteKind.UNPROVEN: "points_unproven",
 }
+Disturb = Callable[[int, str, str, tuple[Delivery, ...]], tuple[Delivery, ...]]
 _HEADER: Final = msgspec.msgpack.Decoder(Envelope)
 _PAYLOAD: Final = msgspec.msgpack.Decoder(AnyMessage)
 
@@ -75,6 +75,9 @@ class WaysideWorld:
         self._registered = registered
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
+        self._down: set[str] = set()
+        self._frozen: dict[str, list[bytes]] = {}
+        self.disturb: Disturb = lambda _step, _source, _destination, deliveries: deliveries
 
     @property
     def device_ids(self) -> tuple[str, ...]:
@@ -96,6 +99,7 @@ class WaysideWorld:
         """Send a telegram through the air."""
         unit_id = destination if source in self._device_ids else source
         deliveries = self._air.transmit(step, source, destination, data, self._covered(unit_id))
+        deliveries = self.disturb(step, source, destination, deliveries)
         count = self.telegrams[source, destination, kind]
         count["sent"] += 1
         count["bytes"] += len(data)
@@ -115,7 +119,15 @@ class WaysideWorld:
             self._agenda.put(delivery.step, due, destination, delivery.data)
 
     def advance(self, step: int, device_id: str, telegrams: list[bytes]) -> None:
-        """Let a device act on what has come."""
+        """Let a device act on what has come. A dead one loses it, a frozen one finds it later."""
+        if device_id in self._down:
+            if telegrams:
+                self._journal.write(step / STEPS_PER_S, "world", "lost_at_dead_device", device=device_id)
+            self._inputs.pop(device_id, None)
+            return
+        if device_id in self._frozen:
+            self._frozen[device_id].extend(telegrams)
+            return
         inputs = self._inputs.pop(device_id, [])
         done = self._fleet.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
         for data in telegrams:
@@ -203,6 +215,43 @@ class WaysideWorld:
         if shown != point_machine.detection(before):
             self.input(step, self._terminal_of[points], shown)
 
-    def set_fault(self, step: int, points_id: str, *, stuck: bool) -> None:
-        """Make a machine stick, or free it."""
-        self._moved(step, replace(self.machines[points_id], stuck=stuck))
+    def set_machine(self, step: int, machine: PointMachine) -> None:
+        """Change a machine: a fault comes or goes."""
+        self._moved(step, machine)
+
+    def repair(self, step: int, points_id: str, position: Position) -> None:
+        """Staff set the points by hand, lock them and take their faults away (手回し)."""
+        repaired = point_machine.step(self.machines[points_id], Repaired(position), step / STEPS_PER_S)
+        self._journal.write(
+            step / STEPS_PER_S, "staff", "points_set_by_hand", points=points_id, position=position.value
+        )
+        self._moved(step, repaired)
+
+    def power_off(self, step: int, device_id: str) -> None:
+        """A device loses its power; with Zenoh its process is killed."""
+        if device_id in self._down:
+            return
+        self._fleet.kill(device_id)
+        self._down.add(device_id)
+        self._journal.write(step / STEPS_PER_S, "world", "power_off", device=device_id)
+
+    def power_on(self, step: int, device_id: str) -> None:
+        """A device boots: a new epoch; terminals are shown their points."""
+        if device_id not in self._down:
+            return
+        self._fleet.restart(device_id)
+        self._down.discard(device_id)
+        self._journal.write(step / STEPS_PER_S, "world", "power_on", device=device_id)
+        for points_id, terminal_id in self._terminal_of.items():
+            if terminal_id == device_id:
+                self.input(step, device_id, point_machine.detection(self.machines[points_id]))
+        self._agenda.put(step, Due.TO_DEVICE, device_id)
+
+    def freeze(self, step: int, device_id: str, *, frozen: bool) -> None:
+        """A device stops working without losing anything, or goes on with what has piled up."""
+        if frozen:
+            self._frozen.setdefault(device_id, [])
+            return
+        for data in self._frozen.pop(device_id, []):
+            self._agenda.put(step, Due.TO_DEVICE, device_id, data)
+        self._agenda.put(step, Due.TO_DEVICE, device_id)

@@ -334,8 +334,8 @@ def reproduce(options: Options) -> Reproduction:
     remarks = [
         "Metres on the track: multiply by 10 for the real line (0.1 m stands for 1 m, 0.033 m for 0.33 m).",
         f"First sighting {first:.2f} m before the mark (median); {missed} of {frames} images after it gave none.",
-        "The pattern's deceleration is not to scale (2.5 m/s2 full size): the paper's start at 4 km/h and its "
-        "table of 2.8 m leave no other.",
+        "The pattern's deceleration is not to scale (it would be 2.5 m/s2 full size): it is what stops from the "
+        "paper's 4 km/h inside the 2.8 m of its table.",
     ]
     if options.quick:
         remarks.append(f"Quick: {many} stops instead of {STOPS_MANY}.")

@@ -6,6 +6,7 @@ each learns for itself. Then it makes as many stops again with what it learned.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -38,7 +39,7 @@ GAIN_PER_S: Final = 0.6
 PATTERN_MPS2: Final = 0.60
 DESIGN_DEAD_TIME_S: Final = 1.0
 DEAD_TIMES_S: Final = (0.5, 1.5)
-LAGS_S: Final = (0.0, 0.3)
+LAGS_S: Final = (0.01, 0.3)
 OFFSETS_KMHPS: Final = (-0.4, 0.4)
 SPEEDS_MPS: Final = (13.0, 20.0)
 BRAKE_SIGMA: Final = 0.02
@@ -64,8 +65,11 @@ class Hidden:
 
     @property
     def delay_s(self) -> float:
-        """Dead time as a learner without a lag in its model sees it, s."""
-        return self.dead_time_s + self.lag_s
+        """Dead time as a learner without a lag in its model sees it, s: with the mean delay of the lag.
+
+        In steps the response is 1 - exp(-k step / lag) from k = 1 on, whose mean delay is a little under the lag.
+        """
+        return self.dead_time_s + STEP_S / math.expm1(STEP_S / self.lag_s)
 
     @property
     def brake_factor(self) -> float:
@@ -296,7 +300,7 @@ def reproduce(options: Options) -> Reproduction:
         "A stop in which the wheels slid before or after tuning is in neither figure of scatter: the tuning keeps "
         "such stops out, and cannot mend them.",
         "The paper counts days of adjusting 15 stations; ours counts runs, one at each station a day.",
-        "A learner without a lag in its model takes the lag for dead time: the truth is the sum of both.",
+        "A learner without a lag in its model takes the lag for dead time: the truth is the sum of the delays.",
     ]
     if options.quick:
         remarks.append(f"A short slice: {count} of {TRAINS} trains.")

@@ -10,7 +10,9 @@ from typing import Any, Final
 from network.errors import InputError
 
 # name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
-REPRODUCTIONS: Final[Mapping[str, str]] = {}
+REPRODUCTIONS: Final[Mapping[str, str]] = {
+    "sugiyama-tags": "study.reproduce_tags",
+}
 
 
 @dataclass(frozen=True, slots=True)

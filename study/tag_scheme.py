@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -43,7 +44,7 @@ IDS: Final = 1 << 16
 # what one telegram brings to the vote between the right id and one wrong id: (right items, wrong items)
 OUTCOMES: Final = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))
 SINGLE_OUTCOMES: Final = 3  # of a telegram with one item
-NEGLIGIBLE: Final = 1e-6  # share of a sum over wrong ids that may be left to its bound
+NEGLIGIBLE: Final = 1e-5  # share of a sum over wrong ids that may be left to its bound
 RECOUNT: Final = 256  # wrong ids between two sums over the rest
 
 Floats = NDArray[np.float64]
@@ -142,9 +143,11 @@ class Traffic:
         return self.passages_per_day / self.hours_per_day
 
 
-def item_words(tag_ids: Ints, crc_offset: int = CRC_OFFSET) -> Ints:
-    """Words of both data items for each id, shape (2, ids), with another CRC constant where asked for."""
-    checks = np.array([crc8(int(i)) for i in tag_ids], dtype=np.int64) ^ CRC_OFFSET ^ crc_offset
+@cache
+def item_words(crc_offset: int = CRC_OFFSET) -> Ints:
+    """Words of both data items for every id, shape (2, ids), with another CRC constant where asked for."""
+    tag_ids = np.arange(IDS)
+    checks = np.array([crc8(i) for i in range(IDS)], dtype=np.int64) ^ CRC_OFFSET ^ crc_offset
     return np.stack([check << 24 | tag_ids << 8 | checks for check in CHECK_STRINGS])
 
 
@@ -162,7 +165,7 @@ def outcome_probabilities(scheme: Scheme, channel: Channel, tag_id: int, serial:
 
     The column of the right id itself has wrong items of probability zero: its outcomes are the right items alone.
     """
-    targets = item_words(np.arange(IDS), scheme.crc_offset)
+    targets = item_words(scheme.crc_offset)
     sent = (serial >> WORD_BITS, int(targets[0, tag_id]), int(targets[1, tag_id]), serial & WORD_MASK)
     mask = WORD_MASK if scheme.check_strings else (1 << 24) - 1
     bits = mask.bit_count()
@@ -204,7 +207,8 @@ def any_rule_probabilities(scheme: Scheme, probabilities: Floats) -> Floats:
                 for have in range(agree + 1):
                     following[min(agree, have + wrong)] += counts[have] * probability
             counts = following
-    return counts[agree]
+    often: Floats = counts[agree]
+    return often
 
 
 @compiled
@@ -246,30 +250,31 @@ def settled(
                 else:
                     following[(state * outcomes + outcome) % states] += probability
         history = following
-    return right_id, wrong_id, float(history.sum())
+    left = 0.0
+    for probability in history:
+        left += probability
+    return right_id, wrong_id, left
 
 
 @compiled
 def wrong_id_probability(
     probabilities: Floats, any_rule: Floats, tags: int, window: int, agree: int, rights: Ints, wrongs: Ints
 ) -> float:
-    """Sum over wrong ids of the probability that the passage gives this id, the likeliest (`any_rule`) first.
+    """Sum over ids of the probability that the passage gives this wrong id; the likeliest must come first.
 
-    Ends where the rest cannot add more than a millionth, and adds the rest's bound.
+    `probabilities` (ids, telegrams of a tag, outcomes), `any_rule` (ids) as a bound of each: where the rest cannot
+    add more than NEGLIGIBLE it is added as its bound.
     """
-    order = np.argsort(-any_rule)
     total = 0.0
-    rest = np.sum(any_rule)
-    done = 0
-    for tag_id in order:
-        if done % RECOUNT == 0:
-            rest = np.sum(any_rule[order[done:]])
-        if rest <= NEGLIGIBLE * total:
-            break
-        one = np.ascontiguousarray(probabilities[:, :, tag_id])
-        total += settled(one, tags, window, agree, rights, wrongs)[1]
-        done += 1
-    return total + np.sum(any_rule[order[done:]])
+    for k in range(len(any_rule)):
+        if k % RECOUNT == 0:
+            rest = 0.0
+            for bound in any_rule[k:]:
+                rest += bound
+            if rest <= NEGLIGIBLE * total:
+                return total + rest
+        total += settled(probabilities[k], tags, window, agree, rights, wrongs)[1]
+    return total
 
 
 def passage_failure(scheme: Scheme, channel: Channel, tag_id: int, serial: int = 0) -> Failure:
@@ -285,6 +290,8 @@ def passage_failure(scheme: Scheme, channel: Channel, tag_id: int, serial: int =
     votes = np.array(OUTCOMES, dtype=np.int64)[: probabilities.shape[1]]
     rights, wrongs = np.ascontiguousarray(votes[:, 0]), np.ascontiguousarray(votes[:, 1])
     shape = (scheme.tags, window, scheme.rule.agree, rights, wrongs)
-    unsafe = wrong_id_probability(probabilities, any_rule, *shape)
+    order = np.argsort(-any_rule)[: int(np.count_nonzero(any_rule))]
+    likeliest_first = np.ascontiguousarray(probabilities.transpose(2, 0, 1)[order])
+    unsafe = wrong_id_probability(likeliest_first, any_rule[order], *shape)
     alone = np.ascontiguousarray(probabilities[:, :, tag_id])
     return Failure(unsafe, float(any_rule.sum()), settled(alone, *shape)[2])

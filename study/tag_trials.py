@@ -71,7 +71,15 @@ def error_pattern(rng: np.random.Generator, bit_error_rate: float) -> int:
 @compiled
 def drawn(rng: np.random.Generator, cumulative: Floats) -> int:
     """An index drawn by its cumulative probability."""
-    return min(int(np.searchsorted(cumulative, rng.random(), side="right")), len(cumulative) - 1)
+    value = rng.random()
+    low, high = 0, len(cumulative) - 1
+    while low < high:
+        middle = (low + high) // 2
+        if cumulative[middle] > value:
+            high = middle
+        else:
+            low = middle + 1
+    return low
 
 
 @compiled
@@ -130,10 +138,12 @@ def _item_turned(
 def _play_weighted(
     rng: np.random.Generator,
     received: Ints,
-    shift_probabilities: Floats,
+    shift_cumulative: Floats,
+    shift_ratios: Floats,
     bit_error_rates: Floats,
     powers: Floats,
     shares: Floats,
+    share_cumulative: Floats,
     tags: int,
     rule: tuple[int, int, int],
     count: int,
@@ -142,21 +152,16 @@ def _play_weighted(
 
     `powers` (telegrams of a tag + 1, 33): probability of one pattern by its weight, the last row for spoiled items.
     """
-    places, shifts = shift_probabilities.shape
+    places = len(bit_error_rates)
     items = np.empty(2 * tags * places, dtype=np.int64)
     ratios = np.empty(tags * places)
-    cumulative = np.cumsum(shares)
-    game_shifts = (1.0 - SHIFTED) * shift_probabilities + SHIFTED / shifts
-    game_cumulative = np.empty_like(game_shifts)
-    for place in range(places):
-        game_cumulative[place] = np.cumsum(game_shifts[place])
     total, squares = 0.0, 0.0
     for _ in range(count):
-        wrong_id = drawn(rng, cumulative)
+        wrong_id = drawn(rng, share_cumulative)
         for telegram in range(tags * places):
             place = telegram % places
-            shift = drawn(rng, game_cumulative[place])
-            ratio = shift_probabilities[place, shift] / game_shifts[place, shift]
+            shift = drawn(rng, shift_cumulative[place])
+            ratio = shift_ratios[place, shift]
             for i in range(2):
                 word = received[shift, i]
                 turning = word ^ item_word(wrong_id, CHECKS[i])
@@ -169,7 +174,9 @@ def _play_weighted(
         found, items_read = judged(items, rule[0], rule[1], rule[2])
         if found == wrong_id:
             # telegrams after the decision do not weigh: their ratio is one in the mean
-            weight = np.prod(ratios[: items_read // 2]) / shares[wrong_id]
+            weight = 1.0 / shares[wrong_id]
+            for telegram in range(items_read // 2):
+                weight *= ratios[telegram]
             total += weight
             squares += weight * weight
     return total, squares
@@ -216,13 +223,17 @@ def weighted_trials(
     """
     weights = np.arange(WORD_BITS + 1)
     rates = np.array([*channel.bit_error_rates, SPOILED_RATE])[:, None]
+    shifts = channel.shift_probabilities()
+    game_shifts = (1.0 - SHIFTED) * shifts + SHIFTED / shifts.shape[1]
     total, squares = _play_weighted(
         rng,
         _received(channel, tag_id),
-        channel.shift_probabilities(),
+        np.cumsum(game_shifts, axis=1),
+        shifts / game_shifts,
         np.array(channel.bit_error_rates),
         rates**weights * (1.0 - rates) ** (WORD_BITS - weights),
         shares,
+        np.cumsum(shares),
         tags,
         (rule.window_items, rule.agree, rule.step_items),
         count,

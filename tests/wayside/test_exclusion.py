@@ -30,6 +30,8 @@ from radio.messages import (
     RouteRefused,
     RouteRequest,
     SignOff,
+    SignOffAccepted,
+    SignOffRefused,
     SignOn,
     SignOnAccepted,
 )
@@ -88,9 +90,12 @@ class Train:
         self.correlation = 0
         self.request: tuple[int, RouteRequest] | None = None
         self.sign_on: tuple[int, SignOn] | None = None
+        self.leaving = 0  # correlation of the sign-off outstanding; the train itself has gone by then
 
     @property
     def believed(self) -> frozenset[str]:
+        if self.leaving:
+            return frozenset()
         return frozenset(self.held) if self.held is not None else self.physical
 
     def next_correlation(self) -> int:
@@ -104,7 +109,12 @@ class Train:
     def take(self, got: Received) -> AnyMessage | None:
         match got.message:
             case ClaimQuery():
-                return Claim(self.held, self.token)
+                return Claim(() if self.leaving else self.held, self.token)
+            case SignOffAccepted() if self.leaving == got.correlation > 0:
+                self.leaving = 0
+                self.hold(())
+            case SignOffRefused() if self.leaving and self.held:
+                return HoldingReport(self.held, self.token)
             case RouteGranted() as granted:
                 if self.request and got.correlation == self.request[0] and granted.token > self.token:
                     assert self.held is not None
@@ -211,6 +221,8 @@ class World:
 
     def request(self, unit_id: str, route: str) -> None:
         train = self.units[unit_id]
+        if train.leaving:
+            return
         if train.held and train.request is None:
             message = RouteRequest(unit_id, route, ROUTES[route].section_ids)
             train.request = (train.next_correlation(), message)
@@ -219,16 +231,16 @@ class World:
 
     def run_and_report(self, unit_id: str, drop: int) -> None:
         train = self.units[unit_id]
-        if train.held:
+        if train.held and not train.leaving:
             train.hold(train.held[min(drop, len(train.held) - 1) :])
             self.send(train, HoldingReport(train.held, train.token), train.next_correlation())
 
     def sign_off(self, unit_id: str) -> None:
         train = self.units[unit_id]
         if train.held == ("P0",):
-            train.hold(())
-            train.request = None
-            self.send(train, SignOff(unit_id, train.token), train.next_correlation())
+            train.physical, train.request = frozenset(), None
+            train.leaving = train.leaving or train.next_correlation()
+            self.send(train, SignOff(unit_id, train.token), train.leaving)
 
     def deliver_in_order(self, count: int) -> None:
         for _ in range(min(count, len(self.flying))):
@@ -268,8 +280,12 @@ class World:
                 if train.held is None:
                     self.confirm_by_hand(unit_id)
                     self.sign_on(unit_id)
+                elif train.leaving:
+                    self.sign_off(unit_id)
                 elif train.held:
                     self.run_and_report(unit_id, drop=4)
+                else:
+                    self.sign_on(unit_id)
                 self.flush()
                 self.check()
 

@@ -1,0 +1,249 @@
+"""What a drill does and expects: faults, acts and expectations, and when they take effect (試験メニュー, table 5).
+
+Everything here is data. A trigger is a time, or an event of the journal in words ("train 323M passes tag 4"), and
+may add a delay. `Watch` looks at every journal entry as it is written and says what has come due.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Final
+
+Entry = Mapping[str, Any]
+
+
+class FaultKind(Enum):
+    """What can fail; the value is the word in scenario files, the target's kind stands before the colon."""
+
+    POWER_OFF = "power_off"  # device: off, on again after the duration (never without one)
+    RESTART = "restart"  # device: off and on at once
+    FROZEN = "frozen"  # device: does nothing for the duration, then goes on with what has piled up
+    CUT = "cut"  # link
+    LOSS = "loss"  # link: probability p
+    DELAY = "delay"  # link: seconds more
+    DUPLICATE = "duplicate"  # link: probability p
+    REORDER = "reorder"  # link: probability p, held back by seconds
+    FLIP = "flip"  # link: probability p that a telegram has a bit turned
+    SCALE = "scale"  # tachometer: factor
+    STUCK_OUTPUT = "stuck_output"  # tachometer: shows the speed of the moment for ever
+    NO_OUTPUT = "no_output"  # tachometer: shows nothing
+    SLIPPERY = "slippery"  # rail under a train: adhesion factor; wheels slip and slide by the physics
+    MISS = "miss"  # tag: is not read
+    WRONG_ID = "wrong_id"  # tag: reads as id
+    STUCK = "stuck"  # points do not move
+    NO_DETECTION = "no_detection"  # points move, detection shows nothing
+    SLOW = "slow"  # points: throw time times factor
+
+
+class TargetKind(Enum):
+    """What a fault aims at."""
+
+    DEVICE = "device"
+    LINK = "link"
+    UNIT = "unit"
+    TAG = "tag"
+    POINTS = "points"
+
+
+TARGETS: Final[Mapping[FaultKind, TargetKind]] = {
+    FaultKind.POWER_OFF: TargetKind.DEVICE,
+    FaultKind.RESTART: TargetKind.DEVICE,
+    FaultKind.FROZEN: TargetKind.DEVICE,
+    FaultKind.CUT: TargetKind.LINK,
+    FaultKind.LOSS: TargetKind.LINK,
+    FaultKind.DELAY: TargetKind.LINK,
+    FaultKind.DUPLICATE: TargetKind.LINK,
+    FaultKind.REORDER: TargetKind.LINK,
+    FaultKind.FLIP: TargetKind.LINK,
+    FaultKind.SCALE: TargetKind.UNIT,
+    FaultKind.STUCK_OUTPUT: TargetKind.UNIT,
+    FaultKind.NO_OUTPUT: TargetKind.UNIT,
+    FaultKind.SLIPPERY: TargetKind.UNIT,
+    FaultKind.MISS: TargetKind.TAG,
+    FaultKind.WRONG_ID: TargetKind.TAG,
+    FaultKind.STUCK: TargetKind.POINTS,
+    FaultKind.NO_DETECTION: TargetKind.POINTS,
+    FaultKind.SLOW: TargetKind.POINTS,
+}
+# parameter a fault needs: name, lowest, highest
+NEEDS: Final[Mapping[FaultKind, tuple[str, float, float]]] = {
+    FaultKind.LOSS: ("p", 0.0, 1.0),
+    FaultKind.DELAY: ("seconds", 0.0, 600.0),
+    FaultKind.DUPLICATE: ("p", 0.0, 1.0),
+    FaultKind.REORDER: ("p", 0.0, 1.0),
+    FaultKind.FLIP: ("p", 0.0, 1.0),
+    FaultKind.SCALE: ("factor", 0.0, 10.0),
+    FaultKind.SLIPPERY: ("factor", 0.0, 1.0),
+    FaultKind.WRONG_ID: ("id", 1.0, 65535.0),
+    FaultKind.SLOW: ("factor", 1.0, 100.0),
+}
+
+
+class ActKind(Enum):
+    """What people do."""
+
+    CONFIRM_OUTSIDE = "confirm_outside"  # controller: this unit is off the line
+    CONFIRM_HOLDING = "confirm_holding"  # controller: enters what a silent unit holds
+    ACCEPT_PICTURE = "accept_picture"  # controller: the restored picture is complete and right
+    POWER_ON = "power_on"  # crew or staff: switch a device on again
+    REPAIR_POINTS = "repair_points"  # staff: set by hand into a position, lock, remove faults
+    REENTER_BY_HAND = (
+        "reenter_by_hand"  # controller: every section, one by one, from what the units say by voice
+    )
+    REENTER_ASSISTED = "reenter_assisted"  # controller: looks at the gathered claims and confirms
+
+
+@dataclass(frozen=True, slots=True)
+class Matcher:
+    """An event of the journal: who (a party, or the train number it then runs), what, and data that must be equal."""
+
+    text: str
+    what: tuple[str, ...]
+    who: str | None = None
+    train: str | None = None
+    data: Mapping[str, object] = field(default_factory=dict)
+
+    def matches(self, entry: Entry, train_of: Mapping[str, str]) -> bool:
+        """Whether an entry is this event; `train_of` gives the present train number of each unit."""
+        if entry["what"] not in self.what or (self.who is not None and entry["who"] != self.who):
+            return False
+        if self.train is not None:
+            unit = entry.get("unit", entry["who"])
+            if train_of.get(str(unit)) != self.train:
+                return False
+        return all(_same(entry.get(key), value) for key, value in self.data.items())
+
+
+def _same(actual: object, wanted: object) -> bool:
+    return wanted in actual if isinstance(actual, list | tuple) else actual == wanted
+
+
+@dataclass(frozen=True, slots=True)
+class Trigger:
+    """A time (s since midnight), or an event and a delay after it."""
+
+    at_s: float | None = None
+    on: Matcher | None = None
+    after_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A failure with its beginning and, unless it lasts, its duration."""
+
+    kind: FaultKind
+    target: str
+    trigger: Trigger
+    duration_s: float | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Act:
+    """Something a person does."""
+
+    kind: ActKind
+    target: str
+    trigger: Trigger
+    person: str = "controller"
+    sections: tuple[str, ...] = ()
+    position: str = ""
+
+
+class Property(Enum):
+    """What must hold over a whole run or a stretch of it."""
+
+    NO_INVARIANT_BROKEN = "no_invariant_broken"
+    EVERYONE_ARRIVES = "everyone_arrives"
+    SPEED_AT_MOST = "speed_at_most"  # unit, kmh, between from and until
+    NEVER_ENTERS = "never_enters"  # unit, section, between from and until
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """An event by a time, its absence, or a property; exactly one of `event` and `holds` is set."""
+
+    text: str
+    event: Matcher | None = None
+    absent: bool = False
+    after: Matcher | None = None
+    within_s: float | None = None
+    by_s: float | None = None
+    holds: Property | None = None
+    unit: str = ""
+    section: str = ""
+    kmh: float = 0.0
+    until: Matcher | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """All of a drill."""
+
+    faults: tuple[Fault, ...] = ()
+    acts: tuple[Act, ...] = ()
+    expectations: tuple[Expectation, ...] = ()
+
+
+_WORDS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], dict[str, Any]]], ...]] = (
+    (
+        re.compile(r"train (\S+) passes tag (\d+)"),
+        lambda m: {"what": ("tag_passed",), "train": m[1], "data": {"tag": int(m[2])}},
+    ),
+    (
+        re.compile(r"train (\S+) departs (\S+)"),
+        lambda m: {"what": ("departs",), "train": m[1], "data": {"station": m[2]}},
+    ),
+    (
+        re.compile(r"train (\S+) arrives (\S+)"),
+        lambda m: {"what": ("arrived",), "train": m[1], "data": {"station": m[2]}},
+    ),
+    (re.compile(r"train (\S+) enters"), lambda m: {"what": ("entered",), "data": {"train": m[1]}}),
+    (
+        re.compile(r"train (\S+) holds (\S+)"),
+        lambda m: {"what": ("holds",), "train": m[1], "data": {"sections": m[2]}},
+    ),
+    (re.compile(r"points (\S+) move"), lambda m: {"what": ("points_moving",), "data": {"points": m[1]}}),
+    (re.compile(r"points (\S+) lock"), lambda m: {"what": ("points_locked",), "data": {"points": m[1]}}),
+    (re.compile(r"(\S+) restarts"), lambda m: {"what": ("restarted",), "who": m[1]}),
+)
+WORDS_HELP: Final = (
+    "a time (HH:MM:SS), or words such as 'train 323M passes tag 4', 'train 323M departs OGN', 'train 323M arrives"
+    " OGN', 'train 323M enters', 'train 323M holds OGN.1', 'points OGN.11 move', 'points OGN.11 lock', 'V1 restarts'"
+)
+
+
+def matcher_of(text: str) -> Matcher | None:
+    """The event that words name; None if they name none."""
+    for pattern, build in _WORDS:
+        match = pattern.fullmatch(text.strip())
+        if match is not None:
+            return Matcher(text, **build(match))
+    return None
+
+
+class Watch:
+    """Follows the journal: which train each unit runs, and which triggers have come due."""
+
+    def __init__(self, triggers: Mapping[int, Trigger], due: Callable[[int, float], None]) -> None:
+        self.train_of: dict[str, str] = {}
+        self._open = {key: trigger for key, trigger in triggers.items() if trigger.on is not None}
+        self._due = due
+
+    def see(self, entry: Entry) -> None:
+        """An entry was written. A trigger fires once."""
+        if entry["what"] == "mission":
+            self.train_of[str(entry["who"])] = str(entry["train"])
+        if not self._open:
+            return
+        fired = [
+            key
+            for key, trigger in self._open.items()
+            if trigger.on is not None and trigger.on.matches(entry, self.train_of)
+        ]
+        for key in fired:
+            trigger = self._open.pop(key)
+            self._due(key, float(entry["t"]) + trigger.after_s)
