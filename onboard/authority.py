@@ -22,6 +22,7 @@ from onboard.authority_records import (
     Ask,
     Authority,
     BeginOnLine,
+    CheckedByCrew,
     Cleared,
     Command,
     EndOnLine,
@@ -95,7 +96,7 @@ def step(state: Authority, event: Event, now_s: float, covered: bool) -> Result:
 def _begin(state: Authority, event: BeginOnLine, now_s: float, covered: bool) -> Result:
     if state.on_line:
         return state, ()
-    held = tuple(Held(section_id, 0) for section_id in event.section_ids)
+    held = tuple(Held(section_id, 0) for section_id in event.section_ids or ())
     begun = replace(
         _counted(state),
         held=held,
@@ -104,7 +105,22 @@ def _begin(state: Authority, event: BeginOnLine, now_s: float, covered: bool) ->
         next_sign_s=now_s,
         sign_correlation=state.correlation + 1,
     )
-    return _due(begun, now_s, covered, (_holds(begun),))
+    # Who has just been switched on does not know what it holds, which is not the same as nothing.
+    notes = () if event.section_ids is None else (_holds(begun),)
+    return _due(begun, now_s, covered, notes)
+
+
+def _checked_by_crew(state: Authority, event: CheckedByCrew, _now_s: float, _covered: bool) -> Result:
+    needed = event.points
+    if needed in state.proven:
+        return state, ()
+    checked = replace(
+        state,
+        proven=(*state.proven, needed),
+        commands=tuple(c for c in state.commands if c.needed != needed),
+    )
+    data = {"points": needed.points_id, "position": needed.position.value, "token": state.token, "by": "crew"}
+    return checked, (Noted("proven", data),)
 
 
 def _end(state: Authority, _event: EndOnLine, now_s: float, covered: bool) -> Result:
@@ -418,7 +434,11 @@ def _confirmed(state: Authority, event: Heard, now_s: float, covered: bool) -> R
 
 
 def _claim_query(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Result:
-    sections = state.section_ids()
+    if not state.on_line and state.sign_on is not None and state.sign_on.section_ids is None:
+        return state, (Send(state.manager_id, Claim(None, 0), event.correlation),)
+    sections = state.section_ids() if state.on_line else ()
+    if not state.on_line and state.sign_on is not None and state.token:
+        sections = state.section_ids()
     return state, (
         Send(state.manager_id, Claim(sections, state.token), event.correlation),
         Noted("claimed", {"sections": sections, "token": state.token}),
@@ -458,6 +478,7 @@ _EVENTS: Final[Mapping[type[Event], Callable[..., Result]]] = {
     EndOnLine: _end,
     Ask: _ask,
     Throw: _throw,
+    CheckedByCrew: _checked_by_crew,
     Cleared: _cleared,
     TurnedBack: _turned_back,
     Heard: _heard,

@@ -88,9 +88,9 @@ class Authority:
 
 @dataclass(frozen=True, slots=True)
 class BeginOnLine:
-    """The train has come onto the line, or has been switched on, and claims these sections."""
+    """The train has come onto the line and claims these sections; None: switched on, it knows nothing."""
 
-    section_ids: tuple[str, ...]
+    section_ids: tuple[str, ...] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +110,13 @@ class Throw:
     """Command points inside what is held (転換指示)."""
 
     points: tuple[PointsNeeded, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedByCrew:
+    """The crew has seen that these points lie and are locked as the path needs them (開通方向の確認)."""
+
+    points: PointsNeeded
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +146,7 @@ class Tick:
     """A timer is due, or the radio reaches again."""
 
 
-Event = BeginOnLine | EndOnLine | Ask | Throw | Cleared | TurnedBack | Heard | Tick
+Event = BeginOnLine | EndOnLine | Ask | Throw | CheckedByCrew | Cleared | TurnedBack | Heard | Tick
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,12 @@ descent still pulls, and for the position's bound ahead.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.localisation import ACCELERATION_SMOOTHING_S
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_INTERVENTION,
@@ -20,6 +23,12 @@ from onboard.rows import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
 from vehicle.rows import TrainRow
+
+RESERVE_M: Final = (
+    1.0  # assumed: a descent adds at most g*i*t^2/2 in the reaction time, 0.3 m at 30 permille and 1.4 s
+)
+
+SMOOTHED_S: Final = 2.0 * ACCELERATION_SMOOTHING_S
 
 
 @compiled
@@ -37,6 +46,12 @@ def body_elevation_m(unit: UnitRow, path: NDArray[np.void], position_m: float) -
     share = min(max(position_m - int(position_m), 0.0), 1.0)
     below = path[low].body_elevation_m
     return float(below + share * (path[high].body_elevation_m - below))
+
+
+@compiled
+def slope_at(unit: UnitRow, path: NDArray[np.void], position_m: float) -> float:
+    """Mean slope (m per m) under the train with its front at a path coordinate, m."""
+    return body_elevation_m(unit, path, position_m) - body_elevation_m(unit, path, position_m - 1.0)
 
 
 @compiled
@@ -59,7 +74,7 @@ def stop_curve_mps(
 @compiled
 def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
     """Set the permitted speed and the intervention of this step; returns event bits."""
-    front_m = unit.position_m + unit.bound_ahead_m
+    front_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
     distance_m = unit.stop_limit_m - front_m
     climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, front_m)
@@ -80,7 +95,10 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
     )
     before = unit.intervention
     speed = unit.speed_mps
-    gain = max(unit.acceleration_mps2, 0.0)
+    # What the motors give, gravity apart, which is in `climb_m`; the smoothed acceleration may still be that of
+    # the gradient a second ago.
+    slope = max(slope_at(unit, path, front_m), slope_at(unit, path, front_m - speed * SMOOTHED_S))
+    gain = max(unit.acceleration_mps2 + gravity_share * slope, 0.0)
     service = min(ceiling, service_stop)
     unit.permitted_mps = service
     emergency = min(

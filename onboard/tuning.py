@@ -6,8 +6,8 @@ load beyond the load compensation, a waveform that fits nothing) is counted and 
 
 The evaluation function J is the mean square difference between the designed deceleration (設計減速度) and the
 actual one (発生減速度) moved back by a dead time and, while a brake is asked for, down by an offset: a released brake
-has none. All waveforms are smoothed alike by a Hann window of 1 s: around its least a step of the brake then makes J the
-near quadratic that the approximation needs, and the noise of a differentiated tachometer goes.
+has none. All waveforms are smoothed alike by a Hann window of 1 s: a step of the brake then makes J the near
+quadratic that the approximation needs, and the noise of a differentiated tachometer goes.
 """
 
 from __future__ import annotations

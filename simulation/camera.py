@@ -30,7 +30,7 @@ CREEP_MPS: Final = 1e-6  # moving, so vibrating, but not far enough to blur
 
 @dataclass(frozen=True, slots=True)
 class CameraModel:
-    """A camera and its place on the train. `length_scale` sizes the surroundings: 1 for a real line, 0.1 for a model."""
+    """A camera and its place on the train; `length_scale` sizes the surroundings (1 real, 0.1 the model track)."""
 
     width_px: int
     height_px: int
@@ -109,6 +109,10 @@ PAPER_SIGN: Final = Sign(
 # Each 0.1 m to 2.8 m before the stop with the sign 0.5 m beyond it (3.3.2, 3.3.3); nearer than 0.5 m for overruns
 # and for table 2's places.
 PAPER_TABLE_M: Final = tuple(round(0.1 * k, 1) for k in range(2, 34))
+
+SIGN_QUARTER: Final = Window(
+    640, 480, 1280, 960
+)  # right of and below the axis: all a sign on the right can reach
 
 # The same sensor for a real line, assumed: the paper's lens sees a 0.18 m sign to some 30 m only; 8 mm reach 70 m.
 LINE_CAMERA: Final = CameraModel(
@@ -222,8 +226,8 @@ class Renderer:
         """The BGR image (rows, columns, 3), or only a window of it. `rng` draws this shot's noise."""
         camera, light = self.camera, scene.lighting
         left, top, right, bottom = window or camera.whole
-        rows_s = np.arange(top, bottom) * (camera.readout_s / camera.height_px)
-        lens_m = shot.front_m - camera.setback_m + shot.speed_mps * rows_s
+        rows_s = np.arange(top, bottom, dtype=np.float64) * (camera.readout_s / camera.height_px)
+        lens_m: Floats = shot.front_m - camera.setback_m + shot.speed_mps * rows_s
         axis_row = camera.axis_px[0] + camera.focal_px * math.tan(shot.pitch_rad)
         axis_column = camera.axis_px[1]
         air = 0.35

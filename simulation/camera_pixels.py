@@ -26,7 +26,7 @@ ALONG, RIGHT, UP, HALF_WIDTH, HALF_HEIGHT, BLUE, GREEN, RED, ROUND = range(9)
 
 @compiled
 def sample(texture: Singles, along: float, across: float, blur: float, pixel: Singles) -> None:
-    """Bilinear sample of a texture (along, across, BGR) into `pixel`; coordinates in cells, the first wraps round.
+    """Bilinear sample of a texture (along, across, BGR) into `pixel`; coordinates (>= 0) in cells, the first wraps.
 
     The texture's last row holds the mean along the track; `blur` (0 to 1) fades to it where detail is too fine.
     """
@@ -39,10 +39,10 @@ def sample(texture: Singles, along: float, across: float, blur: float, pixel: Si
         for c in range(3):
             pixel[c] = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
         return
-    wrapped = along - rows * math.floor(along / rows)
-    i0 = min(int(wrapped), rows - 1)
-    far = np.float32(wrapped - i0)
+    i = int(along)
+    far = np.float32(along - i)
     near = np.float32(1.0) - far
+    i0 = i % rows
     i1 = i0 + 1 if i0 + 1 < rows else 0
     for c in range(3):
         low = texture[i0, j, c] * left + texture[i0, j + 1, c] * right
@@ -78,6 +78,7 @@ def draw_tunnel(
     pixel = np.empty(3, dtype=np.float32)
     for r in range(image.shape[0]):
         rise = (axis_row - (top_px + r + 0.5)) / focal_px
+        start = (lens_m[r] / cell_m) % (floor.shape[0] - 1)
         for k in range(image.shape[1]):
             side = (left_px + k + 0.5 - axis_column) / focal_px
             to_wall = half_width_m / abs(side) if side != 0.0 else RAY_MAX_M
@@ -87,7 +88,7 @@ def draw_tunnel(
             elif rise > 0.0:
                 to_level = (ceiling_m - lens_height_m) / rise
             ray_m = min(to_wall, to_level)
-            along = (lens_m[r] + ray_m) / cell_m
+            along = start + ray_m / cell_m
             # what one pixel covers along the track, against the texture's finest pattern
             span = ray_m * ray_m / (focal_px * (half_width_m if to_wall < to_level else lens_height_m))
             blur = min(max(span / (8.0 * cell_m) - 0.5, 0.0), 1.0)
@@ -109,10 +110,10 @@ def board_cover(board: Floats, x_px: float, y_px: float, scale: float, edge_px: 
     half_height = board[HALF_HEIGHT] * scale
     if board[ROUND] > 0.0:
         inside = half_width - math.sqrt(x_px * x_px + y_px * y_px)
-        return min(max(inside / edge_px + 0.5, 0.0), 1.0)
+        return float(min(max(inside / edge_px + 0.5, 0.0), 1.0))
     across = min(max((half_width - abs(x_px)) / edge_px + 0.5, 0.0), min(2.0 * half_width / edge_px, 1.0))
     upright = min(max((half_height - abs(y_px)) / edge_px + 0.5, 0.0), min(2.0 * half_height / edge_px, 1.0))
-    return across * upright
+    return float(across * upright)
 
 
 @compiled

@@ -129,38 +129,32 @@ class Injector:
             self._disturbed.pop(key, None)
 
     def _disturb(
-        self, step: int, source: str, destination: str, deliveries: tuple[Delivery, ...]
+        self, _step: int, source: str, destination: str, deliveries: tuple[Delivery, ...]
     ) -> tuple[Delivery, ...]:
         """What the link faults in force make of a telegram on its way."""
         for key, fault in self._disturbed.items():
             ends = link_ends(fault.target)
             if any(a in (ANY, source) and b in (ANY, destination) for a, b in ends):
-                deliveries = self._disturb_one(key, fault, step, deliveries)
+                deliveries = self._disturb_one(key, fault, deliveries)
         return deliveries
 
-    def _disturb_one(
-        self, key: int, fault: Fault, step: int, deliveries: tuple[Delivery, ...]
-    ) -> tuple[Delivery, ...]:
+    def _disturb_one(self, key: int, fault: Fault, deliveries: tuple[Delivery, ...]) -> tuple[Delivery, ...]:
         chance = self._chance[key]
-        p = fault.parameters.get("p", 0.0)
+        p = fault.parameters.get("p", 1.0)
         later = round(fault.parameters.get("seconds", 1.0) * STEPS_PER_S)
-        match fault.kind:
-            case FaultKind.CUT:
-                return ()
-            case FaultKind.LOSS:
-                return tuple(d for d in deliveries if chance.random() >= p)
-            case FaultKind.DELAY:
-                return tuple(replace(d, step=d.step + later) for d in deliveries)
-            case FaultKind.DUPLICATE:
-                copies = [replace(d, step=d.step + 1) for d in deliveries if chance.random() < p]
-                return (*deliveries, *copies)
-            case FaultKind.REORDER:
-                return tuple(
-                    replace(d, step=d.step + later) if chance.random() < p else d for d in deliveries
-                )
-            case FaultKind.FLIP:
-                return tuple(_flipped(d, chance) if chance.random() < p else d for d in deliveries)
-        return deliveries
+        changed: list[Delivery] = []
+        for delivery in deliveries:
+            hit = chance.random() < p
+            match fault.kind:
+                case FaultKind.CUT | FaultKind.LOSS:
+                    changed += [] if hit else [delivery]
+                case FaultKind.DELAY | FaultKind.REORDER:
+                    changed.append(replace(delivery, step=delivery.step + later) if hit else delivery)
+                case FaultKind.DUPLICATE:
+                    changed += [delivery, replace(delivery, step=delivery.step + 1)] if hit else [delivery]
+                case _:
+                    changed.append(_flipped(delivery, chance) if hit else delivery)
+        return tuple(changed)
 
     # sensors, tags, points ----------------------------------------------------------------------------------
 

@@ -11,12 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.records import MODE_DRIVE
+from onboard.rows import UnitRow
 from onboard.tick import tick
 from simulation.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG
 from simulation.rows import TruthRow
+from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.dynamics import step as move
-from vehicle.rows import PlantRow
+from vehicle.rows import PlantRow, TrainRow
+
+SIGHT_RESERVE_M = 2.0
+SIGHT_BRAKE_MPS2 = 0.5  # what a driver on sight asks for
 
 Rows = NDArray[np.void]
 
@@ -57,12 +62,39 @@ def world_events(
     if truth.tag_next < truth.tag_end and now_m >= tag_positions_m[truth.tag_next]:
         events |= EVENT_TAG
         beyond = now_m - tag_positions_m[truth.tag_next]
-        truth.odometer_at_tag_m = (plant.wheel_travelled_m - beyond) / truth.wheel_factor
+        truth.odometer_at_tag_m = truth.odometer_m - beyond * truth.tachometer_gain / truth.wheel_factor
     if now_m >= truth.front_boundary_m:
         events |= EVENT_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
         events |= EVENT_REAR
     return events
+
+
+@compiled
+def read_tachometer(truth: TruthRow, plant: PlantRow, wheel_before_m: float, step_s: float) -> float:
+    """Count the wheel's turning of one step; returns the speed shown, m/s. A faulty one shows what it shows."""
+    if truth.tachometer_frozen_mps >= 0.0:
+        truth.odometer_m += truth.tachometer_frozen_mps * step_s
+        return truth.tachometer_frozen_mps
+    gain = truth.tachometer_gain / truth.wheel_factor
+    truth.odometer_m += (plant.wheel_travelled_m - wheel_before_m) * gain
+    return plant.wheel_speed_mps * gain
+
+
+@compiled
+def brake_on_sight(truth: TruthRow, unit: UnitRow, train: TrainRow) -> None:
+    """The driver, who sees the line, brakes a train without a position to a stand before `sight_m`."""
+    if unit.mode != MODE_DRIVE or unit.emergency != 0:
+        return
+    room_m = truth.sight_m - truth.position_m - SIGHT_RESERVE_M
+    speed = unit.speed_mps
+    if room_m <= 0.0:
+        unit.notch = -train.brake_notches
+    elif (
+        speed * (train.brake_dead_time_s + train.brake_lag_s) + speed * speed / (2.0 * SIGHT_BRAKE_MPS2)
+        > room_m
+    ):
+        unit.notch = min(unit.notch, service_notch(train, SIGHT_BRAKE_MPS2))
 
 
 @compiled
@@ -100,19 +132,23 @@ def advance(
             unit = units[slot]
             train = trains[slot]
             gradient, curvature = track_under(truth, profile, train.length_m)
+            wheel_before_m = plant.wheel_travelled_m
             move(plant, train, unit.notch, unit.emergency != 0, gradient, curvature, step_s)
             truth.position_m = truth.offset_m + plant.travelled_m
             speeds_mps[k, slot] = plant.speed_mps
+            shown_mps = read_tachometer(truth, plant, wheel_before_m, step_s)
             events = world_events(truth, plant, tag_positions_m, train.length_m)
             events |= tick(
                 unit,
                 train,
                 behaviours[slot],
                 path,
-                plant.wheel_travelled_m / truth.wheel_factor,
-                plant.wheel_speed_mps / truth.wheel_factor,
+                truth.odometer_m,
+                shown_mps,
                 plant.load_share,
             )
+            if unit.position_known == 0:
+                brake_on_sight(truth, unit, train)
             truth.events = events
             happened |= events
             sample = (first_step + k + 1) % trace_every == 0

@@ -273,8 +273,10 @@ class Simulation:
             stop.departure_s = now_s
             self._open_stop[slot] = None
         if events & EVENT_TAG:
-            tag_id, odometer_m = trains.read_tag(slot)
-            self._apply(slot, unit.tag_read(tag_id, odometer_m, now_s))
+            tag_id, read_id, odometer_m = trains.read_tag(slot)
+            self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
+            if read_id is not None and slot not in trains.unpowered:
+                self._apply(slot, unit.tag_read(read_id, odometer_m, now_s))
         if events & EVENT_UNIT_BITS:
             at = unit.at
             self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))

@@ -28,6 +28,10 @@ TRUTH: Final = np.dtype(
         ("tag_end", "i8"),
         ("odometer_at_tag_m", "f8"),  # latched by the reader when the front passed the tag
         ("wheel_factor", "f8"),  # true circumference over the one the tachometer is set for
+        ("odometer_m", "f8"),  # what the tachometer has counted
+        ("tachometer_gain", "f8"),  # 1 in order, 0 silent
+        ("tachometer_frozen_mps", "f8"),  # shows this speed for ever; negative: in order
+        ("sight_m", "f8"),  # where the driver stops on sight while the unit does not know its position
         ("events", "i8"),
     ],
     align=True,

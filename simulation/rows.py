@@ -19,4 +19,8 @@ class TruthRow(Protocol):
     tag_end: int
     odometer_at_tag_m: float
     wheel_factor: float
+    odometer_m: float
+    tachometer_gain: float
+    tachometer_frozen_mps: float
+    sight_m: float
     events: int

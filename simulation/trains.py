@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from network.model import Direction
 from network.path import Path, path_of
-from onboard.records import UNIT
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, UNIT
 from onboard.unit import Unit, UnitFacts
 from radio.chance import generator
 from radio.envelope import Endpoint
@@ -60,20 +60,50 @@ class Trains:
         self.duties: list[Duty | None] = [None] * n
         self.on_board: list[Unit] = []
         self.energy_marks = [EnergyMark() for _ in range(n)]
+        self.unpowered: set[int] = set()
+        self.boots = [1] * n
+        self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
         terminals = sorted({points.terminal_id for points in setup.line.points.values()})
+        self._rings = [
+            key_ring(master_key, stock_id, (MANAGER_ID, *terminals)) for stock_id in self.stock_ids
+        ]
         for slot, stock_id in enumerate(self.stock_ids):
             self.kinds[slot] = setup.trains[stock_id].row[0]
-            ring = key_ring(master_key, stock_id, (MANAGER_ID, *terminals))
-            facts = UnitFacts(stock_id, setup.line, MANAGER_ID, setup.unit)
-            self.on_board.append(
-                Unit(
-                    facts, self.units[slot], self.kinds[slot], self.behaviours[slot], Endpoint(ring, epoch=1)
-                )
-            )
+            self.on_board.append(self._new_unit(slot))
             sigma = setup.sensors.wheel_factor_sigma
             factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
             self.truths[slot].wheel_factor = factor
+            self.truths[slot].tachometer_gain = 1.0
+            self.truths[slot].tachometer_frozen_mps = -1.0
+            self.truths[slot].sight_m = math.inf
+
+    def _new_unit(self, slot: int) -> Unit:
+        """An on-board unit that has just been switched on: fixed data and the number of its boot, nothing else."""
+        facts = UnitFacts(self.stock_ids[slot], self.setup.line, MANAGER_ID, self.setup.unit)
+        endpoint = Endpoint(self._rings[slot], epoch=self.boots[slot])
+        return Unit(facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint)
+
+    def power_off(self, slot: int) -> None:
+        """The unit dies: its outputs fall to the safe side, the emergency brake applies itself."""
+        unit = self.units[slot]
+        self.unpowered.add(slot)
+        unit.mode = MODE_HOLD
+        unit.intervention = EMERGENCY_INTERVENTION
+        unit.position_known = 0
+        unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = math.inf
+        self.truths[slot].sight_m = math.inf
+
+    def power_on(self, slot: int) -> None:
+        """The unit boots: where it is and what it holds are forgotten."""
+        self.unpowered.discard(slot)
+        self.boots[slot] += 1
+        load_share = self.on_board[slot].load_share
+        self.on_board[slot] = self._new_unit(slot)
+        self.on_board[slot].load_share = load_share
+        unit = self.units[slot]
+        unit.odometer_m = self.truths[slot].odometer_m
+        unit.odometer_scale = 1.0
 
     # where trains are ------------------------------------------------------------------------------------------
 
@@ -127,7 +157,7 @@ class Trains:
         self._enter_path(slot, duty, position_m)
         unit = self.units[slot]
         accuracy_m = self.setup.unit.tag_accuracy_m
-        unit.odometer_m = self.plants[slot].wheel_travelled_m / self.truths[slot].wheel_factor
+        unit.odometer_m = self.truths[slot].odometer_m
         if not unit.odometer_scale:
             unit.odometer_scale = 1.0
         unit.bound_growth = self.setup.unit.wheel_error_share
@@ -260,15 +290,15 @@ class Trains:
 
     # sensors -------------------------------------------------------------------------------------------------------
 
-    def read_tag(self, slot: int) -> tuple[int, float]:
-        """Id of the tag just passed and the tachometer reading latched with it, reading error included."""
+    def read_tag(self, slot: int) -> tuple[int, int | None, float]:
+        """The tag just passed: its id, the id read (None: not read), the tachometer reading latched with it."""
         truth = self.truths[slot]
         tag_id = self.pool.tag_ids[int(truth.tag_next)]
         truth.tag_next += 1
         sensors = self.setup.sensors
         error_m = float(self._sensors[slot].normal(0.0, sensors.tag_read_sigma_m))
         error_m = min(max(error_m, -sensors.tag_read_max_m), sensors.tag_read_max_m)
-        return tag_id, float(truth.odometer_at_tag_m) + error_m
+        return tag_id, self.tag_faults.get(tag_id, tag_id), float(truth.odometer_at_tag_m) + error_m
 
     def direction(self, slot: int) -> Direction:
         """Direction of travel of the present path."""

@@ -18,18 +18,11 @@ from radio.messages import AnyMessage
 from simulation.agenda import Agenda, Due
 from simulation.journal import Journal
 from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.vocabulary import device_word
 from wayside import point_machine
 from wayside.config import MANAGER_ID
 from wayside.point_machine import PointMachine, Repaired
 
-WHAT: Final = {
-    NoteKind.STARTED: "restarted",
-    NoteKind.CLAIMED: "signed_on",
-    NoteKind.BY_HAND: "confirmed_by_hand",
-    NoteKind.COMMANDED: "points_commanded",
-    NoteKind.PROVEN: "points_proven",
-    NoteKind.UNPROVEN: "points_unproven",
-}
 Disturb = Callable[[int, str, str, tuple[Delivery, ...]], tuple[Delivery, ...]]
 _HEADER: Final = msgspec.msgpack.Decoder(Envelope)
 _PAYLOAD: Final = msgspec.msgpack.Decoder(AnyMessage)
@@ -170,7 +163,7 @@ class WaysideWorld:
                 self._agenda.put(wake_step, Due.TO_DEVICE, device_id)
 
     def _note(self, step: int, device_id: str, note: Note) -> None:
-        what = WHAT.get(note.kind, note.kind.value.replace(" ", "_"))
+        what = device_word(note.kind)
         data: dict[str, object] = {}
         if note.unit_id:
             data["unit"] = note.unit_id

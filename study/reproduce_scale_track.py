@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ from simulation.camera import (
     PAPER_CAMERA,
     PAPER_SIGN,
     PAPER_TABLE_M,
+    SIGN_QUARTER,
     Renderer,
     Scene,
     Shot,
@@ -117,6 +118,13 @@ def command(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow) -> float:
     return power_notch(train, 0.0, unit.speed_mps / SCALE, wanted * equivalent_mass_kg(train, 0.0))
 
 
+class _Look(NamedTuple):
+    """A frame in which the sign was searched: when it began (s), and what was seen."""
+
+    frame_s: float
+    sighting: TargetSighting | None
+
+
 class _Run:
     """One stop in progress: the car's truth, the unit's row, and the station database it looks its sign up in."""
 
@@ -174,12 +182,12 @@ class _Run:
         """The tachometer's distance at a time, full-size m, with this car's error of wheel diameter."""
         return SCALE * self.at(time_s, 1) / self.wheel
 
-    def look(self, now_s: float) -> tuple[float, TargetSighting] | bool | None:
-        """Frame time (s) and sighting of the newest finished frame; False when it was not searched."""
+    def look(self, now_s: float) -> _Look | None:
+        """Search the newest finished frame where the sign should be; None while there is nothing to search."""
         camera, unit, test = self.renderer.camera, self.unit[0], self.test
         ready_s = now_s - camera.readout_s - camera.exposure_s - test.processing_s - self.frame_phase_s
         if ready_s < 0.0:
-            return False
+            return None
         frame_s = self.frame_phase_s + math.floor(ready_s * camera.frame_rate_hz) / camera.frame_rate_hz
         estimate_m = float(unit.position_m) - (float(unit.odometer_m) - self.odometer_m(frame_s))
         believed_m = self.direction * (self.sign.position_m - test.origin_kilometrage_m) - estimate_m
@@ -188,24 +196,26 @@ class _Run:
             self.table, believed_m / SCALE, bound_m / SCALE, camera.axis_px, camera.size_px
         )
         if window is None:
-            return False
+            return None
         speed_mps = self.at(frame_s, 2)
         pitch = float(self.rng.normal(0.0, camera.vibration_rad)) if speed_mps > 0.0 else 0.0
         scene = Scene(PAPER_SIGN, test.mark_after_m + test.sign_beyond_m, lighting=self.lighting)
         shot = Shot(self.at(frame_s, 0), speed_mps, pitch)
         image = self.renderer.render(scene, shot, self.rng, window)
-        found = sight(image, self.table, camera.axis_px, window.left, window.top)
-        return None if found is None else (frame_s, found)
+        return _Look(frame_s, sight(image, self.table, camera.axis_px, window.left, window.top))
 
-    def take(self, frame_s: float, sighting: TargetSighting) -> bool:
-        """Fix the unit's position by a sighting, if it can be where the sighting says."""
+    def take(self, look: _Look) -> bool:
+        """Fix the unit's position by a sighting, if there is one and the train can be where it says."""
+        sighting = look.sighting
+        if sighting is None:
+            return False
         unit = self.unit[0]
         camera = self.renderer.camera
         found = position_fix(
             sighting, self.sign, self.table, float(unit.speed_mps) / SCALE, camera.frame_rate_hz, SCALE
         )
         path_m = self.direction * (found.kilometrage_m - self.test.origin_kilometrage_m)
-        odometer_m = self.odometer_m(frame_s)
+        odometer_m = self.odometer_m(look.frame_s)
         if not within_window(unit, path_m, odometer_m, found.accuracy_m):
             return False
         fix(unit, path_m, odometer_m, found.accuracy_m)
@@ -219,12 +229,12 @@ class _Run:
             now_s = cycle * CYCLE_S
             at = cycle * SUBSTEPS
             locate(unit, train, self.odometer_m(now_s), SCALE * self.at(now_s, 2) / self.wheel, CYCLE_S)
-            seen = self.look(now_s)
-            if isinstance(seen, tuple) and self.take(*seen):
+            look = self.look(now_s)
+            if look is not None and self.take(look):
                 sightings += 1
                 if math.isnan(first_m):
                     first_m = self.test.mark_after_m - self.at(now_s, 0)
-            elif seen is not False and sightings > 0:
+            elif look is not None and sightings > 0:
                 misses += 1
             error_m = SCALE * self.at(now_s, 0) - float(unit.position_m)
             outside += not -float(unit.bound_behind_m) <= error_m <= float(unit.bound_ahead_m)
@@ -310,7 +320,7 @@ def reproduce(options: Options) -> Reproduction:
     """`branchline reproduce oda-scale-track`: 10 stops as in the paper, and 1,000."""
     test = TrackTest()
     renderer = Renderer(PAPER_CAMERA, options.seed)
-    table = record_table(renderer, PAPER_SIGN, PAPER_TABLE_M, options.seed)
+    table = record_table(renderer, PAPER_SIGN, PAPER_TABLE_M, options.seed, window=SIGN_QUARTER)
     many = STOPS_QUICK if options.quick else STOPS_MANY
     stops = run_stops(renderer, table, options.seed, many, test)
     rows = _rows(stops[:STOPS_PAPER], f"{STOPS_PAPER} stops") + _rows(stops, f"{many} stops")

@@ -165,7 +165,7 @@ def _monte_carlo_rows(channel: Channel, seed: int, share: float) -> list[Row]:
     estimate = clopper_pearson(counts.wrong, count, each)
     rows.append(_agreement("wrong id without vote, bit-error rates x 100, per passage", exact, estimate))
 
-    for factor in (10.0, 1.0):
+    for factor in (30.0, 10.0):
         raised = channel.raised(factor)
         shares = any_rule_probabilities(PAPER, outcome_probabilities(PAPER, raised, TAG_ID))
         rng = generator(seed, "tags", "weighted", f"{factor:g}")

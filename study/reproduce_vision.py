@@ -15,7 +15,6 @@ import numpy as np
 from onboard.vision import (
     PAPER_COLOUR,
     SightTable,
-    Window,
     frame_rate_error_m,
     is_plausible,
     largest_cluster,
@@ -28,6 +27,7 @@ from simulation.camera import (
     PAPER_CAMERA,
     PAPER_SIGN,
     PAPER_TABLE_M,
+    SIGN_QUARTER,
     Board,
     Renderer,
     Scene,
@@ -148,7 +148,7 @@ def decoy_finds(renderer: Renderer, table: SightTable, seed: int, count: int) ->
 def table_2_rows(renderer: Renderer, seed: int) -> list[Row]:
     """The sign's row at the paper's six places, and from it equation 2 at four of them."""
     offsets: dict[int, np.ndarray] = {}
-    window = Window(640, 480, 1280, 960)
+    window = SIGN_QUARTER
     for distance_mm in TABLE_2_PX:
         rng = generator(seed, "oda-vision", "table 2", str(distance_mm))
         seen = []
@@ -258,7 +258,7 @@ def reproduce(options: Options) -> Reproduction:
     """`branchline reproduce oda-vision`."""
     seed = options.seed
     renderer = Renderer(PAPER_CAMERA, seed)
-    table = record_table(renderer, PAPER_SIGN, PAPER_TABLE_M, seed)
+    table = record_table(renderer, PAPER_SIGN, PAPER_TABLE_M, seed, window=SIGN_QUARTER)
     scenes = SCENES_QUICK if options.quick else SCENES
     fewer = int(scenes * SIGN_SCENES_SHARE)
     rows = table_2_rows(renderer, seed) + scatter_rows(renderer, table, seed)
@@ -285,10 +285,10 @@ def reproduce(options: Options) -> Reproduction:
     remarks = [
         "Distances and errors are on the tenth scale; ten times as much on a real line.",
         f"The model's detection range is {model.range_m:.1f} m here, the end of the table.",
-        "Opening with four neighbours keeps a sign of 5 px, as the paper's table to 2.8 m before the mark needs; with eight the "
-        "rendered sign is lost some 2.2 m before it. A real sign of "
-        f"0.18 m has 5 px at {paper_reach_m:.0f} m with the paper's lens; its simulated 100 m would need some "
-        f"{3.4 * 100.0 / paper_reach_m:.0f} mm of focal length (this project's line camera: 8 mm, {line_reach_m:.0f} m).",
+        "Opening with four neighbours keeps a sign of 5 px, as the paper's table to 2.8 m before the mark needs; "
+        "with eight the rendered sign is lost some 2.2 m before it.",
+        f"A real sign of 0.18 m has 5 px at {paper_reach_m:.0f} m with the paper's lens; 100 m, as in its "
+        f"simulation, takes {3.4 * 100.0 / paper_reach_m:.0f} mm of focal length (line camera: 8 mm, {line_reach_m:.0f} m).",
         "The paper's own rows are whole and half pixels, ours fractions of one; what else scattered there is not told.",
         "The check of column and size is ours; the paper relies on a colour that occurs nowhere else.",
     ]

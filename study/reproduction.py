@@ -11,6 +11,11 @@ from network.errors import InputError
 
 # name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
 REPRODUCTIONS: Final[Mapping[str, str]] = {
+    "oda-scale-track": "study.reproduce_scale_track",
+    "oda-vision": "study.reproduce_vision",
+    "oda-table4": "study.reproduce_table4",
+    "oda-tuning": "study.reproduce_tuning",
+    "stop-statistics": "study.stop_statistics",
     "sugiyama-tags": "study.reproduce_tags",
 }
 

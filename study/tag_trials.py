@@ -20,9 +20,9 @@ from vehicle.compiled import compiled
 
 # the game of `weighted_trials`
 TURNED: Final = 0.25  # share of items made the wrong id
-SPOILED: Final = 0.15  # share of items with many errors
-SPOILED_RATE: Final = 1.0 / 16.0  # their bit-error rate
-SHIFTED: Final = 0.2  # share of telegrams whose shift is drawn from all alike
+SPOILED: Final = 0.25  # share of items given errors at
+SPOILED_RATE: Final = 1.0 / 32.0  # this bit-error rate
+SHIFTED: Final = 0.1  # share of telegrams whose shift is drawn from all alike
 CHECKS: Final = np.array(CHECK_STRINGS, dtype=np.int64)
 
 

@@ -16,7 +16,7 @@ from onboard.records import (
     SERVICE_INTERVENTION,
     UNIT,
 )
-from onboard.supervision import stop_curve_mps, supervise
+from onboard.supervision import RESERVE_M, stop_curve_mps, supervise
 
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 STEP_S = 0.1
@@ -42,7 +42,7 @@ def test_the_stop_curve_solves_its_equation(
 
 def test_the_stop_curve_by_hand() -> None:
     """100 m, 0.8 m/s2, 1.4 s, level: v^2/1.6 + 1.4 v = 100."""
-    assert stop_curve_mps(100.0, 0.0, 0.8, 1.4, GRAVITY_SHARE_MPS2) == pytest.approx(11.5788, abs=1e-4)
+    assert stop_curve_mps(100.0, 0.0, 0.8, 1.4, GRAVITY_SHARE_MPS2) == pytest.approx(11.5786, abs=1e-4)
     assert stop_curve_mps(100.0, 0.0, 0.8, 0.0, GRAVITY_SHARE_MPS2) == pytest.approx(160.0**0.5)
     assert stop_curve_mps(0.0, 5.0, 0.8, 1.4, GRAVITY_SHARE_MPS2) == 0.0
 
@@ -61,10 +61,11 @@ def prepared(limit_m: float) -> np.recarray:
     limit_m=st.floats(120.0, 2400.0),
     push_mps2=st.floats(0.0, 0.6),
     bound_m=st.floats(0.0, 20.0),
-    length_m=st.sampled_from([10.0, 40.0, 120.0]),
+    length_m=st.sampled_from([20.0, 40.0, 120.0]),
     service_works=st.booleans(),
 )
 @example([0.0] * 10, 400.0, 0.6, 0.0, 40.0, False)
+@example([0.0, 0.0, 6.0, *[0.0] * 7], 1132.0, 0.5, 0.0, 20.0, False)  # over a crest within the reaction time
 @example([-25.0] * 10, 2000.0, 0.6, 0.0, 40.0, False)
 @example([-25.0] * 5 + [25.0] * 5, 1400.0, 0.6, 0.0, 120.0, False)
 def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
@@ -194,6 +195,6 @@ def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
     limits[200:] = 5.0
     path = pattern_of(np.zeros(TRACK_M), limits, train, behaviour)
     unit = prepared(np.inf)
-    unit.position_m, unit.bound_ahead_m = 189.5, 10.0
+    unit.position_m, unit.bound_ahead_m = 190.0 - RESERVE_M, 10.0
     supervise(unit, train, behaviour, path)
     assert unit.permitted_mps == pytest.approx(5.0)
