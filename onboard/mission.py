@@ -67,6 +67,10 @@ class Mission:
                 return index
         raise ValueError(section_id)
 
+    def span_at(self, position_m: float) -> SectionSpan:
+        """The section at a path coordinate (m); at a joint the one being entered."""
+        return next((s for s in self.spans if s.start_m <= position_m < s.end_m), self.spans[-1])
+
     def route_beyond(self, section_id: str) -> Route | None:
         """The route that begins in a section, or None where the mission ends there."""
         return next((route for route in self.routes if route.from_section == section_id), None)

@@ -38,6 +38,7 @@ from onboard.stop_limit import (
     cleared_sections,
     departure_points,
     next_rear_trigger_m,
+    points_of,
     stop_limit,
 )
 from onboard.timekeeping import cruise_for
@@ -55,6 +56,7 @@ class Phase(Enum):
     SIGNING_ON = "signing on"
     STANDING = "standing"
     RUNNING = "running"
+    RESTARTED = "restarted"  # switched on again: on sight until position and holdings are known
     FINISHED = "finished"
     SIGNING_OFF = "signing off"
     GONE = "gone"
@@ -129,6 +131,7 @@ class Unit:
         self.phase = Phase.OFF
         self.mission: Mission | None = None
         self.at = 0  # index of the target where the train stands or that it left last
+        self.stands_at: int | None = None  # target at which a train without a position stands, by the crew
         self.load_share = 0.0
         self.authority = auth.Authority(facts.unit_id, facts.manager_id)
         self.limit = StopLimit(0.0, None, "no mission")
@@ -151,8 +154,55 @@ class Unit:
         self, mission: Mission, path: NDArray[np.void], now_s: float, *, ready_s: float, signing_on: bool
     ) -> list[UnitAction]:
         """Take up a mission; the row's position is already on its path. `path` are the rows of PATTERN."""
+        self._take_up(mission, path, ready_s)
+        self._expect_tag()
+        if signing_on:
+            self.phase = Phase.SIGNING_ON
+            self._authority(auth.BeginOnLine((mission.spans[0].section_id,)), now_s)
+        else:
+            self.phase = Phase.STANDING
+        return self._done(now_s)
+
+    def restart(
+        self, mission: Mission, path: NDArray[np.void], now_s: float, *, ready_s: float, stands_at: int | None
+    ) -> list[UnitAction]:
+        """Switched on again (復旧): the crew enters the train number and, if it stands at one, the station.
+
+        Position and holdings are forgotten; until both are found the train runs on sight (4.4 (3), table 3).
+        """
+        self._take_up(mission, path, ready_s)
+        self.phase = Phase.RESTARTED
+        self.stands_at = stands_at
+        self.row.position_known = 0
+        self.row.restricted_mps = self.facts.parameters.restricted_mps
+        self.row.expected_tag_m = math.inf
+        self.row.stop_limit_m = math.inf
+        self.row.intervention = EMERGENCY_INTERVENTION
+        if self.row.speed_mps == 0.0:
+            self._release_emergency_s = now_s + self.facts.parameters.emergency_release_s
+        self._note("restarted", epoch=self._endpoint.epoch)
+        self._authority(auth.BeginOnLine(None), now_s)
+        return self._done(now_s)
+
+    def checked_by_crew(self, points: auth.PointsNeeded, now_s: float) -> list[UnitAction]:
+        """The crew has seen that points ahead lie as needed."""
+        self._authority(auth.CheckedByCrew(points), now_s)
+        return self._done(now_s)
+
+    def arrived_on_sight(self, index: int, now_s: float) -> list[UnitAction]:
+        """A train without a position has been brought to a stand at a target by its driver."""
+        self.stands_at = index
+        self.at = index
+        self._ready_s = now_s + self.facts.parameters.dwell_min_s
+        target = None if self.mission is None else self.mission.targets[index]
+        if target is not None:
+            self._note("arrived", station=target.station_id or target.section_id, error_m=None)
+        return self._done(now_s)
+
+    def _take_up(self, mission: Mission, path: NDArray[np.void], ready_s: float) -> None:
         self.mission = mission
         self.at = 0
+        self.stands_at = None
         self._elevation_m = np.ascontiguousarray(path["elevation_m"])
         self._driving_mps = np.ascontiguousarray(path["driving_mps"])
         self._tags = {tag.tag_id: tag for tag in mission.tags}
@@ -162,14 +212,7 @@ class Unit:
         self.row.mode = MODE_HOLD
         self.row.cruise_mps = math.inf
         self.row.target_stop_m = self.row.position_m
-        self._expect_tag()
         self._note("mission", train=mission.number, direction=mission.direction.name.lower())
-        if signing_on:
-            self.phase = Phase.SIGNING_ON
-            self._authority(auth.BeginOnLine((mission.spans[0].section_id,)), now_s)
-        else:
-            self.phase = Phase.STANDING
-        return self._done(now_s)
 
     def change_ends(self, now_s: float) -> list[UnitAction]:
         """The driver has changed ends; the next mission follows with `begin`."""
@@ -324,6 +367,8 @@ class Unit:
     def _position_found(self, now_s: float) -> None:
         """A tag has told where the train is; what it holds has not changed, so it runs normally again."""
         self._note("position_found")
+        if self.phase is Phase.RESTARTED:
+            return
         self.row.restricted_mps = math.inf
         self._choose_cruise(now_s)
 
@@ -384,6 +429,9 @@ class Unit:
             self._actions.append(LeftLine())
             return
         row = self.row
+        if self.phase is Phase.RESTARTED and not self._recovered(mission, now_s):
+            self.wake_at_s = min(self.wake_at_s, self.authority.next_timer_s())
+            return
         if row.position_known:
             rear_m = float(row.position_m - row.bound_behind_m - self._train.length_m)
             cleared = cleared_sections(mission, self.authority, rear_m)
@@ -402,6 +450,53 @@ class Unit:
             row.position_trigger_m = next_coverage_m(self.facts.line, mission.path, row.position_m)
         else:
             self.wake_at_s = min(self.wake_at_s, timer_s)
+
+    def _recovered(self, mission: Mission, now_s: float) -> bool:
+        """After a restart: normal running once a tag has told the position and the manager the holdings."""
+        row = self.row
+        if row.position_known and self.authority.on_line:
+            self._resume(mission, now_s)
+            return True
+        span = mission.span_at(row.position_m) if row.position_known else None
+        row.stop_limit_m = math.inf if span is None else span.end_m
+        row.target_stop_m = math.inf
+        row.braking_to_stop = 0
+        may_run = row.intervention != EMERGENCY_INTERVENTION and now_s >= self._ready_s
+        if self.stands_at is not None and self.stands_at + 1 < len(mission.targets):
+            here = mission.targets[self.stands_at]
+            leave_s = max(self._ready_s, -math.inf if here.departure_s is None else here.departure_s)
+            may_run = may_run and now_s >= leave_s
+            route = mission.route_beyond(here.section_id)
+            missing = route is not None and not all(self.authority.holds(s) for s in route.section_ids)
+            if route is not None and missing and self.authority.on_line and self.authority.asked is None:
+                self._authority(auth.Ask(route), now_s)
+            self.wake_at_s = min(self.wake_at_s, leave_s if now_s < leave_s else math.inf)
+        self.wake_at_s = min(self.wake_at_s, self._ready_s if now_s < self._ready_s else math.inf)
+        row.mode = MODE_DRIVE if may_run else MODE_HOLD
+        return False
+
+    def _resume(self, mission: Mission, now_s: float) -> None:
+        """Everything is known again: which target comes next follows from the position."""
+        row = self.row
+        passed = [i for i, t in enumerate(mission.targets) if t.mark_m <= row.position_m + ARRIVED_WITHIN_M]
+        self.at = passed[-1] if passed else 0
+        row.restricted_mps = math.inf
+        row.target_stop_m = row.position_m
+        ahead = [
+            s for s in mission.spans if s.start_m > row.position_m and self.authority.holds(s.section_id)
+        ]
+        departing = [
+            s for s in ahead if not any(k.kind is SectionKind.BETWEEN for k in ahead[: ahead.index(s)])
+        ]
+        self._wanted += tuple(needed for span in departing for needed in points_of(span))
+        stands = (
+            row.speed_mps == 0.0 and abs(mission.targets[self.at].mark_m - row.position_m) < ARRIVED_WITHIN_M
+        )
+        self.phase = Phase.STANDING if stands else Phase.RUNNING
+        row.mode = MODE_HOLD if stands else MODE_DRIVE
+        self.stands_at = None
+        self._note("resumed", next_target=self.at + 1)
+        self._choose_cruise(now_s)
 
     def _throw_wanted(self, mission: Mission, now_s: float) -> None:
         """Command what is wanted and neither proven nor under way: anew, too, when a proof was withdrawn."""

@@ -53,9 +53,7 @@ def track_under(truth: TruthRow, profile: Rows, length_m: float) -> tuple[float,
 
 
 @compiled
-def world_events(
-    truth: TruthRow, plant: PlantRow, tag_positions_m: NDArray[np.float64], length_m: float
-) -> int:
+def world_events(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
     """What the train's front and rear passed in this step; latches the tachometer where a tag was passed."""
     events = 0
     now_m = truth.position_m
@@ -137,7 +135,7 @@ def advance(
             truth.position_m = truth.offset_m + plant.travelled_m
             speeds_mps[k, slot] = plant.speed_mps
             shown_mps = read_tachometer(truth, plant, wheel_before_m, step_s)
-            events = world_events(truth, plant, tag_positions_m, train.length_m)
+            events = world_events(truth, tag_positions_m, train.length_m)
             events |= tick(
                 unit,
                 train,

@@ -19,6 +19,8 @@ from radio.fleet import ConfirmOutside, Fleet
 from simulation.agenda import Agenda, Due
 from simulation.carrier import Carrier
 from simulation.checkers import Checkers, PointsFacts
+from simulation.crew import Crew
+from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.kernel import advance
 from simulation.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE
@@ -96,6 +98,10 @@ class Simulation:
         self._moved_step = self._begin_step
         self._timer_steps: dict[str, int] = {}
         self._broken = ""
+        self._crew = Crew(self.trains, self.wayside.machines.__getitem__, self.journal)
+        self._injector = Injector(
+            setup.script, setup.seed, self.trains, self.wayside, self.journal, self._agenda, self._unit_power
+        )
 
     @property
     def now_s(self) -> float:
@@ -117,6 +123,7 @@ class Simulation:
     def _open(self) -> None:
         """Power on; the controller says which stock is outside; stock stabled on the line is put there."""
         self.wayside.start(self._step)
+        self._injector.start(self._step)
         for stock_id in self.trains.stock_ids:
             duties = self._duties[stock_id]
             if stabled_at_start(duties):
@@ -153,13 +160,20 @@ class Simulation:
                 self.wayside.advance(self._step, item.subject, data)
             elif item.kind is Due.TO_UNIT and item.data is not None:
                 slot = self.trains.slot_of[item.subject]
+                if slot in self.trains.unpowered:
+                    self.journal.write(now_s, "world", "lost_at_dead_device", device=item.subject)
+                    continue
                 actions = self.trains.on_board[slot].receive(item.data, now_s)
                 self._apply(slot, actions, header_of(item.data).sequence)
             elif item.kind is Due.UNIT_TIMER:
                 slot = self.trains.slot_of[item.subject]
-                if self._timer_steps.get(item.subject) == self._step:
+                if self._timer_steps.get(item.subject) == self._step and slot not in self.trains.unpowered:
                     del self._timer_steps[item.subject]
                     self._apply(slot, self.trains.on_board[slot].timer(now_s))
+            elif item.kind is Due.SCRIPT and item.subject.startswith("crew "):
+                self._crew_stands(self.trains.slot_of[item.subject.removeprefix("crew ")])
+            elif item.kind is Due.SCRIPT:
+                self._injector.due(self._step, item.subject)
             elif item.kind is Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[item.subject])
 
@@ -277,11 +291,53 @@ class Simulation:
             self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
             if read_id is not None and slot not in trains.unpowered:
                 self._apply(slot, unit.tag_read(read_id, odometer_m, now_s))
-        if events & EVENT_UNIT_BITS:
+        if events & EVENT_UNIT_BITS and slot not in trains.unpowered:
             at = unit.at
             self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))
             if events & EVENT_STOPPED and unit.at != at:
                 self._stopped(slot, now_s)
+            elif events & EVENT_STOPPED:
+                self._crew_stands(slot)
+
+    # power of units, crews ------------------------------------------------------------------------------------
+
+    def _unit_power(self, stock_id: str, on: bool) -> None:
+        """Switch an on-board unit off, or on again: the crew then enters the train number."""
+        slot = self.trains.slot_of[stock_id]
+        if on == (slot not in self.trains.unpowered):
+            return
+        self.journal.write(self.now_s, "world", "power_on" if on else "power_off", device=stock_id)
+        if not on:
+            self.trains.power_off(slot)
+            return
+        stood_at = self.trains.on_board[slot].at
+        self.trains.power_on(slot)
+        duty = self.trains.duties[slot]
+        if duty is None or not self.trains.truths[slot].active:
+            return
+        mark_m = duty.mission.targets[stood_at].mark_m
+        stands = abs(float(self.trains.truths[slot].position_m) - mark_m) < 5.0
+        unit = self.trains.on_board[slot]
+        pattern = self.trains.pattern_rows(slot)
+        actions = unit.restart(
+            duty.mission, pattern, self.now_s, ready_s=self.now_s, stands_at=stood_at if stands else None
+        )
+        self._apply(slot, actions)
+
+    def _crew_stands(self, slot: int) -> None:
+        """A train on sight stands: the crew looks at the points, or has reached a mark."""
+        if self.trains.plants[slot].speed_mps > 0.0 or slot in self.trains.unpowered:
+            return
+        points, target, again_s = self._crew.stand(slot, self.now_s)
+        unit = self.trains.on_board[slot]
+        if points is not None:
+            self._apply(slot, unit.checked_by_crew(points, self.now_s))
+        elif target is not None:
+            self._apply(slot, unit.arrived_on_sight(target, self.now_s))
+            self._stopped(slot, self.now_s)
+        if again_s is not None:
+            again = f"crew {self.trains.stock_ids[slot]}"
+            self._agenda.put(math.ceil(again_s * STEPS_PER_S - 1e-6), Due.SCRIPT, again)
 
     # stops, duties, energy ---------------------------------------------------------------------------------------
 
@@ -431,6 +487,7 @@ class Simulation:
                 self._finished(slot)
             elif isinstance(action, LeftLine):
                 self._left(slot)
+        self._crew.look_ahead(slot)
         if unit.wake_at_s < math.inf:
             wake_step = max(math.ceil(unit.wake_at_s / STEP_S - 1e-6), self._step + 1)
             if self._timer_steps.get(stock_id) != wake_step:

@@ -14,6 +14,7 @@ from network.timetable import Timetable
 from onboard.records import BEHAVIOUR
 from onboard.unit import UnitParameters
 from radio.air import AirParameters
+from simulation.script import Script
 from vehicle.train_file import TrainType
 
 STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
@@ -56,6 +57,7 @@ class Setup:
     timetable: Timetable
     trains: Mapping[str, TrainType]
     seed: int = 1
+    script: Script = field(default_factory=Script)
     air: AirParameters = field(default_factory=AirParameters)
     unit: UnitParameters = field(default_factory=UnitParameters)
     driving: Driving = field(default_factory=Driving)

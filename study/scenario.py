@@ -7,7 +7,7 @@ what-if. Whatever it leaves out has the defaults of `simulation.setup`, which ar
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -23,6 +23,7 @@ from network.toml_input import Record, one_of, parse_table, read_text, validate
 from onboard.unit import UnitParameters
 from radio.air import AirParameters, DelayShape
 from simulation.setup import Driving, Sensors, Setup
+from study.script_file import ActTable, ExpectTable, FaultTable, script_of
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 FOLDER: Final = "scenarios"
@@ -74,6 +75,9 @@ class _ScenarioFile(Record):
     limits: _Limits = Field(default_factory=_Limits)
     operation: _Operation = Field(default_factory=_Operation)
     line_patch: dict[str, Any] = Field(default_factory=dict)
+    fault: list[FaultTable] = Field(default_factory=list)
+    act: list[ActTable] = Field(default_factory=list)
+    expect: list[ExpectTable] = Field(default_factory=list)
     assumed: list[str] = Field(default_factory=list)
 
 
@@ -137,6 +141,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         time_limit_s=model.limits.time_limit_s,
         stall_limit_s=model.limits.stall_limit_s,
     )
+    setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
     return Scenario(model.id, model.name, str(path), setup, bool(model.line_patch), assumed)
 
