@@ -186,6 +186,34 @@ def _print_run(done: Run, report: Path) -> None:
 
 
 @app.command()
+def drill(
+    file: Annotated[str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")],
+    link: LinkName = "simulated",
+    seed: Seed = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Also write the run directory there.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Run a drill and print it expectation by expectation; exit code 1 if one is not met."""
+    from study.drill import run_drill, shipped_drills
+    from study.run import link_of, write_run
+
+    if file == "list":
+        _print_json(list(shipped_drills())) if as_json else sys.stdout.write("\n".join(shipped_drills()) + "\n")
+        return
+    with _progress(Path(file).stem) as progress:
+        done = run_drill(file, link_of(link), seed, progress)
+    if out is not None:
+        write_run(done.run, out.resolve())
+    if as_json:
+        _print_json(done.as_dict())
+    else:
+        sys.stdout.write(f"{done.run.scenario.name}\n")
+        for verdict in done.verdicts:
+            sys.stdout.write(f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n")
+    raise typer.Exit(0 if done.passed else BROKEN)
+
+
+@app.command()
 def bench(
     scenario: Annotated[str, typer.Argument(help="Scenario to measure.")] = "karasuyama_weekday",
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,

@@ -1,8 +1,8 @@
 """The speed that may not be passed (速度制御機能, Sugiyama table 1); it may only brake harder than the driver.
 
 Invariant: with the guaranteed brakes, a train supervised here never brings its front past `stop_limit_m`, because
-the permitted speed leaves room for the reaction time, for what the train may gain in it while the traction or a
-descent still pulls, and for the position's bound ahead.
+the permitted speed leaves room for the reaction time, for what the train gains in it while the motors pull on as
+they do now, and for the position's bound ahead. (Motors that only begin to pull are within the reaction's reserve.)
 """
 
 from __future__ import annotations

@@ -25,8 +25,10 @@ ALONG, RIGHT, UP, HALF_WIDTH, HALF_HEIGHT, BLUE, GREEN, RED, ROUND = range(9)
 
 
 @compiled
-def sample(texture: Singles, along: float, across: float, blur: float, pixel: Singles) -> None:
-    """Bilinear sample of a texture (along, across, BGR) into `pixel`; coordinates (>= 0) in cells, the first wraps.
+def sample(
+    texture: Singles, along: float, across: float, blur: float, image: Singles, r: int, k: int
+) -> None:
+    """Bilinear sample of a texture (along, across, BGR) into a pixel; coordinates (>= 0) in cells, the first wraps.
 
     The texture's last row holds the mean along the track; `blur` (0 to 1) fades to it where detail is too fine.
     """
@@ -37,22 +39,22 @@ def sample(texture: Singles, along: float, across: float, blur: float, pixel: Si
     left = np.float32(1.0) - right
     if blur >= 1.0:
         for c in range(3):
-            pixel[c] = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
+            image[r, k, c] = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
         return
-    i = int(along)
-    far = np.float32(along - i)
+    i0 = int(along)
+    far = np.float32(along - i0)
     near = np.float32(1.0) - far
-    i0 = i % rows
+    while i0 >= rows:  # few times: what lies farther is blurred; a division would cost more
+        i0 -= rows
     i1 = i0 + 1 if i0 + 1 < rows else 0
+    fade = np.float32(blur)
     for c in range(3):
         low = texture[i0, j, c] * left + texture[i0, j + 1, c] * right
         high = texture[i1, j, c] * left + texture[i1, j + 1, c] * right
-        pixel[c] = low * near + high * far
-    if blur > 0.0:
-        fade = np.float32(blur)
-        for c in range(3):
-            mean = texture[rows, j, c] * left + texture[rows, j + 1, c] * right
-            pixel[c] += (mean - pixel[c]) * fade
+        fine = low * near + high * far
+        if blur > 0.0:
+            fine += (texture[rows, j, c] * left + texture[rows, j + 1, c] * right - fine) * fade
+        image[r, k, c] = fine
 
 
 @compiled
@@ -75,32 +77,34 @@ def draw_tunnel(
     air: float,
 ) -> None:
     """Fill the image with floor, walls and ceiling of a straight box around the track, fading into the air."""
-    pixel = np.empty(3, dtype=np.float32)
+    side = (left_px + np.arange(image.shape[1]) + 0.5 - axis_column) / focal_px
+    to_wall_m = half_width_m / np.maximum(np.abs(side), half_width_m / RAY_MAX_M)
+    per_cell = 1.0 / cell_m
+    # what one pixel covers along the track, against the finest pattern: blur = ray^2 * fade - 1/2
+    wall_fade = per_cell / (8.0 * focal_px * half_width_m)
     for r in range(image.shape[0]):
         rise = (axis_row - (top_px + r + 0.5)) / focal_px
-        start = (lens_m[r] / cell_m) % (floor.shape[0] - 1)
+        start = (lens_m[r] * per_cell) % (floor.shape[0] - 1)
+        level_m = lens_height_m if rise < 0.0 else ceiling_m - lens_height_m
+        to_level_m = level_m / max(abs(rise), level_m / RAY_MAX_M)
+        level_fade = per_cell / (8.0 * focal_px * level_m)
         for k in range(image.shape[1]):
-            side = (left_px + k + 0.5 - axis_column) / focal_px
-            to_wall = half_width_m / abs(side) if side != 0.0 else RAY_MAX_M
-            to_level = RAY_MAX_M
-            if rise < 0.0:
-                to_level = lens_height_m / -rise
-            elif rise > 0.0:
-                to_level = (ceiling_m - lens_height_m) / rise
-            ray_m = min(to_wall, to_level)
-            along = start + ray_m / cell_m
-            # what one pixel covers along the track, against the texture's finest pattern
-            span = ray_m * ray_m / (focal_px * (half_width_m if to_wall < to_level else lens_height_m))
-            blur = min(max(span / (8.0 * cell_m) - 0.5, 0.0), 1.0)
-            if to_wall < to_level:
-                sample(wall, along, (lens_height_m + rise * ray_m) / cell_m, blur, pixel)
-            elif rise < 0.0:
-                sample(floor, along, (half_width_m + side * ray_m) / cell_m, blur, pixel)
+            ray_m = min(to_wall_m[k], to_level_m)
+            along = start + ray_m * per_cell
+            if to_wall_m[k] < to_level_m:
+                blur = ray_m * ray_m * wall_fade - 0.5
+                sample(wall, along, (lens_height_m + rise * ray_m) * per_cell, blur, image, r, k)
             else:
-                sample(ceiling, along, (half_width_m + side * ray_m) / cell_m, blur, pixel)
-            clear = math.exp(-extinction_per_m * ray_m) if extinction_per_m > 0.0 else 1.0
-            for c in range(3):
-                image[r, k, c] = pixel[c] * clear + air * (1.0 - clear)
+                blur = ray_m * ray_m * level_fade - 0.5
+                across = (half_width_m + side[k] * ray_m) * per_cell
+                if rise < 0.0:
+                    sample(floor, along, across, blur, image, r, k)
+                else:
+                    sample(ceiling, along, across, blur, image, r, k)
+            if extinction_per_m > 0.0:
+                clear = math.exp(-extinction_per_m * ray_m)
+                for c in range(3):
+                    image[r, k, c] = image[r, k, c] * clear + air * (1.0 - clear)
 
 
 @compiled
