@@ -5,7 +5,7 @@ STAMP := $(VENV)/.installed
 PACKAGES := network sumo_cfg vehicle radio onboard wayside simulation study branchline
 SCENARIO ?= karasuyama_weekday
 
-.PHONY: install demo test check bench nets format clean
+.PHONY: install demo test check bench nets docs format clean
 
 install: $(STAMP)
 
@@ -29,6 +29,9 @@ check: install
 
 bench: install
 	$(BIN)/branchline bench $(SCENARIO)
+
+docs: install
+	$(BIN)/python -m study.interlocking_doc
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

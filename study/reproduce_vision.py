@@ -288,7 +288,8 @@ def reproduce(options: Options) -> Reproduction:
         "Opening with four neighbours keeps a sign of 5 px, as the paper's table to 2.8 m before the mark needs; "
         "with eight the rendered sign is lost some 2.2 m before it.",
         f"A real sign of 0.18 m has 5 px at {paper_reach_m:.0f} m with the paper's lens; 100 m, as in its "
-        f"simulation, takes {3.4 * 100.0 / paper_reach_m:.0f} mm of focal length (line camera: 8, {line_reach_m:.0f} m).",
+        "simulation, takes "
+        f"{3.4 * 100.0 / paper_reach_m:.0f} mm of focal length (line camera: 8, {line_reach_m:.0f} m).",
         "The paper's own rows are whole and half pixels, ours fractions of one; what else scattered there is not told.",
         "The check of column and size is ours; the paper relies on a colour that occurs nowhere else.",
     ]

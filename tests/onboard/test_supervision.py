@@ -21,7 +21,7 @@ from onboard.supervision import RESERVE_M, stop_curve_mps, supervise
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 STEP_S = 0.1
 TRACK_M = 2500
-compiled_test = settings(max_examples=2000, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @given(
