@@ -1,6 +1,6 @@
 """The command `branchline`: reads arguments, shows progress, prints results, sets exit codes.
 
-Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input. Heavy imports are inside the
+Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 130 Ctrl-C. Heavy imports are inside the
 commands, so that help is quick. With `--json` stdout carries one object and nothing else; all else is on stderr.
 """
 
@@ -19,13 +19,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from network.errors import InputError
+from radio.fleet import FleetError
 
 if TYPE_CHECKING:
     from study.run import Run
 
 BROKEN: Final = 1
 BAD_INPUT: Final = 2
-INTERRUPTED: Final = 130
+SIGNALLED: Final = 128  # plus the number of the signal: Ctrl-C gives 130
+STOPS: Final = (signal.SIGINT, signal.SIGTERM)
 
 app = typer.Typer(
     name="branchline",
@@ -45,22 +47,32 @@ LinkName = Annotated[
 ]
 
 
+class _StoppedError(BaseException):
+    """Ctrl-C or SIGTERM. Not a KeyboardInterrupt, which typer ends without a word."""
+
+
 def main() -> None:
-    """Entry point."""
-    signal.signal(signal.SIGTERM, _terminated)
+    """Entry point: whatever a person has to act on is one line on stderr."""
+    for number in STOPS:
+        signal.signal(number, _stop)
     try:
         app()
     except InputError as error:
         _tell(f"error: {error}")
         sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:
-        _tell("interrupted; nothing was written")
-        sys.exit(INTERRUPTED)
+    except FleetError as error:
+        _tell(f"error: {error}")
+        sys.exit(BROKEN)
+    except _StoppedError as stopped:
+        _tell("interrupted")
+        sys.exit(stopped.args[0])
 
 
-def _terminated(_number: int, _frame: FrameType | None) -> None:
-    """A polite end is an end like any other: contexts close, processes go."""
-    raise KeyboardInterrupt
+def _stop(number: int, _frame: FrameType | None) -> None:
+    """End like any other way: contexts close, processes go. Only once, so that the clearing up is not stopped."""
+    for stop in STOPS:
+        signal.signal(stop, signal.SIG_IGN)
+    raise _StoppedError(SIGNALLED + number)
 
 
 def _tell(text: str) -> None:
@@ -124,7 +136,7 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html."""
-    from study.run import CarrierKind, execute, link_of, write_run
+    from study.run import CarrierKind, check_out, execute, link_of, write_run
     from study.scenario import load_scenario
 
     chosen = link_of(link)
@@ -132,6 +144,7 @@ def run(
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     loaded = load_scenario(scenario, seed)
     directory = (out or Path("runs") / loaded.id).resolve()
+    check_out(directory)
     with _progress(loaded.id) as progress:
         done = execute(loaded, chosen, carrier=CarrierKind(carrier), progress=progress)
     _tell("writing the report")
@@ -187,7 +200,9 @@ def _print_run(done: Run, report: Path) -> None:
 
 @app.command()
 def drill(
-    file: Annotated[str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")],
+    file: Annotated[
+        str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")
+    ],
     link: LinkName = "simulated",
     seed: Seed = None,
     out: Annotated[Path | None, typer.Option("--out", help="Also write the run directory there.")] = None,
@@ -195,11 +210,15 @@ def drill(
 ) -> None:
     """Run a drill and print it expectation by expectation; exit code 1 if one is not met."""
     from study.drill import run_drill, shipped_drills
-    from study.run import link_of, write_run
+    from study.run import check_out, link_of, write_run
 
     if file == "list":
-        _print_json(list(shipped_drills())) if as_json else sys.stdout.write("\n".join(shipped_drills()) + "\n")
+        _print_json(list(shipped_drills())) if as_json else sys.stdout.write(
+            "\n".join(shipped_drills()) + "\n"
+        )
         return
+    if out is not None:
+        check_out(out.resolve())
     with _progress(Path(file).stem) as progress:
         done = run_drill(file, link_of(link), seed, progress)
     if out is not None:
@@ -209,7 +228,9 @@ def drill(
     else:
         sys.stdout.write(f"{done.run.scenario.name}\n")
         for verdict in done.verdicts:
-            sys.stdout.write(f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n")
+            sys.stdout.write(
+                f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
+            )
     raise typer.Exit(0 if done.passed else BROKEN)
 
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from network.errors import InputError
 from network.graph import routes_from
@@ -25,12 +25,16 @@ from simulation.result import RunResult
 from simulation.setup import STEP_S, Setup
 from study.collect import tables_of
 from study.report import write_report
-from study.run_tables import RunTables
+from study.run_tables import SCHEMAS, RunTables
 from study.scenario import Scenario
 from study.summary import summarise
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 from wayside.config import device_specs, manager_config, terminal_configs
+
+RUN_FILES: Final = frozenset(
+    {"summary.json", "journal.jsonl", "report.html", *(f"{name}.parquet" for name in SCHEMAS)}
+)
 
 
 class Link(Enum):
@@ -112,36 +116,61 @@ def execute(
     return Run(scenario, result, summary, tables, broken)
 
 
-def write_run(run: Run, out: Path) -> Path:
-    """Write the run directory: all of it or nothing. Returns the path of the report."""
-    setup = run.scenario.setup
-    out.parent.mkdir(parents=True, exist_ok=True)
-    aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+def check_out(out: Path) -> None:
+    """Only a run directory may be replaced: anything else in the way is somebody's work. Raises InputError."""
+    expected = "a new directory, or one that holds a run and nothing else"
     try:
-        run.tables.write(aside)
-        (aside / "journal.jsonl").write_bytes(run.result.journal.to_bytes())
-        summary = run.summary | {"out": str(out)}
-        (aside / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
-        facts = summary | {
-            "scenario": run.scenario.name,
-            "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
-            "violations": run.summary["violations"],
-            "broken_expectations": list(run.broken),
-            "assumed": list(run.scenario.assumed),
-        }
-        write_report(aside, setup.line, setup.timetable, run.tables, facts)
-        aside.chmod(0o755)
+        strange = [path.name for path in out.iterdir() if path.name not in RUN_FILES]
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise InputError("command line", "--out", str(out), f"{expected} ({error.strerror})") from error
+    if strange:
+        raise InputError("command line", "--out", str(out), f"{expected}; it holds {min(strange)}")
+
+
+def write_run(run: Run, out: Path) -> Path:
+    """Write the run directory: all of it or nothing. Returns the path of the report.
+
+    Raises InputError as `check_out` does, and when the directory cannot be written.
+    """
+    check_out(out)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    except OSError as error:
+        expected = f"a directory that can be written ({error.strerror})"
+        raise InputError("command line", "--out", str(out), expected) from error
+    try:
+        _write_files(run, out, aside / "new")
         if out.exists():
-            old = Path(tempfile.mkdtemp(prefix=f".{out.name}-old-", dir=out.parent))
-            out.rename(old / "run")
-            aside.rename(out)
-            shutil.rmtree(old)
-        else:
-            aside.rename(out)
+            out.rename(aside / "old")
+        (aside / "new").rename(out)
     except BaseException:
-        shutil.rmtree(aside, ignore_errors=True)
+        if (aside / "old").exists() and not out.exists():
+            (aside / "old").rename(out)
         raise
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
     return out / "report.html"
+
+
+def _write_files(run: Run, out: Path, folder: Path) -> None:
+    """All files of a run into a new folder; `out` is where they will be found."""
+    setup = run.scenario.setup
+    folder.mkdir()
+    run.tables.write(folder)
+    (folder / "journal.jsonl").write_bytes(run.result.journal.to_bytes())
+    summary = run.summary | {"out": str(out)}
+    (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    facts = summary | {
+        "scenario": run.scenario.name,
+        "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
+        "violations": run.summary["violations"],
+        "broken_expectations": list(run.broken),
+        "assumed": list(run.scenario.assumed),
+    }
+    write_report(folder, setup.line, setup.timetable, run.tables, facts)
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:

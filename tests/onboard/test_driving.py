@@ -1,0 +1,183 @@
+"""Automatic driving and the stop at the mark with the train's own dynamics; judged by properties, not by a course."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from onboard.driving import power_notch
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION
+from onboard.tick import tick
+from vehicle.dynamics import step
+from vehicle.train_file import new_plant
+from vehicle.traction import full_force_n
+
+START_M = 100.0
+TRACK_M = 4000
+compiled_test = settings(
+    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+
+
+@dataclass
+class Course:
+    position_m: list[float] = field(default_factory=list)
+    speed_mps: list[float] = field(default_factory=list)
+    target_mps: list[float] = field(default_factory=list)
+    notch: list[float] = field(default_factory=list)
+    interventions: int = 0
+
+
+def drive_along(
+    unit: np.recarray,
+    train: np.recarray,
+    behaviour: np.recarray,
+    path: np.recarray,
+    permille: float,
+    load_share: float,
+    speed_mps: float,
+    steps: int,
+) -> Course:
+    """Run the unit and the plant on a steady gradient until the train stands, or for `steps` of 0.1 s."""
+    plant = new_plant(1, speed_mps).view(np.recarray)[0]
+    plant.load_share = load_share
+    unit.speed_mps, unit.path_rows = speed_mps, path.size
+    course = Course()
+    for _ in range(steps):
+        step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
+        tick(unit, train, behaviour, path, plant.wheel_travelled_m, plant.wheel_speed_mps, load_share)
+        course.position_m.append(START_M + float(plant.travelled_m))
+        course.speed_mps.append(float(plant.speed_mps))
+        course.target_mps.append(float(unit.target_mps))
+        course.notch.append(float(unit.notch))
+        course.interventions += unit.intervention != NO_INTERVENTION
+        if plant.speed_mps == 0.0 and len(course.notch) > 50:
+            break
+    return course
+
+
+@compiled_test
+@given(
+    permille=st.floats(-20.0, 20.0),
+    load_share=st.floats(0.0, 1.0),
+    initial_mps=st.floats(5.0, 16.8),
+    spare_m=st.floats(30.0, 400.0),
+)
+def test_it_stops_within_a_metre_of_the_mark(
+    unit: np.recarray,
+    train: np.recarray,
+    behaviour: np.recarray,
+    track: Callable[..., np.recarray],
+    permille: float,
+    load_share: float,
+    initial_mps: float,
+    spare_m: float,
+) -> None:
+    path = track(np.arange(TRACK_M) * permille / 1000.0)
+    braking_m = initial_mps**2 / (2.0 * behaviour.stop_deceleration_mps2) + 2.0 * initial_mps
+    unit.target_stop_m = START_M + braking_m + spare_m
+    unit.cruise_mps = initial_mps
+    unit.stop_limit_m = unit.target_stop_m + 20.0
+    course = drive_along(unit, train, behaviour, path, permille, load_share, initial_mps, 4000)
+    assert course.speed_mps[-1] == 0.0
+    assert abs(course.position_m[-1] - unit.target_stop_m) < 1.0
+    assert course.interventions == 0
+
+
+@compiled_test
+@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), cruise_mps=st.floats(6.0, 16.0))
+def test_it_holds_its_speed_without_hunting(
+    unit: np.recarray,
+    train: np.recarray,
+    behaviour: np.recarray,
+    track: Callable[..., np.recarray],
+    permille: float,
+    load_share: float,
+    cruise_mps: float,
+) -> None:
+    """From rest to the cruising speed and four minutes of it, as far as the train climbs at all."""
+    path = track(np.arange(TRACK_M) * permille / 1000.0)
+    unit.cruise_mps = cruise_mps
+    unit.notch = 0.0
+    course = drive_along(unit, train, behaviour, path, permille, load_share, 0.0, 2400)
+    speeds, notches = np.array(course.speed_mps), np.array(course.notch)
+    inside = np.array(course.position_m) < TRACK_M - 100.0
+    assert speeds[inside].max() <= cruise_mps + 0.5
+    held = inside & (np.arange(speeds.size) > 1200)
+    if held.any():
+        assert speeds[held].min() >= cruise_mps - 1.0
+    power = np.maximum(notches, 0.0)[inside]
+    changes_at = np.flatnonzero(np.diff(power) != 0.0)
+    minutes = inside.sum() / 600.0
+    assert changes_at.size <= 30.0 * max(minutes, 1.0)  # a power notch is kept for 2 s
+    used = np.sign(notches[inside])
+    used = used[used != 0.0]
+    assert np.count_nonzero(np.diff(used)) <= 4.0 * max(minutes, 1.0)  # power to brake and back
+
+
+@compiled_test
+@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0))
+def test_it_is_down_to_a_lower_limit_in_time(
+    unit: np.recarray,
+    train: np.recarray,
+    behaviour: np.recarray,
+    permille: float,
+    load_share: float,
+) -> None:
+    from onboard.pattern import pattern_of
+
+    elevation_m = np.arange(TRACK_M) * permille / 1000.0
+    limits_mps = np.full(TRACK_M, 18.0)
+    limits_mps[1500:1700] = 8.0
+    path = pattern_of(elevation_m, limits_mps, train, behaviour).view(np.recarray)
+    unit.stop_limit_m = TRACK_M - 1.0
+    course = drive_along(unit, train, behaviour, path, permille, load_share, 15.0, 2000)
+    for position_m, speed_mps in zip(course.position_m, course.speed_mps, strict=True):
+        if 1500.0 <= position_m <= 1700.0 + train.length_m:
+            assert speed_mps <= 8.0
+    assert course.interventions == 0
+    assert course.position_m[-1] > 2000.0
+
+
+def test_a_standing_train_holds_its_brake(
+    unit: np.recarray, train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
+) -> None:
+    unit.mode = MODE_HOLD
+    path = track(np.arange(TRACK_M) * -0.02)
+    course = drive_along(unit, train, behaviour, path, -20.0, 1.0, 0.0, 100)
+    assert set(course.notch) == {-behaviour.standing_brake_notch}
+    assert course.position_m[-1] == START_M
+
+
+def test_supervision_overrules_the_driver(
+    unit: np.recarray, train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
+) -> None:
+    unit.intervention = EMERGENCY_INTERVENTION
+    drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), 0.0, 0.0, 10.0, 1)
+    assert unit.emergency == 1
+    assert unit.notch == -train.brake_notches
+
+
+@compiled_test
+@given(force_share=st.floats(0.01, 1.0), load_share=st.floats(0.0, 1.0), speed_mps=st.floats(0.0, 25.0))
+def test_the_lowest_notch_that_is_strong_enough(
+    train: np.recarray, force_share: float, load_share: float, speed_mps: float
+) -> None:
+    """EV-E301's five notches are even (its train file), so the notch is the share in fifths, rounded up."""
+    force_n = force_share * full_force_n(train, load_share, speed_mps)
+    notch = power_notch(train, load_share, speed_mps, force_n)
+    assert notch == pytest.approx(np.ceil(5.0 * force_share - 1e-9), abs=1.0 if force_share % 0.2 < 1e-9 else 0.0)
+    assert power_notch(train, load_share, speed_mps, 0.0) == 0.0
+    assert power_notch(train, load_share, speed_mps, 2.0 * full_force_n(train, load_share, speed_mps)) == 5.0
+
+
+def test_notches_follow_the_force(train: np.recarray) -> None:
+    forces = np.linspace(0.0, 60e3, 50)
+    notches = [power_notch(train, 0.5, 5.0, force) for force in forces]
+    assert all(a <= b for a, b in pairwise(notches))
