@@ -1,7 +1,8 @@
 """The command `branchline`: reads arguments, shows progress, prints results, sets exit codes.
 
-Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 130 Ctrl-C. Heavy imports are inside the
-commands, so that help is quick. With `--json` stdout carries one object and nothing else; all else is on stderr.
+Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 130 Ctrl-C, 143 SIGTERM.
+Heavy imports are inside the commands, so that help is quick. With `--json` stdout carries one object and nothing
+else; all else is on stderr.
 """
 
 from __future__ import annotations
@@ -190,12 +191,12 @@ def _print_run(done: Run, report: Path) -> None:
         ("ended because", summary["ended_because"]),
         ("journal digest", summary["digest"]),
         ("wall time", f"{summary['wall_s']:.1f} s for {summary['simulated_s'] / 3600.0:.1f} h"),
-        ("report", str(report)),
     ]
     table = Table(title=done.scenario.name, show_header=False, title_justify="left")
     for name, value in rows:
         table.add_row(name, value)
-    Console(soft_wrap=True).print(table)
+    Console().print(table)
+    sys.stdout.write(f"report: {report}\n")  # whole, however long: to be clicked or copied
 
 
 @app.command()

@@ -1,7 +1,8 @@
 """What the train may occupy: sections asked for, held and given back, points commanded and proven.
 
 Invariant: the unit counts as held only what the block manager granted to this boot and what has not been given
-back; it gives a section back only after its safe rear has left it, and drops it here before it says so; points
+back; it gives a section back only after its safe rear has left it, or standing surely short of it, and drops it
+here before it says so; points
 count as proven only while their section is held and by a proof for the position and token of its own command.
 
 A pure machine: `step(state, event, now_s, covered) -> (state, actions)`. Requests are repeated with the same
@@ -27,6 +28,7 @@ from onboard.authority_records import (
     Command,
     EndOnLine,
     Event,
+    GiveBack,
     Heard,
     Held,
     Noted,
@@ -70,6 +72,7 @@ __all__ = [
     "Command",
     "EndOnLine",
     "Event",
+    "GiveBack",
     "Heard",
     "Held",
     "Noted",
@@ -186,7 +189,15 @@ def _throw(state: Authority, event: Throw, now_s: float, covered: bool) -> Resul
     return _due(replace(state, commands=(*state.commands, *new)), now_s, covered)
 
 
-def _cleared(state: Authority, event: Cleared, now_s: float, covered: bool) -> Result:
+def _give_back(state: Authority, event: GiveBack, now_s: float, covered: bool) -> Result:
+    """A request still open is dropped too: its answer fits nothing, and the report frees what it may have given."""
+    if state.asked is not None:
+        state = _report_now(replace(state, asked=None, next_ask_s=NEVER, refusal=""), now_s)
+    given, actions = _cleared(state, event, now_s, covered)
+    return (given, actions) if actions else _due(given, now_s, covered)
+
+
+def _cleared(state: Authority, event: Cleared | GiveBack, now_s: float, covered: bool) -> Result:
     section_ids = event.section_ids
     kept = tuple(held for held in state.held if held.section_id not in section_ids)
     if len(kept) == len(state.held):
@@ -344,6 +355,8 @@ def _granted(state: Authority, event: Heard, _now_s: float, _covered: bool) -> R
         asked=None,
         next_ask_s=NEVER,
         refusal="",
+        # What the crew saw while another could throw the points is no proof any more.
+        proven=tuple(needed for needed in state.proven if state.holds(needed.section_id)),
     )
     note = Noted("route_held", {"route": message.route_id, "token": message.token})
     return granted, (note, _holds(granted))
@@ -479,6 +492,7 @@ _EVENTS: Final[Mapping[type[Event], Callable[..., Result]]] = {
     Throw: _throw,
     CheckedByCrew: _checked_by_crew,
     Cleared: _cleared,
+    GiveBack: _give_back,
     TurnedBack: _turned_back,
     Heard: _heard,
     Tick: _tick,

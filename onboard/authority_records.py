@@ -127,6 +127,13 @@ class Cleared:
 
 
 @dataclass(frozen=True, slots=True)
+class GiveBack:
+    """The train stands and surely short of these sections: it gives up the route not entered (進路取消)."""
+
+    section_ids: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class TurnedBack:
     """The train changed ends: what was behind is ahead; proofs made for the old path are forgotten."""
 
@@ -146,7 +153,7 @@ class Tick:
     """A timer is due, or the radio reaches again."""
 
 
-Event = BeginOnLine | EndOnLine | Ask | Throw | CheckedByCrew | Cleared | TurnedBack | Heard | Tick
+Event = BeginOnLine | EndOnLine | Ask | Throw | CheckedByCrew | Cleared | GiveBack | TurnedBack | Heard | Tick
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,21 +1,21 @@
 """Automatic driving between stations with notches, and the stop at the mark (ATO and TASC, 定位置停止制御).
 
-Between stations the notch holds the cruising speed that the timetable asks for. At the station a target-speed
-pattern v = sqrt(2*b*distance) is followed by proportional control of the brake (Oda, section 2.1, 2 and 3), on
-speed and distance predicted over the brake's dead time and lag. Gradient and running resistance are taken off
-the brake demand, since the train's own brake control is calibrated on the level.
+Between stations notches hold the cruising speed that the timetable asks for, and the brake follows the curves
+down to lower limits. At the station `onboard.stopping` asks for the brake that follows the target-speed pattern;
+the stronger of the two demands counts. Gradient and running resistance are taken off the brake demand, since the
+train's own brake control is calibrated on the level.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from onboard.records import EMERGENCY_INTERVENTION, MODE_DRIVE, NO_INTERVENTION
 from onboard.rows import BehaviourRow, UnitRow
-from onboard.supervision import path_index
+from onboard.stopping import stop_command_mps2
+from onboard.supervision import RESERVE_M, path_index
+from onboard.tasc import DesignRow, TascRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
@@ -23,11 +23,12 @@ from vehicle.resistance import resistance_n
 from vehicle.rows import TrainRow
 from vehicle.traction import full_force_n, notch_share
 
-OVERSHOT_M = 0.02  # this near the mark the pattern has no slope left to follow
-LEAST_BRAKE_MPS2 = 0.02
 LOOK_AHEAD_S = 1.0
-BRAKE_OVERSPEED_MPS = 0.15  # between stations the brake is left alone below this
-COAST_BAND_MPS = 0.5
+BRAKE_OVERSPEED_MPS = 0.5  # between stations the brake is left alone below this
+HOLD_BAND_MPS = (
+    0.25  # the speed swings this far about the target: notches are whole, and each is worth 0.1 m/s2
+)
+CURVE_BAND_MPS = 0.5  # this near a falling curve the brake follows it
 
 
 @compiled
@@ -44,30 +45,6 @@ def power_notch(train: TrainRow, load_share: float, speed_mps: float, force_n: f
 
 
 @compiled
-def stop_demand_mps2(unit: UnitRow, behaviour: BehaviourRow, reaction_s: float) -> float:
-    """Deceleration wanted of the train to stop at the target, from the state predicted over the reaction time.
-
-    Negative while the target-speed pattern has not been reached.
-    """
-    speed = unit.speed_mps
-    change = unit.acceleration_mps2
-    if unit.braking_to_stop == 0:
-        change = min(change, 0.0)
-    later_s = reaction_s
-    if change < 0.0:
-        later_s = min(reaction_s, speed / -change)
-    predicted = max(speed + change * later_s, 0.0)
-    distance_m = unit.target_stop_m - unit.position_m - (speed + predicted) / 2.0 * later_s
-    design = behaviour.stop_deceleration_mps2
-    if distance_m <= OVERSHOT_M:
-        return 2.0 * design if predicted > 0.05 else design
-    error = predicted - math.sqrt(2.0 * design * distance_m)
-    if unit.braking_to_stop == 0 and error < 0.0:
-        return -1.0
-    return max(design + behaviour.stop_gain_per_s * error, LEAST_BRAKE_MPS2)
-
-
-@compiled
 def own_deceleration_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void], load_share: float) -> float:
     """What slows the train without any brake: gradient under it and running resistance, by the unit's own map."""
     here = path[path_index(unit, unit.position_m)]
@@ -80,39 +57,86 @@ def own_deceleration_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void]
 
 
 @compiled
+def pattern_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], position_m: float) -> float:
+    """Speed to keep at a path coordinate by the limits: the driving curve, and well under the permitted speed.
+
+    That one counts from where the front may be at the furthest, so with a wide bound it is the lower.
+    """
+    furthest_m = position_m + unit.bound_ahead_m + RESERVE_M
+    permitted = path[path_index(unit, furthest_m)].permitted_mps - 2.0 * behaviour.service_margin_mps
+    return float(max(min(path[path_index(unit, position_m)].driving_mps, permitted), 0.0))
+
+
+@compiled
 def target_speed_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> float:
     """Speed to hold between stations: under the limits ahead, the permitted speed and the cruising speed."""
-    here = path[path_index(unit, unit.position_m)]
-    ahead_m = max(unit.speed_mps * LOOK_AHEAD_S, 1.0)
-    ahead = path[path_index(unit, unit.position_m + ahead_m)]
-    target = min(here.driving_mps, ahead.driving_mps, unit.cruise_mps)
+    here = pattern_mps(unit, behaviour, path, unit.position_m)
+    ahead = pattern_mps(unit, behaviour, path, unit.position_m + max(unit.speed_mps * LOOK_AHEAD_S, 1.0))
+    target = min(here, ahead, unit.cruise_mps)
     target = min(target, unit.permitted_mps - behaviour.service_margin_mps)
     target = min(target, unit.restricted_mps - behaviour.driving_margin_mps)
     return float(max(target, 0.0))
 
 
 @compiled
-def wanted_acceleration_mps2(
-    unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], reaction_s: float
+def overspeed_mps(unit: UnitRow, reaction_s: float) -> float:
+    """How far above the target the train will be when the machinery answers, m/s; negative below."""
+    return float(max(unit.speed_mps + unit.acceleration_mps2 * reaction_s, 0.0) - unit.target_mps)
+
+
+@compiled
+def curve_demand_mps2(
+    unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], over_mps: float
 ) -> float:
-    """Acceleration (m/s^2) that brings the train to the target speed, and down the curve where that falls."""
-    predicted = max(unit.speed_mps + unit.acceleration_mps2 * reaction_s, 0.0)
-    over = predicted - unit.target_mps
-    wanted = -behaviour.cruise_gain_per_s * over
-    here = path[path_index(unit, unit.position_m)]
+    """Acceleration (< 0) that follows the curve down to a lower limit; 0 where the train is not on one."""
     ahead_m = max(unit.speed_mps * LOOK_AHEAD_S, 1.0)
-    ahead = path[path_index(unit, unit.position_m + ahead_m)]
-    falling = (here.driving_mps**2 - ahead.driving_mps**2) / (2.0 * ahead_m)
-    if here.driving_mps <= unit.cruise_mps and falling > 0.0 and over > -COAST_BAND_MPS:
-        wanted -= falling
-    if -COAST_BAND_MPS < over < BRAKE_OVERSPEED_MPS and wanted < 0.0 and unit.braking_to_stop == 0:
-        wanted = max(wanted, -falling) if falling > 0.0 else 0.0
-    return float(wanted)
+    here = pattern_mps(unit, behaviour, path, unit.position_m)
+    ahead = pattern_mps(unit, behaviour, path, unit.position_m + ahead_m)
+    falling = (here * here - ahead * ahead) / (2.0 * ahead_m)
+    if falling <= 0.0 or here > unit.cruise_mps or over_mps <= -CURVE_BAND_MPS:
+        return 0.0
+    return float(min(-behaviour.cruise_gain_per_s * over_mps - falling, 0.0))
+
+
+@compiled
+def holding_notch(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    load_share: float,
+    own_mps2: float,
+    over_mps: float,
+) -> float:
+    """The notch that holds the target between stations: the speed swings between the notches either side of it.
+
+    A rising train keeps a notch that is stronger than what slows it up to the band's upper edge, then one that
+    is weaker down to the lower edge; the brake is for descents, from further above the target down to it.
+    """
+    if over_mps > BRAKE_OVERSPEED_MPS or (unit.notch < 0.0 and over_mps > 0.0):
+        needed = own_mps2 - behaviour.cruise_gain_per_s * over_mps
+        return service_notch(train, -needed) if needed < 0.0 else 0.0
+    inertia_kg = equivalent_mass_kg(train, load_share)
+    strongest_n = full_force_n(train, load_share, unit.speed_mps)
+    present_n = notch_share(train, unit.notch, unit.speed_mps) * strongest_n if unit.notch > 0.0 else 0.0
+    rising = unit.notch > 0.0 and present_n > own_mps2 * inertia_kg
+    upper = HOLD_BAND_MPS if rising else -HOLD_BAND_MPS
+    if over_mps < upper:
+        wanted = behaviour.cruise_gain_per_s * max(-over_mps, 0.0)
+        return power_notch(train, load_share, unit.speed_mps, (own_mps2 + wanted) * inertia_kg)
+    weaker = power_notch(train, load_share, unit.speed_mps, own_mps2 * inertia_kg) - 1.0
+    return max(weaker, 0.0)
 
 
 @compiled
 def drive(
-    unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void], load_share: float
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+    load_share: float,
+    own_mps2: float,
+    tasc: TascRow,
+    design: DesignRow,
 ) -> None:
     """Choose this step's notch. `load_share` (0 empty, 1 full) is what the load sensor tells."""
     unit.emergency = 0
@@ -120,24 +144,18 @@ def drive(
         unit.target_mps = 0.0
         notch = -behaviour.standing_brake_notch
     else:
-        reaction_s = train.brake_dead_time_s + train.brake_lag_s
         unit.target_mps = target_speed_mps(unit, behaviour, path)
-        stop_mps2 = stop_demand_mps2(unit, behaviour, reaction_s)
-        if stop_mps2 >= 0.0 and unit.speed_mps > 0.0:
-            unit.braking_to_stop = 1
-        wanted = wanted_acceleration_mps2(unit, behaviour, path, reaction_s)
-        if stop_mps2 >= 0.0:
-            wanted = min(wanted, -stop_mps2)
-        effort = wanted + own_deceleration_mps2(unit, train, path, load_share)
-        if wanted < 0.0 and effort < 0.0:
-            notch = service_notch(train, -effort)
-        elif unit.braking_to_stop == 1 or (wanted < 0.0 and unit.speed_mps > unit.target_mps):
-            notch = 0.0
+        over_mps = overspeed_mps(unit, train.brake_dead_time_s + train.brake_lag_s)
+        demand_mps2 = -curve_demand_mps2(unit, behaviour, path, over_mps)
+        stop_mps2 = stop_command_mps2(unit, tasc, design, own_mps2)
+        if unit.braking_to_stop == 1 and unit.speed_mps == 0.0:
+            notch = -behaviour.standing_brake_notch
+        elif demand_mps2 > 0.0 or unit.braking_to_stop == 1:
+            notch = service_notch(train, max(demand_mps2 - own_mps2, stop_mps2, 0.0))
         else:
-            force_n = effort * equivalent_mass_kg(train, load_share)
-            notch = power_notch(train, load_share, unit.speed_mps, force_n)
+            notch = holding_notch(unit, train, behaviour, load_share, own_mps2, over_mps)
         keeps = unit.notch > 0.0 and unit.notch_held_s < behaviour.notch_hold_s
-        if keeps and notch > 0.0 and unit.speed_mps < unit.target_mps:
+        if keeps and notch >= 0.0 and over_mps < BRAKE_OVERSPEED_MPS and unit.braking_to_stop == 0:
             notch = unit.notch
     if unit.intervention != NO_INTERVENTION:
         notch = -train.brake_notches

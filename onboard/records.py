@@ -17,6 +17,8 @@ EVENT_INTERVENTION: Final = 4  # supervision began or ended a brake application
 EVENT_TAG_OVERDUE: Final = 8  # the expected tag was not read within its window
 EVENT_MOVING: Final = 16  # the train began to move
 EVENT_POSITION: Final = 32  # the position passed `position_trigger_m`
+EVENT_TACHOMETER: Final = 64  # the tachometer shows what cannot be
+EVENT_VERDICT: Final = 128  # the stop at the mark has turned out impossible: `stop_verdict`
 
 # unit.mode
 MODE_HOLD: Final = 0  # stand with the brakes applied
@@ -37,7 +39,10 @@ UNIT: Final = np.dtype(
         ("position_known", "i8"),
         ("odometer_m", "f8"),  # tachometer reading at the last tick
         ("odometer_scale", "f8"),  # calibration against the distance between tags
+        ("tachometer_doubt_s", "f8"),  # for how long its readings have not fitted what was commanded
+        ("wheel_slide", "i8"),  # from the slide protection: -1 slides, 1 slips, 0 rolls
         ("speed_mps", "f8"),
+        ("train_mps", "f8"),  # the train's own speed: the wheel's, but while that slides
         ("acceleration_mps2", "f8"),  # smoothed
         ("expected_tag_m", "f8"),  # where the next tag should be read; +inf: none
         ("tag_window_m", "f8"),  # beyond the bounds by this much without reading: overdue
@@ -52,6 +57,8 @@ UNIT: Final = np.dtype(
         ("cruise_mps", "f8"),
         ("target_mps", "f8"),
         ("braking_to_stop", "i8"),  # latched: the stop pattern has taken over
+        ("fix_correction_m", "f8"),  # by which the last fix moved the position; taken up by the next tick
+        ("stop_verdict", "i8"),  # onboard.tasc.Verdict
         ("notch", "f8"),  # > 0 power, < 0 brake
         ("notch_held_s", "f8"),
         ("emergency", "i8"),

@@ -15,7 +15,10 @@ class UnitRow(Protocol):
     position_known: int
     odometer_m: float
     odometer_scale: float
+    tachometer_doubt_s: float
+    wheel_slide: int
     speed_mps: float
+    train_mps: float
     acceleration_mps2: float
     expected_tag_m: float
     tag_window_m: float
@@ -28,6 +31,8 @@ class UnitRow(Protocol):
     cruise_mps: float
     target_mps: float
     braking_to_stop: int
+    fix_correction_m: float
+    stop_verdict: int
     notch: float
     notch_held_s: float
     emergency: int

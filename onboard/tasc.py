@@ -24,6 +24,7 @@ WEAK_TOLERANCE_M: Final = (
 )
 STRENGTH_MEAN_S: Final = 2.0  # assumed: over this a brake's strength is judged,
 STRENGTH_FROM_MPS2: Final = 0.3  # once it has been applied this much
+WEAK_S: Final = 2.0  # assumed: found too weak for this long; when a brake begins, its model is no measure yet
 BISECTIONS: Final = 30
 NEWTON_STEPS: Final = 6
 LEAST_BRAKE_MPS2: Final = 0.02  # of the train's whole deceleration: it never rolls at a mark it has reached
@@ -75,6 +76,7 @@ TASC: Final = np.dtype(
         ("speed_mps", "f8"),  # at the last step; 0: none
         ("actual_mean_mps2", "f8"),  # what the brake gave of late, and below what the model expected,
         ("expected_mean_mps2", "f8"),  # both under the same first-order mean
+        ("weak_s", "f8"),  # for how long the brake has been found too weak
         ("verdict", "i8"),
         ("head", "i8"),
         ("pending_mps2", "f8", (PENDING_MAX,)),  # what the model expects of each command under way
@@ -114,6 +116,7 @@ class TascRow(Protocol):
     speed_mps: float
     actual_mean_mps2: float
     expected_mean_mps2: float
+    weak_s: float
     verdict: int
     head: int
     pending_mps2: list[float]
@@ -131,6 +134,7 @@ def reset(tasc: TascRow) -> None:
     tasc.speed_mps = 0.0
     tasc.actual_mean_mps2 = 0.0
     tasc.expected_mean_mps2 = 0.0
+    tasc.weak_s = 0.0
     tasc.verdict = POSSIBLE
     tasc.head = 0
     for i in range(PENDING_MAX):
@@ -348,6 +352,8 @@ def tasc_step(
     left_m = distance_m - run_m
     demand = followed(tasc, design, later_mps, left_m, own_mps2, moved_m)
     strongest = strength * expected_mps2(design, design.brake_max_mps2) + own_mps2
-    if strongest * (left_m + WEAK_TOLERANCE_M) < later_mps**2 / 2.0:
+    weak = strongest * (left_m + WEAK_TOLERANCE_M) < later_mps**2 / 2.0
+    tasc.weak_s = tasc.weak_s + design.step_s if weak else 0.0
+    if tasc.weak_s >= WEAK_S:
         judge(tasc, BRAKE_TOO_WEAK)
     return command_mps2(tasc, design, demand)

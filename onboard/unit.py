@@ -26,12 +26,16 @@ from onboard.records import (
     EVENT_MOVING,
     EVENT_POSITION,
     EVENT_STOPPED,
+    EVENT_TACHOMETER,
     EVENT_TAG_OVERDUE,
+    EVENT_VERDICT,
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
 )
 from onboard.rows import BehaviourRow, UnitRow
+from onboard.sighting import NOT_SEEN_M, take_sighting
+from onboard.stop_keeper import StopKeeper
 from onboard.stop_limit import (
     StopLimit,
     arrival_points,
@@ -41,6 +45,9 @@ from onboard.stop_limit import (
     points_of,
     stop_limit,
 )
+from onboard.stopping import LIMIT_MARGIN_M
+from onboard.supervision import RESERVE_M
+from onboard.tasc import Verdict, judge
 from onboard.timekeeping import cruise_for
 from radio.envelope import Dropped, Endpoint
 from radio.messages import AnyMessage
@@ -56,7 +63,7 @@ class Phase(Enum):
     SIGNING_ON = "signing on"
     STANDING = "standing"
     RUNNING = "running"
-    RESTARTED = "restarted"  # switched on again: on sight until position and holdings are known
+    RESTARTED = "restarted"  # on sight: switched on again, or lost its position, until all is known again
     FINISHED = "finished"
     SIGNING_OFF = "signing off"
     GONE = "gone"
@@ -71,7 +78,11 @@ class UnitParameters:
     time_margin_s: float = 10.0  # arrive this much before the time
     standoff_m: float = 15.0  # stop this far before a stop limit that is no mark
     tag_accuracy_m: float = 0.5
-    wheel_error_share: float = 0.02  # worn wheels, slip and slide: growth of the bounds
+    wheel_error_share: float = 0.02  # worn wheels: growth of the bounds
+    doubt_error_share: float = (
+        0.2  # the same after a position fault, until two tags agree with the tachometer
+    )
+    doubt_bound_max_m: float = 60.0  # a train that cannot go on for bounds wider than this goes on sight
     wheel_scale_limit: float = 0.015
     tag_window_m: float = 5.0
     emergency_release_s: float = 30.0  # the driver's acknowledgement after an emergency stop
@@ -124,7 +135,13 @@ class Unit:
     """One on-board unit. `row` is its row of `onboard.records.UNIT`, shared with the compiled tick."""
 
     def __init__(
-        self, facts: UnitFacts, row: UnitRow, train: TrainRow, behaviour: BehaviourRow, endpoint: Endpoint
+        self,
+        facts: UnitFacts,
+        row: UnitRow,
+        train: TrainRow,
+        behaviour: BehaviourRow,
+        endpoint: Endpoint,
+        keeper: StopKeeper,
     ) -> None:
         self.facts: Final = facts
         self.row: Final = row
@@ -139,10 +156,14 @@ class Unit:
         self._train = train
         self._behaviour = behaviour
         self._endpoint = endpoint
+        self.keeper: Final = keeper
+        self._sighted: Target | None = None  # whose sign has been seen
         self._elevation_m: NDArray[np.float64] = np.zeros(1)
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._tags: dict[int, PathTag] = {}
         self._last_tag: tuple[PathTag, float] | None = None
+        self._doubting = False  # after a position fault; `_suspect`: a tag read since that alone proves nothing
+        self._suspect: tuple[PathTag, float] | None = None
         self._wanted: tuple[auth.PointsNeeded, ...] = ()  # thrown as soon as and whenever they can be
         self._ready_s = -math.inf  # not before: doors, dwell
         self._release_emergency_s = math.inf
@@ -159,8 +180,11 @@ class Unit:
         if signing_on:
             self.phase = Phase.SIGNING_ON
             self._authority(auth.BeginOnLine((mission.spans[0].section_id,)), now_s)
-        else:
+        elif self.row.position_known:
             self.phase = Phase.STANDING
+        else:
+            self.phase = Phase.RESTARTED
+            self.stands_at = 0
         return self._done(now_s)
 
     def restart(
@@ -181,12 +205,39 @@ class Unit:
         if self.row.speed_mps == 0.0:
             self._release_emergency_s = now_s + self.facts.parameters.emergency_release_s
         self._note("restarted", epoch=self._endpoint.epoch)
-        self._authority(auth.BeginOnLine(None), now_s)
+        at_portal = stands_at == 0 and mission.targets[0].station_id is None
+        # In a portal it wishes to enter, which the crew knows; anywhere else only the manager knows what it holds.
+        self._authority(auth.BeginOnLine((mission.spans[0].section_id,) if at_portal else None), now_s)
         return self._done(now_s)
 
     def checked_by_crew(self, points: auth.PointsNeeded, now_s: float) -> list[UnitAction]:
         """The crew has seen that points ahead lie as needed."""
         self._authority(auth.CheckedByCrew(points), now_s)
+        return self._done(now_s)
+
+    def throw_by_crew(self, points: auth.PointsNeeded, now_s: float) -> list[UnitAction]:
+        """The crew stands before points that lie otherwise, and has the unit command them if it holds them."""
+        self._authority(auth.Throw((points,)), now_s)
+        return self._done(now_s)
+
+    def give_back(self, now_s: float, hold_s: float) -> list[UnitAction]:
+        """The crew sets back the route ahead and asks for none for `hold_s`; only standing, with it not entered."""
+        mission, row = self.mission, self.row
+        if mission is None or self.phase is not Phase.STANDING or not row.position_known:
+            self._note("give_back_refused", why="the train does not stand at a known place")
+            return self._taken()
+        here_m = row.position_m + row.bound_ahead_m
+        ahead = tuple(
+            s.section_id for s in mission.spans if s.start_m >= here_m and self.authority.holds(s.section_id)
+        )
+        own = mission.spans[mission.span_index(mission.targets[self.at].section_id)]
+        if row.speed_mps > 0.0 or here_m >= own.end_m:
+            self._note("give_back_refused", why="the train may have entered the route")
+            return self._taken()
+        self._ready_s = now_s + hold_s + self.facts.parameters.request_lead_s
+        self._wanted = ()
+        self._note("gave_back", sections=ahead)
+        self._authority(auth.GiveBack(ahead), now_s)
         return self._done(now_s)
 
     def arrived_on_sight(self, index: int, now_s: float) -> list[UnitAction]:
@@ -253,9 +304,15 @@ class Unit:
         if tag is None or not within_window(self.row, tag.position_m, odometer_m, tolerance_m):
             self._position_fault(f"tag {tag_id} where none can be", now_s)
             return self._done(now_s)
+        if not self._believes(tag, odometer_m):
+            self._suspect = (tag, odometer_m)
+            self._note("tag_doubted", tag=tag_id)
+            return self._done(now_s)
         self._calibrate(tag, odometer_m)
+        self._settle_doubt(tag, odometer_m)
         was_known = self.row.position_known == 1
         correction_m = fix(self.row, tag.position_m, odometer_m, tolerance_m)
+        self.row.fix_correction_m += correction_m
         self._note("tag_read", tag=tag_id, purpose=tag.purpose.value, correction_m=round(correction_m, 3))
         self._last_tag = (tag, odometer_m)
         self._expect_tag(tag.position_m)
@@ -264,9 +321,31 @@ class Unit:
         self._approach(tag, now_s)
         return self._done(now_s)
 
+    def frame_taken(self, distance_m: float | None) -> list[UnitAction]:
+        """The camera looked for the sign of the next mark: `distance_m` from the front to the sign, None: not seen."""
+        if self.phase is not Phase.RUNNING or self.mission is None:
+            return self._taken()
+        target = self.mission.targets[self.at + 1]
+        correction_m = (
+            None if distance_m is None else take_sighting(self.row, target.mark_m, float(distance_m))
+        )
+        if correction_m is not None and self._sighted != target:
+            self._sighted = target
+            self._note("sign_seen", station=target.station_id, correction_m=round(correction_m, 3))
+        if self._sighted != target and target.mark_m - self.row.position_m < NOT_SEEN_M:
+            self._impossible(Verdict.TARGET_NOT_SEEN)
+        return self._taken()
+
     def events(self, bits: int, now_s: float) -> list[UnitAction]:
         """What the compiled tick reported."""
+        if bits & EVENT_TACHOMETER:
+            self._note("tachometer_fault", speed_mps=round(float(self.row.speed_mps), 2))
+            self._position_fault("the tachometer shows what cannot be", now_s)
+        if bits & EVENT_VERDICT:
+            self._note_impossible()
         if bits & EVENT_TAG_OVERDUE:
+            if self.phase is Phase.RUNNING:
+                self._impossible(Verdict.TARGET_NOT_SEEN)
             self._position_fault("expected tag was not read", now_s)
         if bits & EVENT_INTERVENTION:
             self._note("intervention", level=int(self.row.intervention))
@@ -331,7 +410,9 @@ class Unit:
 
     def _covered(self) -> bool:
         mission = self.mission
-        return mission is None or covered_at(self.facts.line, mission.path, self.row.position_m)
+        if mission is None or not self.row.position_known:
+            return True  # who does not know where it is can only try
+        return covered_at(self.facts.line, mission.path, self.row.position_m)
 
     def _expect_tag(self, after_m: float | None = None) -> None:
         if self.mission is None:
@@ -354,10 +435,50 @@ class Unit:
             parameters.tag_accuracy_m,
         )
 
+    def _believes(self, tag: PathTag, odometer_m: float) -> bool:
+        """After a position fault: the only tag that can be meant here, or one that agrees with the one before.
+
+        Tags swapped, or wrong by themselves, would otherwise give a false position to a unit that has none.
+        """
+        if self.mission is None or not self._doubting or self.row.position_known:
+            return True
+        row, parameters = self.row, self.facts.parameters
+        estimate_m = row.position_m - (row.odometer_m - odometer_m) * row.odometer_scale
+        low_m = estimate_m - row.bound_behind_m - parameters.tag_accuracy_m
+        high_m = estimate_m + row.bound_ahead_m + parameters.tag_accuracy_m
+        possible = [t for t in self.mission.tags if low_m <= t.position_m <= high_m]
+        agrees = self._suspect is not None and self._agree(self._suspect, (tag, odometer_m))
+        self._doubting = not (possible == [tag] or agrees)
+        return not self._doubting
+
+    def _agree(self, one: tuple[PathTag, float], other: tuple[PathTag, float]) -> bool:
+        """Whether the way between two tags is as the tachometer says, within what wheels wear."""
+        parameters = self.facts.parameters
+        run_m = other[0].position_m - one[0].position_m
+        error_m = abs((other[1] - one[1]) * self.row.odometer_scale - run_m)
+        return run_m > 0.0 and error_m <= parameters.wheel_error_share * run_m + parameters.tag_accuracy_m
+
+    def _settle_doubt(self, tag: PathTag, odometer_m: float) -> None:
+        """After a position fault the bounds stay wide until the way between two tags is as the tachometer says."""
+        if self._last_tag is not None and self._agree(self._last_tag, (tag, odometer_m)):
+            self.row.bound_growth = self.facts.parameters.wheel_error_share
+
     def _position_fault(self, why: str, now_s: float) -> None:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         self._note("position_fault", why=why)
-        self._last_tag = None
+        row, share = self.row, self.facts.parameters.doubt_error_share
+        if row.position_known:  # what has been run since the last fix may be false by as much
+            begin_m = 0.0 if self.mission is None else self.mission.targets[self.at].mark_m
+            since_m = row.position_m - (begin_m if self._last_tag is None else self._last_tag[0].position_m)
+            row.bound_ahead_m += share * max(since_m, 0.0)
+            row.bound_behind_m += share * max(since_m, 0.0)
+            self._doubting = True
+        self._last_tag = self._suspect = None
+        if self.phase in (Phase.RUNNING, Phase.STANDING):
+            self.stands_at = self.at if self.phase is Phase.STANDING else None
+            self.phase = Phase.RESTARTED
+        self.row.bound_growth = self.facts.parameters.doubt_error_share
+        self.row.expected_tag_m = self.row.rear_trigger_m = self.row.position_trigger_m = math.inf
         self.row.position_known = 0
         self.row.restricted_mps = self.facts.parameters.restricted_mps
         self.row.intervention = EMERGENCY_INTERVENTION
@@ -391,7 +512,12 @@ class Unit:
             return
         target = self.mission.targets[self.at + 1]
         away_m = float(self.row.position_m) - target.mark_m
-        if away_m < -ARRIVED_WITHIN_M:
+        if away_m < -ARRIVED_WITHIN_M and self.row.bound_ahead_m > self.facts.parameters.doubt_bound_max_m:
+            self._position_fault("the bounds leave no room to go on", now_s)
+            return
+        if away_m < -ARRIVED_WITHIN_M and self._stands_at_limit_of(target):
+            self._impossible(Verdict.SIGN_BEYOND_LIMIT)
+        elif away_m < -ARRIVED_WITHIN_M:
             self._note("stopped_short", short_m=round(-away_m, 2), why=self.limit.reason)
             self.row.braking_to_stop = 0
             return
@@ -402,6 +528,29 @@ class Unit:
         self.row.mode = MODE_HOLD
         self._ready_s = now_s + self.facts.parameters.dwell_min_s
         self._note("arrived", station=target.station_id or target.section_id, error_m=round(away_m, 3))
+        learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
+        if learned is not None:
+            self._note("learned", **learned)
+
+    def _stands_at_limit_of(self, target: Target) -> bool:
+        """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
+        if self.mission is None or target.mark_m + LIMIT_MARGIN_M + RESERVE_M < self.limit.limit_m:
+            return False
+        return self.mission.span_at(self.row.position_m).section_id == target.section_id
+
+    def _impossible(self, verdict: Verdict) -> None:
+        """The stop at the next mark cannot be made as it should; the first reason found stands."""
+        if self.keeper.verdict() is Verdict.POSSIBLE:
+            judge(self.keeper.tasc, int(verdict))
+            self.row.stop_verdict = int(verdict)
+            self._note_impossible()
+
+    def _note_impossible(self) -> None:
+        if self.mission is None or self.at + 1 >= len(self.mission.targets):
+            return
+        target = self.mission.targets[self.at + 1]
+        why = self.keeper.verdict().name.lower().replace("_", " ")
+        self._note("stop_impossible", why=why, station=target.station_id or target.section_id)
 
     def _ask_beyond(self, now_s: float) -> None:
         """A train that does not call at the next track asks for the route beyond it on the approach."""
@@ -452,11 +601,16 @@ class Unit:
             self.wake_at_s = min(self.wake_at_s, timer_s)
 
     def _recovered(self, mission: Mission, now_s: float) -> bool:
-        """After a restart: normal running once a tag has told the position and the manager the holdings."""
+        """On sight: normal running once a tag has told the position and the manager the holdings."""
         row = self.row
         if row.position_known and self.authority.on_line:
             self._resume(mission, now_s)
             return True
+        if self.stands_at == len(mission.targets) - 1 and self.authority.on_line:
+            row.mode = MODE_HOLD
+            self.phase = Phase.FINISHED
+            self._actions.append(Finished(mission.number))
+            return False
         span = mission.span_at(row.position_m) if row.position_known else None
         row.stop_limit_m = math.inf if span is None else span.end_m
         row.target_stop_m = math.inf

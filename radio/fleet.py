@@ -52,7 +52,21 @@ class PointsDetected(msgspec.Struct, frozen=True, array_like=True, tag=3):
     locked: bool
 
 
-Input = ConfirmOutside | ConfirmHolding | PointsDetected
+class EnterSection(msgspec.Struct, frozen=True, array_like=True, tag=4):
+    """Operator to manager, after its restart: this section belongs to that unit; None: it is free (手動入力)."""
+
+    section_id: str
+    unit_id: str | None
+    person: str
+
+
+class AcceptPicture(msgspec.Struct, frozen=True, array_like=True, tag=5):
+    """Operator to manager, after its restart: `person` has looked at the whole line as it is shown; it is right."""
+
+    person: str
+
+
+Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture
 
 
 class StartThrow(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -82,6 +96,8 @@ class NoteKind(Enum):
     CLAIMED = "claimed"  # taken on the unit's own word: sign-on, claim
     OUTSIDE = "outside"
     BY_HAND = "by hand"  # detail: the person
+    ENTERED = "entered"  # re-entry: a person's word taken down, not yet in force; detail: the person
+    PICTURE = "picture"  # re-entry: what the whole line is now; detail: how complete, after how many inputs
     CONTRADICTION = "contradiction"  # shown to the operator; other_id: the other holder
     COMMANDED = "commanded"  # points: section_ids[0] is the section, detail the points and position
     PROVEN = "proven"

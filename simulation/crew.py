@@ -1,7 +1,8 @@
 """The crew of a train whose unit does not know where it is: drives on sight, stops before points, looks at them.
 
 Handling outside the system (システム外の取扱い, Sugiyama 4.4 (3)): the train is stopped before points that are not
-proven to it, the crew looks how they lie, and goes on only if they lie and are locked as the path needs them.
+proven to it, the crew looks how they lie, and goes on only if they lie and are locked as the path needs them; if not, it
+has the unit command them, which only the holder of their section can.
 The crew sees the real track, so this is part of the world; what it does is in the journal.
 """
 
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 from network.model import SectionKind
@@ -22,6 +24,16 @@ from wayside.point_machine import PointMachine
 
 LOOKS_AGAIN_S: Final = 20.0
 SEES_M: Final = 12.0  # stood this near, the crew sees how the points lie
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What the crew of a standing train found: points it may pass, points to be thrown, a target reached."""
+
+    passable: PointsNeeded | None = None
+    to_throw: PointsNeeded | None = None
+    target: int | None = None
+    again_s: float | None = None
 
 
 class Crew:
@@ -51,16 +63,16 @@ class Crew:
         stops.append(self._held_end_m(mission, unit, front_m))
         truth.sight_m = min(stops)
 
-    def stand(self, slot: int, now_s: float) -> tuple[PointsNeeded | None, int | None, float | None]:
-        """A train on sight stands: points it may pass now, target it stands at, when to look again (s)."""
+    def stand(self, slot: int, now_s: float) -> Seen:
+        """A train on sight stands: what the crew finds, and when it looks again (s)."""
         unit = self._trains.on_board[slot]
         mission = unit.mission
         if not self.on_sight(slot) or mission is None:
-            return None, None, None
+            return Seen()
         front_m = float(self._trains.truths[slot].position_m)
         for index, target in enumerate(mission.targets):
             if index > 0 and unit.stands_at != index and abs(target.mark_m - front_m) < SEES_M / 2.0:
-                return None, index, None
+                return Seen(target=index)
         for span, needed in self._unproven(mission, unit, front_m):
             if span.start_m - front_m > SEES_M or not unit.authority.holds(span.section_id):
                 break
@@ -69,8 +81,8 @@ class Crew:
             what = "crew_checked_points" if right else "crew_waits_at_points"
             lies = "no position" if machine.position is None else machine.position.value
             self._journal.write(now_s, unit.facts.unit_id, what, points=needed.points_id, lies=lies)
-            return (needed, None, None) if right else (None, None, now_s + LOOKS_AGAIN_S)
-        return None, None, None
+            return Seen(passable=needed) if right else Seen(to_throw=needed, again_s=now_s + LOOKS_AGAIN_S)
+        return Seen()
 
     def _unproven(
         self, mission: Mission, unit: Unit, front_m: float

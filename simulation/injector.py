@@ -12,7 +12,7 @@ import numpy as np
 from network.model import Position
 from radio.air import Delivery
 from radio.chance import generator
-from radio.fleet import ConfirmHolding, ConfirmOutside
+from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection
 from simulation.agenda import Agenda, Due
 from simulation.journal import Journal
 from simulation.script import Act, ActKind, Fault, FaultKind, Script, Trigger, Watch
@@ -29,6 +29,7 @@ ANY: Final = "*"
 NOT_FROZEN: Final = -1.0
 
 Power = Callable[[str, bool], None]  # stock id, on
+GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 
 
 def link_ends(target: str) -> tuple[tuple[str, str], ...]:
@@ -54,6 +55,7 @@ class Injector:
         journal: Journal,
         agenda: Agenda,
         unit_power: Power,
+        give_back: GiveBack,
     ) -> None:
         self._script = script
         self._trains = trains
@@ -61,6 +63,7 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._unit_power = unit_power
+        self._give_back = give_back
         self._step = 0
         self._disturbed: dict[int, Fault] = {}  # link faults in force, by number
         self._chance = [generator(seed, "fault", str(i)) for i in range(len(script.faults))]
@@ -164,6 +167,7 @@ class Injector:
         truth.tachometer_gain = gain.get(fault.kind, 1.0) if begins else 1.0
         plant = self._trains.plants[self._trains.slot_of[fault.target]]
         stuck = begins and fault.kind is FaultKind.STUCK_OUTPUT
+        self._trains.tachometer_faults[self._trains.slot_of[fault.target]] = begins
         truth.tachometer_frozen_mps = plant.wheel_speed_mps if stuck else NOT_FROZEN
 
     def _rail(self, _key: int, fault: Fault, begins: bool) -> None:
@@ -207,6 +211,30 @@ class Injector:
                 self._switch(act.target, on=True)
             case ActKind.REPAIR_POINTS:
                 self._wayside.repair(self._step, act.target, Position(act.position))
+            case ActKind.GIVE_BACK:
+                self._give_back(act.target, act.hold_s)
+            case ActKind.ACCEPT_PICTURE | ActKind.REENTER_ASSISTED:
+                self._wayside.input(self._step, MANAGER_ID, AcceptPicture(act.person))
+            case ActKind.ENTER_SECTION:
+                for section_id in act.sections:
+                    entry = EnterSection(section_id, act.target or None, act.person)
+                    self._wayside.input(self._step, MANAGER_ID, entry)
+            case ActKind.REENTER_BY_HAND:
+                self._reenter(act)
+
+
+    def _reenter(self, act: Act) -> None:
+        """Every section of the line by what the crews say they hold, then the whole picture (手動入力)."""
+        holder = {
+            section_id: unit.facts.unit_id
+            for unit in self._trains.on_board
+            if unit.authority.on_line  # who has not been accepted holds nothing yet, whatever it wishes
+            for section_id in unit.authority.section_ids()
+        }
+        for section_id in self._wayside.section_ids:
+            entry = EnterSection(section_id, holder.get(section_id), act.person)
+            self._wayside.input(self._step, MANAGER_ID, entry)
+        self._wayside.input(self._step, MANAGER_ID, AcceptPicture(act.person))
 
 
 def _flipped(delivery: Delivery, chance: np.random.Generator) -> Delivery:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from onboard.records import MODE_DRIVE
 from onboard.rows import UnitRow
 from onboard.tick import tick
-from simulation.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG
+from simulation.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG
 from simulation.rows import TruthRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
@@ -22,6 +22,8 @@ from vehicle.rows import PlantRow, TrainRow
 
 SIGHT_RESERVE_M = 2.0
 SIGHT_BRAKE_MPS2 = 0.5  # what a driver on sight asks for
+SIGHT_MARGIN_MPS = 0.5  # the driver brakes this far above the ceiling, whatever the unit shows
+SLIDE_SEEN_MPS = 0.05  # the slide protection compares axles no finer than this
 
 Rows = NDArray[np.void]
 
@@ -65,6 +67,9 @@ def world_events(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m
         events |= EVENT_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
         events |= EVENT_REAR
+    if now_m >= truth.camera_m:
+        truth.camera_m = np.inf
+        events |= EVENT_CAMERA
     return events
 
 
@@ -80,13 +85,22 @@ def read_tachometer(truth: TruthRow, plant: PlantRow, wheel_before_m: float, ste
 
 
 @compiled
-def brake_on_sight(truth: TruthRow, unit: UnitRow, train: TrainRow) -> None:
+def slide_seen(plant: PlantRow) -> int:
+    """What the slide protection tells the unit: -1 the wheels slide, 1 they slip, 0 they roll."""
+    difference = plant.wheel_speed_mps - plant.speed_mps
+    if abs(difference) <= SLIDE_SEEN_MPS:
+        return 0
+    return -1 if difference < 0.0 else 1
+
+
+@compiled
+def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRow) -> None:
     """The driver, who sees the line, brakes a train without a position to a stand before `sight_m`."""
     if unit.mode != MODE_DRIVE or unit.emergency != 0:
         return
     room_m = truth.sight_m - truth.position_m - SIGHT_RESERVE_M
-    speed = unit.speed_mps
-    if room_m <= 0.0:
+    speed = plant.speed_mps
+    if room_m <= 0.0 or speed > unit.restricted_mps + SIGHT_MARGIN_MPS:
         unit.notch = -train.brake_notches
     elif (
         speed * (train.brake_dead_time_s + train.brake_lag_s) + speed * speed / (2.0 * SIGHT_BRAKE_MPS2)
@@ -100,8 +114,12 @@ def advance(
     truths: Rows,
     plants: Rows,
     units: Rows,
+    bodies: Rows,
     trains: Rows,
     behaviours: Rows,
+    tascs: Rows,
+    designs: Rows,
+    waves: Rows,
     profile: Rows,
     path: Rows,
     tag_positions_m: NDArray[np.float64],
@@ -114,6 +132,7 @@ def advance(
 ) -> tuple[int, int]:
     """Run all active trains for up to `steps` steps from `first_step`; returns (steps done, trace rows used).
 
+    `bodies` are the trains as they are, `trains` as their units believe them to be (both rows of TRAIN).
     `speeds_mps[k, slot]` is each train's speed at the end of step k; events are left in `truths.events`.
     """
     done = 0
@@ -131,10 +150,11 @@ def advance(
             train = trains[slot]
             gradient, curvature = track_under(truth, profile, train.length_m)
             wheel_before_m = plant.wheel_travelled_m
-            move(plant, train, unit.notch, unit.emergency != 0, gradient, curvature, step_s)
+            move(plant, bodies[slot], unit.notch, unit.emergency != 0, gradient, curvature, step_s)
             truth.position_m = truth.offset_m + plant.travelled_m
             speeds_mps[k, slot] = plant.speed_mps
             shown_mps = read_tachometer(truth, plant, wheel_before_m, step_s)
+            unit.wheel_slide = slide_seen(plant)
             events = world_events(truth, tag_positions_m, train.length_m)
             events |= tick(
                 unit,
@@ -144,9 +164,12 @@ def advance(
                 truth.odometer_m,
                 shown_mps,
                 plant.load_share,
+                tascs[slot],
+                designs[slot],
+                waves[slot],
             )
             if unit.position_known == 0:
-                brake_on_sight(truth, unit, train)
+                brake_on_sight(truth, plant, unit, train)
             truth.events = events
             happened |= events
             sample = (first_step + k + 1) % trace_every == 0

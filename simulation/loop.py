@@ -20,10 +20,11 @@ from simulation.agenda import Agenda, Due
 from simulation.carrier import Carrier
 from simulation.checkers import Checkers, PointsFacts
 from simulation.crew import Crew
+from simulation.eyes import Eyes
 from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.kernel import advance
-from simulation.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE
+from simulation.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE
 from simulation.result import EnergyRecord, RunResult, StopRecord, TraceSpan, Waiting
 from simulation.roster import Duty, draw_up, stabled_at_start
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
@@ -98,9 +99,12 @@ class Simulation:
         self._moved_step = self._begin_step
         self._timer_steps: dict[str, int] = {}
         self._broken = ""
+        self._becoming: list[Duty] = []
+        self._eyes = Eyes(self.trains, self._agenda)
         self._crew = Crew(self.trains, self.wayside.machines.__getitem__, self.journal)
         self._injector = Injector(
-            setup.script, setup.seed, self.trains, self.wayside, self.journal, self._agenda, self._unit_power
+            setup.script, setup.seed, self.trains, self.wayside, self.journal, self._agenda, self._unit_power,
+            self._give_back,
         )
 
     @property
@@ -164,7 +168,8 @@ class Simulation:
                     self.journal.write(now_s, "world", "lost_at_dead_device", device=item.subject)
                     continue
                 actions = self.trains.on_board[slot].receive(item.data, now_s)
-                self._apply(slot, actions, header_of(item.data).sequence)
+                header = header_of(item.data)
+                self._apply(slot, actions, None if header is None else header.sequence)
             elif item.kind is Due.UNIT_TIMER:
                 slot = self.trains.slot_of[item.subject]
                 if self._timer_steps.get(item.subject) == self._step and slot not in self.trains.unpowered:
@@ -174,6 +179,10 @@ class Simulation:
                 self._crew_stands(self.trains.slot_of[item.subject.removeprefix("crew ")])
             elif item.kind is Due.SCRIPT:
                 self._injector.due(self._step, item.subject)
+            elif item.kind is Due.CAMERA:
+                slot = self.trains.slot_of[item.subject]
+                seen_m = self._eyes.frame(slot, self._step)
+                self._apply(slot, self.trains.on_board[slot].frame_taken(seen_m))
             elif item.kind is Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[item.subject])
 
@@ -195,8 +204,12 @@ class Simulation:
             trains.truths,
             trains.plants,
             trains.units,
+            trains.bodies,
             trains.kinds,
             trains.behaviours,
+            trains.tascs,
+            trains.designs,
+            trains.waves,
             trains.pool.profile,
             trains.pool.pattern,
             trains.pool.tag_positions_m,
@@ -236,7 +249,7 @@ class Simulation:
             edge = seen.piece_id + SIGN[seen.direction]
             self.checkers.observe(now_s, stock_id, edge, seen.offset_m, seen.speed_mps)
             truth, unit = self.trains.truths[slot], self.trains.units[slot]
-            if compare and unit.position_known:
+            if compare and unit.position_known and not self.trains.misled(slot):
                 self.checkers.bounds(
                     now_s,
                     stock_id,
@@ -291,6 +304,10 @@ class Simulation:
             self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
             if read_id is not None and slot not in trains.unpowered:
                 self._apply(slot, unit.tag_read(read_id, odometer_m, now_s))
+                if trains.units[slot].position_known:
+                    trains.position_fixed(slot)
+        if events & EVENT_CAMERA:
+            self._eyes.begin(slot, self._step)
         if events & EVENT_UNIT_BITS and slot not in trains.unpowered:
             at = unit.at
             self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))
@@ -324,25 +341,34 @@ class Simulation:
         )
         self._apply(slot, actions)
 
+    def _give_back(self, stock_id: str, hold_s: float) -> None:
+        """The crew sets back the route ahead (進路取消)."""
+        slot = self.trains.slot_of[stock_id]
+        if slot not in self.trains.unpowered:
+            self._apply(slot, self.trains.on_board[slot].give_back(self.now_s, hold_s))
+
     def _crew_stands(self, slot: int) -> None:
         """A train on sight stands: the crew looks at the points, or has reached a mark."""
         if self.trains.plants[slot].speed_mps > 0.0 or slot in self.trains.unpowered:
             return
-        points, target, again_s = self._crew.stand(slot, self.now_s)
+        seen = self._crew.stand(slot, self.now_s)
         unit = self.trains.on_board[slot]
-        if points is not None:
-            self._apply(slot, unit.checked_by_crew(points, self.now_s))
-        elif target is not None:
-            self._apply(slot, unit.arrived_on_sight(target, self.now_s))
+        if seen.passable is not None:
+            self._apply(slot, unit.checked_by_crew(seen.passable, self.now_s))
+        elif seen.to_throw is not None:
+            self._apply(slot, unit.throw_by_crew(seen.to_throw, self.now_s))
+        elif seen.target is not None:
+            self._apply(slot, unit.arrived_on_sight(seen.target, self.now_s))
             self._stopped(slot, self.now_s)
-        if again_s is not None:
+        if seen.again_s is not None:
             again = f"crew {self.trains.stock_ids[slot]}"
-            self._agenda.put(math.ceil(again_s * STEPS_PER_S - 1e-6), Due.SCRIPT, again)
+            self._agenda.put(math.ceil(seen.again_s * STEPS_PER_S - 1e-6), Due.SCRIPT, again)
 
     # stops, duties, energy ---------------------------------------------------------------------------------------
 
     def _stopped(self, slot: int, now_s: float) -> None:
         """The train has arrived at a target: how well, by the truth."""
+        self.trains.begin_leg(slot, now_s)
         unit = self.trains.on_board[slot]
         duty = self.trains.duties[slot]
         if unit.mission is None or duty is None:
@@ -488,6 +514,7 @@ class Simulation:
             elif isinstance(action, LeftLine):
                 self._left(slot)
         self._crew.look_ahead(slot)
+        self._eyes.look_ahead(slot)
         if unit.wake_at_s < math.inf:
             wake_step = max(math.ceil(unit.wake_at_s / STEP_S - 1e-6), self._step + 1)
             if self._timer_steps.get(stock_id) != wake_step:
@@ -503,7 +530,8 @@ class Simulation:
         self.journal.write(self.now_s, stock_id, "mission_done", train=duty.train.number)
         if duty.leaves:
             self._apply(slot, self.trains.on_board[slot].leave(self.now_s))
-        elif duty.becomes is not None:
+        elif duty.becomes is not None and duty not in self._becoming:
+            self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
             after = self._step + round(self.setup.change_ends_s / STEP_S)
             self._agenda.put(after, Due.DUTY, stock_id)
         else:
@@ -579,4 +607,6 @@ class Simulation:
             spans=self._spans,
             journal=self.journal,
             ended_because=because,
+            learned=self.trains.learned(),
+            learned_from=self.trains.learned_from(),
         )

@@ -13,6 +13,7 @@ import numpy as np
 EVENT_TAG: Final = 1 << 8  # the front passed a tag
 EVENT_FRONT: Final = 1 << 9  # the front passed the end of a track piece
 EVENT_REAR: Final = 1 << 10  # the rear passed the end of a track piece
+EVENT_CAMERA: Final = 1 << 11  # the front came to where the camera may see the next stop sign
 EVENT_UNIT_BITS: Final = (1 << 8) - 1
 
 TRUTH: Final = np.dtype(
@@ -32,6 +33,7 @@ TRUTH: Final = np.dtype(
         ("tachometer_gain", "f8"),  # 1 in order, 0 silent
         ("tachometer_frozen_mps", "f8"),  # shows this speed for ever; negative: in order
         ("sight_m", "f8"),  # where the driver stops on sight while the unit does not know its position
+        ("camera_m", "f8"),  # path coordinate from where the next sign may be seen; +inf: none
         ("events", "i8"),
     ],
     align=True,

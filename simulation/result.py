@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.tuning import Learned
+from onboard.tuning import StopRecord as StopWaves
 from simulation.checkers import Violation
 from simulation.journal import Journal
 
@@ -89,6 +91,8 @@ class RunResult:
     spans: list[TraceSpan]
     journal: Journal
     ended_because: str
+    learned: Mapping[str, Learned] = field(default_factory=dict)  # by stock id; empty: no train learned
+    learned_from: Mapping[str, StopWaves] = field(default_factory=dict)  # waves of the last stop that counted
 
     @property
     def digest(self) -> str:

@@ -23,4 +23,5 @@ class TruthRow(Protocol):
     tachometer_gain: float
     tachometer_frozen_mps: float
     sight_m: float
+    camera_m: float
     events: int

@@ -90,10 +90,10 @@ class ActKind(Enum):
     ACCEPT_PICTURE = "accept_picture"  # controller: the restored picture is complete and right
     POWER_ON = "power_on"  # crew or staff: switch a device on again
     REPAIR_POINTS = "repair_points"  # staff: set by hand into a position, lock, remove faults
-    REENTER_BY_HAND = (
-        "reenter_by_hand"  # controller: every section, one by one, from what the units say by voice
-    )
-    REENTER_ASSISTED = "reenter_assisted"  # controller: looks at the gathered claims and confirms
+    ENTER_SECTION = "enter_section"  # controller, after a restart: these sections are this unit's; no unit: free
+    REENTER_BY_HAND = "reenter_by_hand"  # controller: every section, one by one, from what the crews say by voice
+    REENTER_ASSISTED = "reenter_assisted"  # controller: looks at the gathered claims and accepts them
+    GIVE_BACK = "give_back"  # crew: sets back the route ahead, not entered, and asks for none for a while
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,10 @@ class Matcher:
 
 
 def _same(actual: object, wanted: object) -> bool:
-    return wanted in actual if isinstance(actual, list | tuple) else actual == wanted
+    """A wanted list must be contained in the actual one, as must a single value."""
+    if not isinstance(actual, list | tuple):
+        return actual == wanted
+    return all(item in actual for item in (wanted if isinstance(wanted, list | tuple) else (wanted,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +154,7 @@ class Act:
     person: str = "controller"
     sections: tuple[str, ...] = ()
     position: str = ""
+    hold_s: float = 300.0
 
 
 class Property(Enum):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 from network.model import Line
 from network.timetable import Timetable
 from onboard.records import BEHAVIOUR
+from onboard.tuning import Learned
 from onboard.unit import UnitParameters
 from radio.air import AirParameters
+from simulation.scatter import Scatter
 from simulation.script import Script
 from vehicle.train_file import TrainType
+from wayside.config import ReentryMode
 
 STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
 STEP_S: Final = 0.1
@@ -49,6 +52,23 @@ class Sensors:
 
 
 @dataclass(frozen=True, slots=True)
+class Tuning:
+    """Self-tuning of TASC: whether trains learn, for how many days in a row, and what they know to begin with."""
+
+    learn: bool = False
+    days: int = 1  # the same day that often; the last one is reported
+    learned: Mapping[str, Learned] = field(default_factory=dict)  # by stock id
+
+
+@dataclass(frozen=True, slots=True)
+class Vision:
+    """Stop signs and the camera that looks for them; no station: the trains have none."""
+
+    stations: frozenset[str] = frozenset()
+    rate_hz: float = 5.0  # frames taken up; the camera itself has more, but errors of neighbours are alike
+
+
+@dataclass(frozen=True, slots=True)
 class Setup:
     """One run. `trains` gives the kind of train of each stock id."""
 
@@ -62,13 +82,27 @@ class Setup:
     unit: UnitParameters = field(default_factory=UnitParameters)
     driving: Driving = field(default_factory=Driving)
     sensors: Sensors = field(default_factory=Sensors)
+    scatter: Scatter = field(default_factory=Scatter)
+    tuning: Tuning = field(default_factory=Tuning)
+    vision: Vision = field(default_factory=Vision)
+    day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
     load_share_mean: float = 0.2
     load_share_spread: float = 0.15  # uniform, drawn per train number
     portal_lead_s: float = 210.0  # a train stands at the portal this long before its first departure
     change_ends_s: float = 60.0  # the driver walks to the other end
+    reentry: ReentryMode = ReentryMode.ASSISTED  # how the block state comes back after the manager lost it
     leave_after_s: float = 60.0  # a train that leaves for another line stands at its last call this long
     time_limit_s: float = 3600.0  # the run ends this long after the last planned time, whatever happens
     stall_limit_s: float = 3600.0  # or when no train has moved for this long although one waits for a section
+
+    @property
+    def today(self) -> tuple[str, ...]:
+        """What sets the day's draws apart from those of the first day."""
+        return () if self.day == 1 else (f"day {self.day}",)
+
+    def next_day(self, learned: Mapping[str, Learned]) -> Setup:
+        """The same timetable a day later, with what the trains have learned."""
+        return replace(self, day=self.day + 1, tuning=replace(self.tuning, learned=learned))
 
     def stock_of(self, number: str) -> str:
         """Stock id of a train number."""

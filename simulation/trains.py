@@ -11,6 +11,11 @@ from numpy.typing import NDArray
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, UNIT
+from onboard.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
+from onboard.stopping import WAVE
+from onboard.tasc import DESIGN, TASC
+from onboard.tuning import Learned
+from onboard.tuning import StopRecord as StopWaves
 from onboard.unit import Unit, UnitFacts
 from radio.chance import generator
 from radio.envelope import Endpoint
@@ -54,6 +59,10 @@ class Trains:
         self.plants = new_plant(n).view(np.recarray)
         self.units = np.zeros(n, dtype=UNIT).view(np.recarray)
         self.kinds = np.zeros(n, dtype=TRAIN).view(np.recarray)
+        self.bodies = np.zeros(n, dtype=TRAIN).view(np.recarray)  # the trains as they are; `kinds`: as believed
+        self.tascs = np.zeros(n, dtype=TASC).view(np.recarray)
+        self.designs = np.zeros(n, dtype=DESIGN).view(np.recarray)
+        self.waves = np.zeros(n, dtype=WAVE).view(np.recarray)
         self.behaviours = behaviour_rows(setup, self.stock_ids).view(np.recarray)
         self.pool = PathPool(setup.line)
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
@@ -62,7 +71,12 @@ class Trains:
         self.energy_marks = [EnergyMark() for _ in range(n)]
         self.unpowered: set[int] = set()
         self.boots = [1] * n
+        self.tachometer_faults: dict[int, bool] = {}  # slot: whether it still lies, until the position is sound
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
+        self._keepers: list[StopKeeper] = []
+        self._brake_factors = np.ones(n)
+        self._adhesion = np.ones(n)  # as the weather has it
+        self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
         self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
         terminals = sorted({points.terminal_id for points in setup.line.points.values()})
         self._rings = [
@@ -70,19 +84,30 @@ class Trains:
         ]
         for slot, stock_id in enumerate(self.stock_ids):
             self.kinds[slot] = setup.trains[stock_id].row[0]
+            body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, self.kinds[slot])
+            self.bodies[slot] = body[0]
+            self._keepers.append(self._new_keeper(slot))
             self.on_board.append(self._new_unit(slot))
             sigma = setup.sensors.wheel_factor_sigma
             factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
             self.truths[slot].wheel_factor = factor
             self.truths[slot].tachometer_gain = 1.0
             self.truths[slot].tachometer_frozen_mps = -1.0
-            self.truths[slot].sight_m = math.inf
+            self.truths[slot].sight_m = self.truths[slot].camera_m = math.inf
+
+    def _new_keeper(self, slot: int) -> StopKeeper:
+        """The train's memory of its stops, with what it has learned on days before."""
+        train, tuning = self.kinds[slot], self.setup.tuning
+        stock_id = self.stock_ids[slot]
+        learned = tuning.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
+        fill_design(self.designs[slot], train, self.behaviours[slot], learned)
+        return StopKeeper(self.tascs[slot], self.designs[slot], self.waves[slot], learned, tuning.learn)
 
     def _new_unit(self, slot: int) -> Unit:
         """An on-board unit that has just been switched on: fixed data and the number of its boot, nothing else."""
         facts = UnitFacts(self.stock_ids[slot], self.setup.line, MANAGER_ID, self.setup.unit)
         endpoint = Endpoint(self._rings[slot], epoch=self.boots[slot])
-        return Unit(facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint)
+        return Unit(facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint, self._keepers[slot])
 
     def power_off(self, slot: int) -> None:
         """The unit dies: its outputs fall to the safe side, the emergency brake applies itself."""
@@ -104,6 +129,19 @@ class Trains:
         unit = self.units[slot]
         unit.odometer_m = self.truths[slot].odometer_m
         unit.odometer_scale = 1.0
+
+    def misled(self, slot: int) -> bool:
+        """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""
+        if slot not in self.tachometer_faults:
+            return False
+        if not self.tachometer_faults[slot] and not self.units[slot].position_known:
+            del self.tachometer_faults[slot]
+        return True
+
+    def position_fixed(self, slot: int) -> None:
+        """A tag has fixed the position; a tachometer that is sound again has falsified nothing since."""
+        if self.tachometer_faults.get(slot) is False:
+            del self.tachometer_faults[slot]
 
     # where trains are ------------------------------------------------------------------------------------------
 
@@ -219,7 +257,8 @@ class Trains:
         self._use_rows(slot, rows, position_m)
         unit.path_offset, unit.path_rows = rows.offset, rows.rows
         self.set_boundaries(slot)
-        chance = generator(self.setup.seed, "load", duty.train.number)
+        self.begin_leg(slot, duty.enter_s)
+        chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
         spread = self.setup.load_share_spread
         plant.load_share = float(
             np.clip(self.setup.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
@@ -231,6 +270,25 @@ class Trains:
             float(plant.energy_auxiliary_j),
             float(plant.travelled_m),
         )
+
+    def learned(self) -> dict[str, Learned]:
+        """What the trains know of their brakes, by stock id; empty where none learns."""
+        if not self.setup.tuning.learn:
+            return {}
+        return {keeper.learned.train_id: keeper.learned for keeper in self._keepers}
+
+    def learned_from(self) -> dict[str, StopWaves]:
+        """Waves of the last stop that each train counted."""
+        return {k.learned.train_id: k.last for k in self._keepers if k.learns and k.last is not None}
+
+    def begin_leg(self, slot: int, now_s: float) -> None:
+        """Draw what passes, for the run to the next stop: the brake's factor, the rail's adhesion."""
+        scatter, plant, chance = self.setup.scatter, self.plants[slot], self._legs[slot]
+        plant.brake_factor = self._brake_factors[slot] * scatter.brake_of_leg(chance)
+        adhesion = scatter.adhesion_of_leg(chance, now_s)
+        if plant.adhesion_factor in (1.0, self._adhesion[slot]):  # else a fault has made the rail slippery
+            plant.adhesion_factor = adhesion
+        self._adhesion[slot] = adhesion
 
     def rows_of(self, slot: int, path: Path) -> PathRows:
         """Rows of the pool for a path of this stock."""

@@ -32,13 +32,16 @@ def kind_of(data: bytes) -> str:
     """Kind of the message in a telegram, for the journal; '?' if unreadable. Nobody acts on this."""
     try:
         return type(_PAYLOAD.decode(_HEADER.decode(data[:-MAC_BYTES]).payload)).__name__
-    except msgspec.MsgspecError:
+    except (msgspec.MsgspecError, UnicodeDecodeError):
         return "?"
 
 
-def header_of(data: bytes) -> Envelope:
-    """Header of a telegram that was accepted, for the journal."""
-    return _HEADER.decode(data[:-MAC_BYTES])
+def header_of(data: bytes) -> Envelope | None:
+    """Header of a telegram, for the journal; None if it is unreadable. Nobody acts on this."""
+    try:
+        return _HEADER.decode(data[:-MAC_BYTES])
+    except (msgspec.MsgspecError, UnicodeDecodeError):
+        return None
 
 
 class WaysideWorld:
@@ -58,6 +61,7 @@ class WaysideWorld:
             points.id: point_machine.machine_of(points) for points in line.points.values()
         }
         self.telegrams: dict[tuple[str, str, str], Counter[str]] = defaultdict(Counter)
+        self.section_ids: Final = tuple(line.sections)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self._device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
         self._fleet = fleet
@@ -129,9 +133,9 @@ class WaysideWorld:
                 step / STEPS_PER_S,
                 device_id,
                 "heard",
-                source=header.source,
+                source="?" if header is None else header.source,
                 kind=kind_of(data),
-                sequence=header.sequence,
+                sequence=None if header is None else header.sequence,
             )
         self._take(step, device_id, done)
 
@@ -197,7 +201,8 @@ class WaysideWorld:
             self._journal.write(
                 step / STEPS_PER_S, "world", "points_moving", points=points, target=machine.target.value
             )
-        if machine.locked and not before.locked and machine.position is not None:
+        settled = not before.locked or machine.position is not before.position
+        if machine.locked and settled and machine.position is not None:
             self._journal.write(
                 step / STEPS_PER_S, "world", "points_locked", points=points, position=machine.position.value
             )

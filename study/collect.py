@@ -26,6 +26,8 @@ TOLD: Final[Mapping[str, str]] = {
     "position_fault": "fault",
     "emergency_released": "intervention",
     "stopped_short": "stop",
+    "stop_impossible": "stop",
+    "overran": "stop",
     "unsafe": "unsafe",
     "collision": "unsafe",
     "points_forced": "unsafe",

@@ -43,7 +43,9 @@ class Drill:
 def shipped_drills() -> tuple[str, ...]:
     """Names of the drills that come with the program, as folder/file."""
     folder = _folder()
-    return tuple(sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.toml")))
+    return tuple(
+        sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.toml"))
+    )
 
 
 def find_drill(name: str) -> str:
@@ -62,7 +64,9 @@ def run_drill(name: str, link: Link, seed: int | None = None, progress: Progress
     scenario = load_scenario(find_drill(name), seed)
     expectations = scenario.setup.script.expectations
     if not expectations:
-        raise InputError(scenario.file, "expect", None, "at least one [[expect]]: a drill says what must happen")
+        raise InputError(
+            scenario.file, "expect", None, "at least one [[expect]]: a drill says what must happen"
+        )
     run = execute(scenario, link, progress=progress)
     return Drill(run, judge(expectations, run.result, run.tables))
 

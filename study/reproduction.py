@@ -16,6 +16,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "oda-table4": "study.reproduce_table4",
     "oda-tuning": "study.reproduce_tuning",
     "stop-statistics": "study.stop_statistics",
+    "sugiyama-table5": "study.reproduce_table5",
     "sugiyama-tags": "study.reproduce_tags",
 }
 

@@ -21,9 +21,10 @@ from network.model import Direction, Line, SectionKind
 from radio.fleet import DeviceSpec, Fleet
 from simulation.carrier import Carrier
 from simulation.loop import Progress, Simulation
-from simulation.result import RunResult
+from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup
 from study.collect import tables_of
+from study.fleet_file import learned_json
 from study.report import write_report
 from study.run_tables import SCHEMAS, RunTables
 from study.scenario import Scenario
@@ -32,8 +33,9 @@ from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 from wayside.config import device_specs, manager_config, terminal_configs
 
+LEARNED_FILE: Final = "learned.json"  # only where trains learn; `[tuning] learned` of another scenario may name it
 RUN_FILES: Final = frozenset(
-    {"summary.json", "journal.jsonl", "report.html", *(f"{name}.parquet" for name in SCHEMAS)}
+    {"summary.json", LEARNED_FILE, "journal.jsonl", "report.html", *(f"{name}.parquet" for name in SCHEMAS)}
 )
 
 
@@ -72,6 +74,7 @@ def execute(
 ) -> Run:
     """Run a scenario and compute its tables and summary; writes nothing that stays.
 
+    With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do.
     """
     setup = scenario.setup
@@ -82,16 +85,23 @@ def execute(
         make = carrier_factory(carrier, setup.line, net)
         wrapped = wrap or (lambda plain: plain)
         started = time.perf_counter()
-        with fleet_of(link, setup.line.id, specs, Path(folder)) as fleet:
-            simulation = Simulation(
-                setup,
-                lambda begin_s: wrapped(make(begin_s)),
-                fleet,
-                read_net(net),
-                master_key,
-                link.value,
-            )
-            result = simulation.run(progress)
+        while True:
+            last = setup.day >= scenario.setup.tuning.days
+            devices = Path(folder) / f"day-{setup.day}"
+            devices.mkdir()
+            with fleet_of(link, setup.line.id, specs, devices) as fleet:
+                simulation = Simulation(
+                    setup,
+                    (lambda begin_s: wrapped(make(begin_s))) if last else make,
+                    fleet,
+                    read_net(net),
+                    master_key,
+                    link.value,
+                )
+                result = simulation.run(progress)
+            if last:
+                break
+            setup = setup.next_day(result.learned)
         wall_s = time.perf_counter() - started
     lengths_m = {stock: float(train.row[0]["length_m"]) for stock, train in setup.trains.items()}
     tables = tables_of(result, setup.line, lengths_m)
@@ -161,6 +171,8 @@ def _write_files(run: Run, out: Path, folder: Path) -> None:
     folder.mkdir()
     run.tables.write(folder)
     (folder / "journal.jsonl").write_bytes(run.result.journal.to_bytes())
+    if run.result.learned:
+        (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
     summary = run.summary | {"out": str(out)}
     (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
     facts = summary | {
@@ -184,12 +196,16 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     ]
     if missing:
         broken.append(f"{len(missing)} trains did not arrive: {', '.join(missing)}")
-        broken += [
-            f"{waiting.number} ({waiting.stock_id}) stands in {waiting.place} and waits for {waiting.waits_for}"
-            for waiting in result.waiting
-        ]
+        broken += [_waiting_text(waiting) for waiting in result.waiting]
         broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
     return tuple(broken)
+
+
+def _waiting_text(waiting: Waiting) -> str:
+    who = f"{waiting.number} ({waiting.stock_id})"
+    if waiting.waits_for == "nothing":
+        return f"{who} was on its way in {waiting.place}"
+    return f"{who} stands in {waiting.place} and waits for {waiting.waits_for}"
 
 
 def terminals_of(line: Line) -> tuple[str, ...]:
@@ -214,7 +230,8 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
         for route in routes_from(line, section.id, direction)
     ]
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
-    return device_specs(manager_config(line, routes, unit_ids), terminal_configs(line), master_key)
+    return device_specs(
+        manager_config(line, routes, unit_ids, reentry=setup.reentry), terminal_configs(line), master_key)
 
 
 def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:

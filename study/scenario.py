@@ -6,9 +6,10 @@ what-if. Whatever it leaves out has the defaults of `simulation.setup`, which ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from importlib.resources import files
+from math import inf
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -22,11 +23,28 @@ from network.timetable import Timetable, load_timetable
 from network.toml_input import Record, one_of, parse_table, read_text, validate
 from onboard.unit import UnitParameters
 from radio.air import AirParameters, DelayShape
-from simulation.setup import Driving, Sensors, Setup
+from simulation.setup import STEP_S, Driving, Sensors, Setup
+from study.fleet_file import ScatterTable, TuningTable, VisionTable, scatter_of, tuning_of, vision_of
 from study.script_file import ActTable, ExpectTable, FaultTable, script_of
 from vehicle.train_file import TrainType, load_train, shipped_train
+from wayside.config import ReentryMode
 
 FOLDER: Final = "scenarios"
+# of the tables that hold parameters: what makes no sense at 0, and what makes none above a bound
+POSITIVE: Final = frozenset(
+    {
+        "service_guaranteed_share",
+        "emergency_guaranteed_share",
+        "standing_brake_share",
+        "stop_deceleration_mps2",
+        "stop_gain_per_s",
+        "cruise_gain_per_s",
+        "tag_accuracy_m",
+        "tag_window_m",
+        "restricted_mps",
+    }
+)
+MOST: Final = {"wheel_factor_sigma": 0.1, "tag_read_sigma_m": 10.0}
 
 
 class _Trains(Record):
@@ -37,8 +55,8 @@ class _Trains(Record):
 
 
 class _Air(Record):
-    delay_min_s: float = Field(default=0.1, gt=0.0)
-    delay_mean_s: float = Field(default=0.1, gt=0.0)
+    delay_min_s: float = Field(default=STEP_S, ge=STEP_S)
+    delay_mean_s: float = Field(default=STEP_S, ge=STEP_S)
     delay_shape: Literal["constant", "exponential"] = "exponential"
     loss_good_p: float = Field(default=0.0, ge=0.0, le=1.0)
     loss_bad_p: float = Field(default=1.0, ge=0.0, le=1.0)
@@ -59,6 +77,7 @@ class _Operation(Record):
     portal_lead_s: float = Field(default=210.0, ge=0.0)
     change_ends_s: float = Field(default=60.0, ge=0.0)
     leave_after_s: float = Field(default=60.0, ge=0.0)
+    reentry: Literal["assisted", "by_hand"] = "assisted"
 
 
 class _ScenarioFile(Record):
@@ -72,6 +91,9 @@ class _ScenarioFile(Record):
     unit: dict[str, float] = Field(default_factory=dict)
     driving: dict[str, float] = Field(default_factory=dict)
     sensors: dict[str, float] = Field(default_factory=dict)
+    scatter: ScatterTable = Field(default_factory=ScatterTable)
+    tuning: TuningTable | None = None
+    vision: VisionTable | None = None
     limits: _Limits = Field(default_factory=_Limits)
     operation: _Operation = Field(default_factory=_Operation)
     line_patch: dict[str, Any] = Field(default_factory=dict)
@@ -119,7 +141,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     path = find_scenario(name)
     model = _read(path)
     line = _line(path, model)
-    timetable = load_timetable(_beside(path, model.timetable, shipped_timetable), line)
+    timetable = load_timetable(_named(path, "timetable", model.timetable, shipped_timetable), line)
     trains = _trains(path, model, timetable)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
@@ -129,15 +151,19 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         timetable=timetable,
         trains=trains,
         seed=model.seed if seed is None else seed,
-        air=_air(model.air),
+        air=_air(path, model.air),
         unit=_fill(UnitParameters, {"dwell_min_s": timetable.dwell_min_s, **model.unit}, path, "unit"),
         driving=_fill(Driving, model.driving, path, "driving"),
         sensors=_fill(Sensors, model.sensors, path, "sensors"),
+        scatter=scatter_of(str(path), model.scatter, trains),
+        tuning=tuning_of(path, model.tuning, trains),
+        vision=vision_of(str(path), model.vision, line),
         load_share_mean=model.trains.load_share_mean,
         load_share_spread=model.trains.load_share_spread,
         portal_lead_s=model.operation.portal_lead_s,
         change_ends_s=model.operation.change_ends_s,
         leave_after_s=model.operation.leave_after_s,
+        reentry=ReentryMode(model.operation.reentry),
         time_limit_s=model.limits.time_limit_s,
         stall_limit_s=model.limits.stall_limit_s,
     )
@@ -164,9 +190,9 @@ def _merged(path: Path, above: tuple[Path, ...]) -> dict[str, Any]:
         return data
     if not isinstance(base, str):
         raise InputError(str(path), "extends", base, "the name of a scenario")
-    beside = path.parent / f"{base}.toml"
-    below = _merged(beside if beside.is_file() else find_scenario(base), (*above, path))
-    return _laid_over(below, data)
+    beside = path.parent / f"{base.removesuffix('.toml')}.toml"
+    below = beside if beside.is_file() else _named(path, "extends", base, find_scenario)
+    return _laid_over(_merged(below, (*above, path)), data)
 
 
 def _laid_over(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
@@ -180,14 +206,19 @@ def _laid_over(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any
     return merged
 
 
-def _beside(path: Path, name: str, shipped: Any) -> Path:  # noqa: ANN401 - one of two functions of network.shipped
-    """A file named relative to the scenario's own folder, or one that is shipped."""
+def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> Path:
+    """A file named relative to the scenario's own folder, or one that is shipped; InputError names the key."""
     near = path.parent / name
-    return near if name.endswith(".toml") and near.is_file() else shipped(name)
+    if name.endswith(".toml") and near.is_file():
+        return near
+    try:
+        return shipped(name)
+    except InputError as error:
+        raise InputError(str(path), key, name, error.expected) from error
 
 
 def _line(path: Path, model: _ScenarioFile) -> Line:
-    file = _beside(path, model.line, shipped_line)
+    file = _named(path, "line", model.line, shipped_line)
     if not model.line_patch:
         return load_line(file)
     from network.patch import load_patched_line
@@ -202,27 +233,34 @@ def _trains(path: Path, model: _ScenarioFile, timetable: Timetable) -> dict[str,
             raise InputError(
                 str(path), f"trains.stock.{stock_id}", stock_id, f"a stock id: {one_of(sorted(known))}"
             )
-    loaded: dict[str, TrainType] = {}
-    for name in {model.trains.default, *model.trains.stock.values()}:
-        near = path.parent / name
-        loaded[name] = load_train(near if name.endswith(".toml") and near.is_file() else shipped_train(name))
+    named = {"trains.default": model.trains.default}
+    named |= {f"trains.stock.{stock_id}": name for stock_id, name in model.trains.stock.items()}
+    loaded = {name: load_train(_named(path, key, name, shipped_train)) for key, name in named.items()}
     return {
         stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)] for stock_id in sorted(known)
     }
 
 
-def _air(model: _Air) -> AirParameters:
+def _air(path: Path, model: _Air) -> AirParameters:
     values = model.model_dump()
     values["delay_shape"] = DelayShape(values["delay_shape"])
-    return AirParameters(**values)
+    try:
+        return AirParameters(**values)
+    except InputError as error:
+        raise InputError(str(path), f"air.{error.key}", error.value, error.expected) from error
 
 
 def _fill(kind: type[Any], values: Mapping[str, float], path: Path, table: str) -> Any:  # noqa: ANN401
-    """A parameter dataclass from a table; unknown keys are refused."""
+    """A parameter dataclass from a table; unknown keys and what cannot be are refused."""
     known = [field.name for field in fields(kind)]
     for key, value in values.items():
         if key not in known:
-            raise InputError(str(path), f"{table}.{key}", value, f"one of {one_of(known, key)}")
+            raise InputError(str(path), f"{table}.{key}", value, one_of(known, key))
+        most = 1.0 if key.endswith("_share") else MOST.get(key, inf)
+        if not 0.0 <= value <= most or (value == 0.0 and key in POSITIVE):
+            least = "above 0" if key in POSITIVE else "not below 0"
+            expected = f"a number {least}" + (f" and at most {most:g}" if most < inf else "")
+            raise InputError(str(path), f"{table}.{key}", value, expected)
     return kind(**values)
 
 

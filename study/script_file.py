@@ -45,7 +45,7 @@ class FaultTable(Record):
 
     kind: str
     target: str
-    start: str
+    start: str | dict[str, Any]
     after_s: float = Field(default=0.0, ge=0.0)
     duration_s: float | None = Field(default=None, gt=0.0)
     p: float | None = None
@@ -58,12 +58,13 @@ class ActTable(Record):
     """`[[act]]`."""
 
     kind: str
-    start: str
+    start: str | dict[str, Any]
     target: str = ""
     after_s: float = Field(default=0.0, ge=0.0)
     person: str = "controller"
     sections: list[str] = Field(default_factory=list)
     position: str = ""
+    hold_s: float = Field(default=300.0, ge=0.0)
 
 
 class ExpectTable(Record):
@@ -183,6 +184,8 @@ def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
         ActKind.CONFIRM_HOLDING: names.units,
         ActKind.POWER_ON: (*names.units, *names.devices),
         ActKind.REPAIR_POINTS: names.points,
+        ActKind.ENTER_SECTION: ("", *names.units),
+        ActKind.GIVE_BACK: names.units,
     }
     known = targets.get(kind)
     if known is not None and table.target not in known:
@@ -194,10 +197,12 @@ def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
             )
     if kind is ActKind.REPAIR_POINTS and table.position not in ("normal", "reverse"):
         raise InputError(file, f"{key}.position", table.position, "normal or reverse")
-    if kind is ActKind.CONFIRM_HOLDING and not table.sections:
-        raise InputError(file, f"{key}.sections", table.sections, "the sections that the unit holds")
+    if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
+        raise InputError(file, f"{key}.sections", table.sections, "the sections that are entered")
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
-    return Act(kind, table.target, trigger, table.person, tuple(table.sections), table.position)
+    return Act(
+        kind, table.target, trigger, table.person, tuple(table.sections), table.position, table.hold_s
+    )
 
 
 def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetable: Timetable) -> Expectation:
@@ -238,10 +243,12 @@ def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetab
     )
 
 
-def _trigger(file: str, key: str, text: str, after_s: float, names: _Names) -> Trigger:
-    if _CLOCK.fullmatch(text):
-        return Trigger(at_s=_time(file, key, text), after_s=after_s)
-    return Trigger(on=_matcher(file, key, text, names), after_s=after_s)
+def _trigger(
+    file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: _Names
+) -> Trigger:
+    if isinstance(given, str) and _CLOCK.fullmatch(given):
+        return Trigger(at_s=_time(file, key, given), after_s=after_s)
+    return Trigger(on=_matcher(file, key, given, names), after_s=after_s)
 
 
 def _time(file: str, key: str, text: str) -> float:
@@ -270,8 +277,9 @@ def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: _Names)
     }
     for name, value in {**matcher.data, **({"train": matcher.train} if matcher.train else {})}.items():
         known = checks.get(name)
-        if known is not None and str(value) not in known:
-            raise InputError(file, f"{key}: {name}", value, one_of(known, str(value)))
+        for item in value if isinstance(value, list) else (value,):
+            if known is not None and str(item) not in known:
+                raise InputError(file, f"{key}: {name}", item, one_of(known, str(item)))
     return matcher
 
 

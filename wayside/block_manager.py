@@ -8,12 +8,12 @@ The block manager (閉そく管理装置) of Sugiyama et al. 2017, sections 2.1 
 
 Re-entry after a restart (the open problem of section 5 and 4.4 (4)): the manager asks every unknown unit; a
 claim counts only if its sender has heard this boot, so no claim from before the restart does. Claims and
-sign-ons add to the register and never free. A claim against another holder is shown, its sender is
-DISPUTED, and nothing is granted until the other releases or a person corrects an entry made by hand; so a
-wrong entry shows as soon as the unit speaks. A person may speak for a silent unit only, never against one
-that reports, and after a restart only when no telegram of the boot before can arrive any more.
+sign-ons add to the register and never free. A claim against another holder, or of what a person entered for
+another, is shown, its sender is DISPUTED, and nothing is granted until the other releases or the person
+corrects the entry; so a wrong entry shows as soon as the unit speaks. What persons may enter is in
+`wayside.acts`, when the line is defined again in `wayside.reentry`.
 
-`TELEGRAMS` and `ACTS` are the whole table; what they do not name is refused and changes nothing.
+`TELEGRAMS` is the whole table of telegrams; what it does not name is refused and changes nothing.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final, Generic, TypeVar
 
-from radio.fleet import ConfirmHolding, ConfirmOutside, Note, NoteKind
+from radio.fleet import NoteKind
 from radio.messages import (
     AnyMessage,
     Claim,
@@ -41,11 +41,13 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
-from wayside.actions import Action, Send, Show
+from wayside import acts, reentry
+from wayside.actions import Action, Send, Show, show
+from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
+from wayside.table import Row, rows
 
 M = TypeVar("M")
-Step = tuple[Register, tuple[Action, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +66,7 @@ class Ask:
     """Look whether it is time to ask the units that block the line what they hold."""
 
 
-Event = Heard[AnyMessage] | ConfirmOutside | ConfirmHolding | Ask
+Event = Heard[AnyMessage] | acts.Act | Ask
 
 
 def step(register: Register, event: Event, now_s: float) -> Step:
@@ -73,20 +75,26 @@ def step(register: Register, event: Event, now_s: float) -> Step:
     register = replace(register, started_s=started_s)
     if isinstance(event, Ask):
         return _ask(register, now_s)
-    if event.unit_id not in register.plan.unit_ids:
-        return register, (_show(NoteKind.REFUSED, event.unit_id, detail="not on the fleet list"),)
-    standing = register.unit(event.unit_id).standing
-    if isinstance(event, Heard):
-        return TELEGRAMS.get((standing, type(event.message)), _not_for_manager)(register, event)
-    # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
-    if register.epoch > 1 and now_s <= started_s + register.plan.telegram_age_max_s:
-        return register, (_show(NoteKind.REFUSED, event.unit_id, detail=f"{event.person}: too early"),)
-    return ACTS[standing, type(event)](register, event)
+    register, actions = (
+        _heard(register, event, now_s) if isinstance(event, Heard) else acts.act(register, event, now_s)
+    )
+    register, following = reentry.settle(register, now_s)
+    return register, (*actions, *following)
 
 
 def wake_at_s(register: Register) -> float | None:
     """When the manager wants to ask again; None while the line is defined."""
     return register.ask_at_s if register.undefined_because_of() else None
+
+
+def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
+    if heard.unit_id not in register.plan.unit_ids:
+        return register, (show(NoteKind.REFUSED, heard.unit_id, detail="not on the fleet list"),)
+    if register.restoring:
+        heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
+        register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
+    standing = register.unit(heard.unit_id).standing
+    return TELEGRAMS.get((standing, type(heard.message)), _not_for_manager)(register, heard)
 
 
 def _ask(register: Register, now_s: float) -> Step:
@@ -98,6 +106,7 @@ def _ask(register: Register, now_s: float) -> Step:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
+    """Granted whole if the line is defined and all of the route is free or the unit's own; else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     return _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
@@ -115,8 +124,8 @@ def _against(
         against = (RefusalReason.WRONG_UNIT, None, None)
     elif heard.epoch != register.unit(unit_id).epoch:
         against = (RefusalReason.NOT_SIGNED_ON, None, None)
-    elif blocking:
-        against = (RefusalReason.UNDEFINED, None, blocking[0])
+    elif not register.defined:
+        against = (RefusalReason.UNDEFINED, None, blocking[0] if blocking else None)
     elif route is None or route.section_ids != message.section_ids:
         against = (RefusalReason.UNKNOWN_ROUTE, None, None)
     elif held.isdisjoint({route.from_section, *route.section_ids}):
@@ -136,7 +145,7 @@ def _grant(register: Register, heard: Heard[RouteRequest], held: tuple[str, ...]
         register, token = register.next_token()
         unit = replace(unit, token=token, route_id=message.route_id, correlation=heard.correlation)
         register = register.with_held(unit_id, (*held, *message.section_ids)).with_unit(unit_id, unit)
-        actions.append(_show(NoteKind.GRANTED, unit_id, message.section_ids, token, detail=message.route_id))
+        actions.append(show(NoteKind.GRANTED, unit_id, message.section_ids, token, detail=message.route_id))
     capabilities = register.capabilities(unit_id, message.section_ids, unit.token)
     granted = RouteGranted(message.route_id, message.section_ids, unit.token, capabilities)
     return register, (*actions, Send(unit_id, granted, heard.correlation))
@@ -157,15 +166,18 @@ def _refuse_route(
 
 
 def _request_undefined(register: Register, heard: Heard[RouteRequest]) -> Step:
+    """Refused, and asked what it holds."""
     _, refusal = _refuse_route(register, heard, RefusalReason.UNDEFINED, holder=heard.unit_id)
     return register, (*refusal, Send(heard.unit_id, ClaimQuery(), heard.correlation))
 
 
 def _request_not_signed_on(register: Register, heard: Heard[RouteRequest]) -> Step:
+    """Refused: the unit must sign on first."""
     return _refuse_route(register, heard, RefusalReason.NOT_SIGNED_ON)
 
 
 def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
+    """Frees what it no longer lists, under the current token and boot; answered with what the register has."""
     message, unit_id = heard.message, heard.unit_id
     unit = register.unit(unit_id)
     held, listed = register.held_by(unit_id), frozenset(message.section_ids)
@@ -177,21 +189,22 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     if extra := [section_id for section_id in message.section_ids if section_id not in held]:
         # It believes to hold more than the register says: a contradiction, so nothing of it is freed.
         holder = register.holders.get(extra[0], "")
-        return register, (_show(NoteKind.CONTRADICTION, unit_id, extra, unit.token, holder), confirmed)
+        return register, (show(NoteKind.CONTRADICTION, unit_id, extra, unit.token, holder), confirmed)
     if not listed:
         detail = "an empty report; sign off to leave the line"
-        return register, (_show(NoteKind.REFUSED, unit_id, held, unit.token, detail=detail), confirmed)
+        return register, (show(NoteKind.REFUSED, unit_id, held, unit.token, detail=detail), confirmed)
     freed = tuple(section_id for section_id in held if section_id not in listed)
     if not freed:
         return register, (confirmed,)
     kept = tuple(section_id for section_id in held if section_id in listed)
-    return register.with_held(unit_id, kept), (
-        _show(NoteKind.FREED, unit_id, freed, unit.token),
+    return reentry.released(register.with_held(unit_id, kept), unit_id, freed), (
+        show(NoteKind.FREED, unit_id, freed, unit.token),
         Send(unit_id, HoldingConfirmed(kept, unit.token), heard.correlation),
     )
 
 
 def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
+    """A claim: added if nobody else holds it, else disputed. A portal it does not hold yet: a wish to enter."""
     if heard.message.unit_id != heard.unit_id:
         return _refuse_claim(register, heard, RefusalReason.WRONG_UNIT)
     standing, claimed = register.unit(heard.unit_id).standing, heard.message.section_ids
@@ -203,6 +216,7 @@ def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
 
 
 def _claim(register: Register, heard: Heard[Claim]) -> Step:
+    """Added if fresh and nobody else holds it, else asked again or disputed; empty: the unit is outside."""
     if not heard.fresh:
         return _challenge(register, heard)
     return _take_claim(register, heard)
@@ -215,6 +229,9 @@ def _challenge(register: Register, heard: Heard[Any]) -> Step:
 
 def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
     unit_id, claimed = heard.unit_id, heard.message.section_ids
+    register, doubts = _doubt(register, heard)
+    if doubts:
+        return register, (*doubts, Send(unit_id, ClaimQuery(), heard.correlation))
     unit = register.unit(unit_id)
     if claimed is None:
         if unit.standing in (Standing.UNKNOWN, Standing.DISPUTED):
@@ -223,16 +240,38 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     if unknown := [section_id for section_id in claimed if section_id not in register.plan.order]:
         return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
     conflict = register.other_holder(unit_id, claimed)
-    if isinstance(heard.message, SignOn) and _enters(register, unit_id, claimed):
-        return _enter(register, heard, claimed, conflict)
+    if _wishes(register, heard, claimed):
+        # Where it was last known on the line, a wish may as well be its place: let the claim tell.
+        lost = unit.standing is Standing.UNKNOWN and unit_id in register.ledger
+        return _challenge(register, heard) if lost else _enter(register, heard, claimed, conflict)
+    conflict = conflict or reentry.entered_for_another(register, unit_id, claimed)
     if conflict is not None:
         free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
         register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
-        register = register.with_unit(unit_id, replace(unit, standing=Standing.DISPUTED, epoch=heard.epoch))
-        show = _show(NoteKind.CONTRADICTION, unit_id, conflict[:1], unit.token, conflict[1])
+        disputed = replace(unit, standing=Standing.DISPUTED, epoch=heard.epoch, claim=claimed)
+        register = register.with_unit(unit_id, disputed)
+        shown = show(NoteKind.CONTRADICTION, unit_id, conflict[:1], unit.token, conflict[1])
         register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
-        return register, (show, *refusal)
+        return register, (shown, *refusal)
     return _accept_claim(register, heard, claimed)
+
+
+def _doubt(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
+    """A token that no boot known here can have given: the durable state was lost, this is no first start."""
+    token = heard.message.token
+    if token <= max(register.token_max, register.foreign_token):
+        return register, ()
+    if register.restoring:
+        return replace(register, foreign_token=token), ()
+    detail = "a token that this manager does not remember; the line must be restored"
+    doubt = show(NoteKind.CONTRADICTION, heard.unit_id, token=token, detail=detail)
+    return reentry.lost_again(register, token), (doubt,)
+
+
+def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:
+    """Whether it only wants to enter. Who was never on the line cannot claim a portal, whatever it sends."""
+    stranger = register.restoring and heard.unit_id not in register.ledger
+    return (isinstance(heard.message, SignOn) or stranger) and _enters(register, heard.unit_id, claimed)
 
 
 def _enters(register: Register, unit_id: str, claimed: tuple[str, ...]) -> bool:
@@ -248,8 +287,9 @@ def _enter(
     shows: tuple[Action, ...] = ()
     if register.unit(unit_id).standing is Standing.UNKNOWN:
         register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, heard.epoch))
-        shows = (_show(NoteKind.OUTSIDE, unit_id, detail=Standing.UNKNOWN.value),)
-    if blocking := register.undefined_because_of():
+        shows = (show(NoteKind.OUTSIDE, unit_id, detail=Standing.UNKNOWN.value),)
+    if not register.defined:
+        blocking = (*register.undefined_because_of(), None)
         register, actions = _refuse_claim(register, heard, RefusalReason.UNDEFINED, None, blocking[0])
     elif conflict is not None:
         register, actions = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
@@ -275,7 +315,8 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     actions: list[Action] = []
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
         kind = NoteKind.CLAIMED if held else NoteKind.OUTSIDE
-        actions.append(_show(kind, unit_id, held, token, detail=unit.standing.value))
+        actions.append(show(kind, unit_id, held, token, detail=unit.standing.value))
+        actions += reentry.shown_against(register, unit_id)
     capabilities = register.capabilities(unit_id, held, token)
     accepted = SignOnAccepted(held, token, after.route_id, capabilities)
     return register, (*actions, Send(unit_id, accepted, heard.correlation))
@@ -295,6 +336,7 @@ def _refuse_claim(
 
 
 def _sign_off(register: Register, heard: Heard[SignOff]) -> Step:
+    """Frees its portal, under the current token and boot; refused while it holds more."""
     message, unit_id = heard.message, heard.unit_id
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     if message.unit_id != unit_id:
@@ -305,17 +347,18 @@ def _sign_off(register: Register, heard: Heard[SignOff]) -> Step:
         return _refuse_sign_off(register, heard, RefusalReason.STALE_TOKEN)
     if not register.plan.portals.issuperset(held):
         return _refuse_sign_off(register, heard, RefusalReason.STILL_HOLDING)
-    register = register.with_held(unit_id, ())
+    register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
     # Entering again gives a new token, so nothing said before this counts then.
     register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
     return register, (
-        _show(NoteKind.FREED, unit_id, held, unit.token),
-        _show(NoteKind.OUTSIDE, unit_id, token=unit.token),
+        show(NoteKind.FREED, unit_id, held, unit.token),
+        show(NoteKind.OUTSIDE, unit_id, token=unit.token),
         Send(unit_id, SignOffAccepted(), heard.correlation),
     )
 
 
 def _sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:
+    """Accepted again; nothing changes."""
     return register, (Send(heard.unit_id, SignOffAccepted(), heard.correlation),)
 
 
@@ -327,62 +370,19 @@ def _refuse_sign_off(register: Register, heard: Heard[SignOff], reason: RefusalR
 
 
 def _sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
+    """Refused: the unit must sign on first."""
     return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
 
 
-def _confirm_outside(register: Register, act: ConfirmOutside) -> Step:
-    unit_id = act.unit_id
-    freed = register.held_by(unit_id)
-    unit = Unit(Standing.OUTSIDE, register.unit(unit_id).epoch)
-    register = register.with_held(unit_id, ()).with_unit(unit_id, unit)
-    shows = [_show(NoteKind.FREED, unit_id, freed, detail=act.person)] if freed else []
-    return register, (*shows, _show(NoteKind.OUTSIDE, unit_id, detail=act.person))
-
-
-def _confirm_holding(register: Register, act: ConfirmHolding) -> Step:
-    unit_id, section_ids = act.unit_id, act.section_ids
-    unknown = [section_id for section_id in section_ids if section_id not in register.plan.order]
-    if unknown or not section_ids:
-        detail = "unknown section" if unknown else "an empty entry; confirm the unit as outside"
-        return register, (_show(NoteKind.REFUSED, unit_id, unknown, detail=detail),)
-    if (conflict := register.other_holder(unit_id, section_ids)) is not None:
-        return register, (_show(NoteKind.CONTRADICTION, unit_id, conflict[:1], 0, conflict[1], act.person),)
-    before = register.held_by(unit_id)
-    freed = tuple(section_id for section_id in before if section_id not in section_ids)
-    register, token = register.next_token()
-    register = register.with_held(unit_id, section_ids)
-    register = register.with_unit(unit_id, Unit(Standing.BY_HAND, register.unit(unit_id).epoch, token))
-    shows = [_show(NoteKind.FREED, unit_id, freed, token, detail=act.person)] if freed else []
-    held = register.held_by(unit_id)
-    return register, (*shows, _show(NoteKind.BY_HAND, unit_id, held, token, detail=act.person))
-
-
-def _refuse_act(register: Register, act: ConfirmOutside | ConfirmHolding) -> Step:
-    """The unit speaks, or claims what another holds: a person's word must not free it."""
-    standing = register.unit(act.unit_id).standing.value
-    return register, (_show(NoteKind.REFUSED, act.unit_id, detail=f"{act.person}: the unit is {standing}"),)
-
-
 def _not_for_manager(register: Register, heard: Heard[Any]) -> Step:
-    return register, (_show(NoteKind.REFUSED, heard.unit_id, detail=type(heard.message).__name__),)
-
-
-def _show(
-    kind: NoteKind,
-    unit_id: str,
-    section_ids: tuple[str, ...] | list[str] = (),
-    token: int = 0,
-    other_id: str = "",
-    detail: str = "",
-) -> Show:
-    return Show(Note(kind, unit_id, tuple(section_ids), token, other_id, detail))
+    return register, (show(NoteKind.REFUSED, heard.unit_id, detail=type(heard.message).__name__),)
 
 
 def _show_refusal(
     unit_id: str, reason: RefusalReason, section_id: str | None = None, holder: str | None = None
 ) -> Show:
     sections = () if section_id is None else (section_id,)
-    return _show(NoteKind.REFUSED, unit_id, sections, 0, holder or "", reason.name)
+    return show(NoteKind.REFUSED, unit_id, sections, 0, holder or "", reason.name)
 
 
 _Handler = Callable[[Register, Heard[Any]], Step]
@@ -417,17 +417,7 @@ TELEGRAMS: Final[Mapping[tuple[Standing, type], _Handler]] = MappingProxyType(
     }
 )
 
-ACTS: Final[Mapping[tuple[Standing, type], Callable[[Register, Any], Step]]] = MappingProxyType(
-    {
-        (Standing.UNKNOWN, ConfirmOutside): _confirm_outside,
-        (Standing.UNKNOWN, ConfirmHolding): _confirm_holding,
-        (Standing.OUTSIDE, ConfirmOutside): _confirm_outside,
-        (Standing.OUTSIDE, ConfirmHolding): _confirm_holding,
-        (Standing.BY_HAND, ConfirmOutside): _confirm_outside,
-        (Standing.BY_HAND, ConfirmHolding): _confirm_holding,
-        (Standing.REPORTED, ConfirmOutside): _refuse_act,
-        (Standing.REPORTED, ConfirmHolding): _refuse_act,
-        (Standing.DISPUTED, ConfirmOutside): _refuse_act,
-        (Standing.DISPUTED, ConfirmHolding): _refuse_act,
-    }
-)
+
+def table_rows() -> tuple[Row, ...]:
+    """Standing of the unit and telegram, then phase, standing and input of a person, for the documentation."""
+    return (*rows(TELEGRAMS), *rows(acts.UNIT_ACTS), *rows(acts.LINE_ACTS))

@@ -7,6 +7,7 @@ Built by the simulator from the line, kept as JSON beside the device's durable s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from enum import Enum
 from typing import Final
 
 import msgspec
@@ -19,6 +20,15 @@ from radio.keys import key_ring
 
 MANAGER_ID: Final = "block-manager"
 ASK_INTERVAL_S: Final = 5.0
+
+
+class ReentryMode(Enum):
+    """How the block state comes back after the manager lost it."""
+
+    ASSISTED = "assisted"  # units are asked, a person accepts the picture or corrects it for silent units
+    BY_HAND = (
+        "by_hand"  # a person enters every section (手動入力), then accepts; units are asked all the same
+    )
 
 
 class SectionEntry(msgspec.Struct, frozen=True):
@@ -49,6 +59,7 @@ class ManagerConfig(msgspec.Struct, frozen=True, tag="block-manager"):
     routes: tuple[RouteEntry, ...]
     ask_interval_s: float = ASK_INTERVAL_S
     telegram_age_max_s: float = AGE_MAX_S
+    reentry: ReentryMode = ReentryMode.ASSISTED
 
 
 class PointsEntry(msgspec.Struct, frozen=True):
@@ -85,7 +96,11 @@ def decode_config(data: bytes, file: str = "config.json") -> DeviceConfig:
 
 
 def manager_config(
-    line: Line, routes: Iterable[Route], unit_ids: Sequence[str], age_max_s: float = AGE_MAX_S
+    line: Line,
+    routes: Iterable[Route],
+    unit_ids: Sequence[str],
+    age_max_s: float = AGE_MAX_S,
+    reentry: ReentryMode = ReentryMode.ASSISTED,
 ) -> ManagerConfig:
     """Fixed data of the line's one block manager; sections in the order of the line file."""
     terminals: dict[str, set[str]] = {}
@@ -99,7 +114,13 @@ def manager_config(
     )
     entries = tuple(RouteEntry(route.id, route.from_section, route.section_ids) for route in routes)
     return ManagerConfig(
-        line.id, MANAGER_ID, tuple(unit_ids), sections, entries, telegram_age_max_s=age_max_s
+        line.id,
+        MANAGER_ID,
+        tuple(unit_ids),
+        sections,
+        entries,
+        telegram_age_max_s=age_max_s,
+        reentry=reentry,
     )
 
 

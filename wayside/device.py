@@ -13,7 +13,7 @@ import msgspec
 
 from network.errors import InputError
 from radio.envelope import Dropped, DropReason, Endpoint, Received
-from radio.fleet import Advance, ConfirmHolding, ConfirmOutside, Input, Note, NoteKind, Output, PointsDetected
+from radio.fleet import Advance, Input, Note, NoteKind, Output, PointsDetected
 from radio.keys import KeyRing
 from radio.messages import PointsCommand, Restarted
 from wayside import block_manager, point_terminal
@@ -33,12 +33,14 @@ class _Machine(Protocol):
 
     def wake_at_s(self) -> float | None: ...
 
-    def memory(self) -> Memory: ...
+    def kept(self, before: Durable) -> Durable:
+        """The durable state, given what was saved last."""
+        ...
 
 
 class _Manager:
-    def __init__(self, config: ManagerConfig, keys: KeyRing, epoch: int) -> None:
-        self.register = start_register(config, epoch, keys.capabilities)
+    def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
+        self.register = start_register(config, durable.epoch, keys.capabilities, durable.ledger)
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
@@ -49,18 +51,18 @@ class _Manager:
                 step = block_manager.Heard(
                     event.source, event.epoch, event.fresh, event.correlation, event.message
                 )
-            case ConfirmOutside() | ConfirmHolding():
-                step = event
             case PointsDetected():
                 return _not_for_device(event)
+            case _:
+                step = event
         self.register, actions = block_manager.step(self.register, step, now_s)
         return actions
 
     def wake_at_s(self) -> float | None:
         return block_manager.wake_at_s(self.register)
 
-    def memory(self) -> Memory:
-        return Memory()
+    def kept(self, before: Durable) -> Durable:
+        return msgspec.structs.replace(before, ledger=tuple(sorted(self.register.ledger)))
 
 
 class _Terminal:
@@ -79,7 +81,7 @@ class _Terminal:
                 return (Show(Note(NoteKind.REFUSED, event.source, detail=detail)),)
             case PointsDetected():
                 step = event
-            case ConfirmOutside() | ConfirmHolding():
+            case _:
                 return _not_for_device(event)
         self.terminal, actions = point_terminal.step(self.terminal, step, now_s)
         return actions
@@ -87,8 +89,8 @@ class _Terminal:
     def wake_at_s(self) -> float | None:
         return point_terminal.wake_at_s(self.terminal)
 
-    def memory(self) -> Memory:
-        return self.terminal.memory
+    def kept(self, before: Durable) -> Durable:
+        return msgspec.structs.replace(before, memory=self.terminal.memory)
 
 
 def _not_for_device(given: Input) -> Sequence[Action]:
@@ -103,12 +105,12 @@ class DeviceHost:
             raise InputError("keys", "owner", keys.owner, f"the keys of {config.device_id}")
         before = store.load()
         self._store = store
-        self._durable = Durable(before.epoch + 1, before.memory)
+        self._durable = msgspec.structs.replace(before, epoch=before.epoch + 1)
         store.save(self._durable)
         self._endpoint = Endpoint(keys, self._durable.epoch, config.telegram_age_max_s)
         self._machine: _Machine
         if isinstance(config, ManagerConfig):
-            self._machine = _Manager(config, keys, self._durable.epoch)
+            self._machine = _Manager(config, keys, self._durable)
         else:
             self._machine = _Terminal(config, keys, before.memory)
         self._notes: list[Note] = [Note(NoteKind.STARTED, token=self._durable.epoch)]
@@ -131,9 +133,9 @@ class DeviceHost:
             elif not isinstance(opened.message, Restarted):
                 self._sort(self._machine.take(opened, now_s), sends, outputs)
         self._sort(self._machine.take(None, now_s), sends, outputs)
-        if (memory := self._machine.memory()) != self._durable.memory:
-            self._durable = msgspec.structs.replace(self._durable, memory=memory)
-            self._store.save(self._durable)
+        if (durable := self._machine.kept(self._durable)) != self._durable:
+            self._durable = durable
+            self._store.save(durable)
         sealed = tuple(
             (send.destination, self._endpoint.seal(send.destination, send.message, now_s, send.correlation))
             for send in sends

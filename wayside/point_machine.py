@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from network.model import Points, Position
 from radio.fleet import PointsDetected, StartThrow, StopThrow
+from wayside.table import Row, rows
 
 
 class MachineState(Enum):
@@ -98,6 +99,7 @@ def detection(machine: PointMachine) -> PointsDetected:
 
 
 def _start(machine: PointMachine, event: StartThrow, now_s: float) -> PointMachine:
+    """The motor runs; nothing happens if it is there and locked, on its way, or stuck."""
     settled = machine.position is event.position and machine.locked
     if settled or machine.stuck or machine.target is event.position:
         return machine
@@ -107,10 +109,12 @@ def _start(machine: PointMachine, event: StartThrow, now_s: float) -> PointMachi
 
 
 def _stop(machine: PointMachine, _event: StopThrow, _now_s: float) -> PointMachine:
+    """The motor stops between positions."""
     return replace(machine, target=None, done_at_s=None)
 
 
 def _arrive(machine: PointMachine, event: Arrived, _now_s: float) -> PointMachine:
+    """At its time it is in the position and locked, unless it is stuck or its lock has failed."""
     if machine.stuck or machine.done_at_s is None or event.now_s < machine.done_at_s - 1e-9:
         return machine
     locked = not machine.lock_fault
@@ -118,14 +122,17 @@ def _arrive(machine: PointMachine, event: Arrived, _now_s: float) -> PointMachin
 
 
 def _force(machine: PointMachine, _event: Forced, _now_s: float) -> PointMachine:
+    """Broken: between positions, unlocked and stuck until it is repaired."""
     return replace(machine, position=None, locked=False, target=None, done_at_s=None, stuck=True)
 
 
 def _repair(machine: PointMachine, event: Repaired, _now_s: float) -> PointMachine:
+    """In the position set by hand, locked, without faults."""
     return PointMachine(machine.points_id, machine.throw_time_s, event.position)
 
 
 def _ignore(machine: PointMachine, _event: MachineEvent, _now_s: float) -> PointMachine:
+    """Nothing happens."""
     return machine
 
 
@@ -150,3 +157,8 @@ TABLE: Final[Mapping[tuple[MachineState, type], Callable[[PointMachine, Any, flo
         }
     )
 )
+
+
+def table_rows() -> tuple[Row, ...]:
+    """State of the machine and event, for the documentation."""
+    return rows(TABLE)

@@ -25,6 +25,7 @@ from radio.keys import capability_mac, mac_equal
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
 from wayside.actions import Action, Drive, Send, Show
 from wayside.config import PointsEntry, TerminalConfig
+from wayside.table import Row, rows
 
 _TIME_TOLERANCE_S: Final = 1e-9
 
@@ -203,6 +204,7 @@ def _command_while_proven(terminal: Terminal, event: Commanded, now_s: float) ->
 
 
 def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
+    """Remembered; nobody is told."""
     return _with(terminal, replace(terminal.views[event.points_id], detected=event)), ()
 
 
@@ -315,3 +317,8 @@ TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], 
         }
     )
 )
+
+
+def table_rows() -> tuple[Row, ...]:
+    """State of the points and event, for the documentation; commands only if `refusal` lets them pass."""
+    return rows(TABLE)

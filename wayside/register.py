@@ -2,7 +2,8 @@
 
 `holders` maps a section to its one holder, so two holders cannot be written down. A registered unit that is
 not in `units` is UNKNOWN: at a start `units` is empty, so "every section undefined after a restart"
-(一旦、全区間を在線状態, section 4.4 (2)) cannot be forgotten.
+(一旦、全区間を在線状態, section 4.4 (2)) cannot be forgotten. While `restoring`, `holders` has the units' own
+words only; what persons enter stands apart in `reentry` until the line is defined.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
+from network.errors import InputError
 from radio.keys import capability_mac
 from radio.messages import Capability
-from wayside.config import ManagerConfig, RouteEntry
+from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 
 
 class Standing(Enum):
@@ -30,7 +32,8 @@ class Standing(Enum):
 class Unit:
     """A unit that has been heard or entered.
 
-    `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request.
+    `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
+    `claim`: what it says it holds, while that is disputed.
     """
 
     standing: Standing
@@ -38,6 +41,7 @@ class Unit:
     token: int = 0
     route_id: str | None = None
     correlation: int = 0
+    claim: tuple[str, ...] | None = None
 
 
 UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
@@ -55,13 +59,42 @@ class Plan:
     capability_keys: Mapping[str, bytes]
     ask_interval_s: float
     telegram_age_max_s: float
+    reentry: ReentryMode
+
+
+class Stage(Enum):
+    """How far the re-entry has come."""
+
+    INCOMPLETE = "incomplete"
+    COMPLETE = "complete"  # a person may accept it
+    ACCEPTED = "accepted"  # by hand: the units have yet to speak for themselves
+    DEFINED = "defined"
+
+
+@dataclass(frozen=True, slots=True)
+class Reentry:
+    """What persons entered in this boot, and what the picture needs besides.
+
+    `entries`: section -> person -> unit, None for free. `complete`: (person, unit) where the person has said
+    all that the unit holds. `heard_s`: when an unknown unit was last heard. `inputs`: by person.
+    """
+
+    entries: Mapping[str, Mapping[str, str | None]] = field(default_factory=dict)
+    complete: frozenset[tuple[str, str]] = frozenset()
+    accepted_by: str = ""
+    inputs: Mapping[str, int] = field(default_factory=dict)
+    heard_s: Mapping[str, float] = field(default_factory=dict)
+    stage: Stage = Stage.INCOMPLETE
+    defined_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Register:
     """State of the block manager. `epoch` is its boot, `counter` counts the tokens given in it.
 
-    `started_s`: time of the first event of this boot.
+    `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of
+    the line has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept
+    over power cuts; it blocks and never frees. `foreign_token`: the greatest heard that no known boot gave.
     """
 
     plan: Plan
@@ -71,6 +104,25 @@ class Register:
     units: Mapping[str, Unit] = field(default_factory=dict)
     started_s: float | None = None
     ask_at_s: float = 0.0
+    restoring: bool = False
+    ledger: frozenset[str] = frozenset()
+    foreign_token: int = 0
+    reentry: Reentry = field(default_factory=Reentry)
+
+    @property
+    def defined(self) -> bool:
+        """Whether anything may be granted."""
+        return not self.restoring and not self.undefined_because_of()
+
+    @property
+    def inputs(self) -> int:
+        """Inputs that persons have made for the re-entry of this boot, refused ones too."""
+        return sum(self.reentry.inputs.values())
+
+    @property
+    def token_max(self) -> int:
+        """The greatest token that this boot or one before it can have given."""
+        return (self.epoch << 32) + self.counter
 
     def unit(self, unit_id: str) -> Unit:
         """What is known of a unit."""
@@ -82,7 +134,7 @@ class Register:
         return tuple(sorted(mine, key=self.plan.order.__getitem__))
 
     def undefined_because_of(self) -> tuple[str, ...]:
-        """Units for which nothing may be granted: unknown or disputed. Empty: the line is defined."""
+        """Units for which nothing may be granted, and which are asked: unknown or disputed."""
         blocking = (Standing.UNKNOWN, Standing.DISPUTED)
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
@@ -108,8 +160,8 @@ class Register:
 
     def next_token(self) -> tuple[Register, int]:
         """A token greater than any given before, in this boot or an earlier one."""
-        counter = self.counter + 1
-        return replace(self, counter=counter), (self.epoch << 32) + counter
+        register = replace(self, counter=self.counter + 1)
+        return register, register.token_max
 
     def capabilities(self, unit_id: str, section_ids: Iterable[str], token: int) -> tuple[Capability, ...]:
         """For each terminal with points among the sections, the proof that the unit holds them."""
@@ -126,10 +178,23 @@ class Register:
         )
 
 
-def start(config: ManagerConfig, epoch: int, capability_keys: Mapping[str, bytes]) -> Register:
-    """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier
-    boot.
+def start(
+    config: ManagerConfig,
+    epoch: int,
+    capability_keys: Mapping[str, bytes],
+    ledger: Iterable[str] | None = None,
+) -> Register:
+    """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
+
+    `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
+    line, except at the first start. Raises InputError if it names a unit that is not on the fleet list.
     """
+    if ledger is None:
+        ledger = config.unit_ids if epoch > 1 else ()
+    on_line = frozenset(ledger)
+    if strangers := sorted(on_line.difference(config.unit_ids)):
+        expected = f"a fleet list with {', '.join(strangers)}, on the line when the manager stopped"
+        raise InputError("config.json", "unit_ids", config.unit_ids, expected)
     plan = Plan(
         config.unit_ids,
         {section.section_id: index for index, section in enumerate(config.sections)},
@@ -139,5 +204,6 @@ def start(config: ManagerConfig, epoch: int, capability_keys: Mapping[str, bytes
         capability_keys,
         config.ask_interval_s,
         config.telegram_age_max_s,
+        config.reentry,
     )
-    return Register(plan, epoch)
+    return Register(plan, epoch, restoring=epoch > 1, ledger=on_line)

@@ -7,21 +7,34 @@ from __future__ import annotations
 import os
 from hashlib import blake2b
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import msgspec
 
 from network.errors import InputError
 from wayside.point_terminal import Memory
 
+T = TypeVar("T")
 _DIGEST_BYTES = 16
+_LENGTH_BYTES = 4
 
 
 class Durable(msgspec.Struct, frozen=True):
-    """Boot epoch of the device (0: never started) and the memory of a terminal."""
+    """Boot epoch of the device (0: never started), the memory of a terminal, the ledger of a block manager.
+
+    `ledger`: the units that are on the line; None: lost, so any may be.
+    """
 
     epoch: int = 0
     memory: Memory = Memory()
+    ledger: tuple[str, ...] | None = ()
+
+
+class _Head(msgspec.Struct, frozen=True, array_like=True):
+    """What a device cannot start without."""
+
+    epoch: int
+    memory: Memory
 
 
 class Store(Protocol):
@@ -52,8 +65,8 @@ class MemoryStore:
 
 
 class FileStore:
-    """A file with a digest in front. A damaged one is refused: starting from zero would repeat epochs and
-    tokens.
+    """A file of two parts, each behind its digest. A damaged head is refused: starting from zero would repeat
+    epochs and tokens. A damaged ledger is a lost one.
     """
 
     def __init__(self, path: Path) -> None:
@@ -65,20 +78,19 @@ class FileStore:
             data = self._path.read_bytes()
         except FileNotFoundError:
             return Durable()
-        digest, body = data[:_DIGEST_BYTES], data[_DIGEST_BYTES:]
-        try:
-            if blake2b(body, digest_size=_DIGEST_BYTES).digest() == digest:
-                return msgspec.msgpack.decode(body, type=Durable)
-        except msgspec.MsgspecError:
-            pass
-        raise InputError(str(self._path), "", None, "an undamaged durable state of a device")
+        split = _LENGTH_BYTES + int.from_bytes(data[:_LENGTH_BYTES])
+        head = _unsealed(data[_LENGTH_BYTES:split], _Head)
+        if head is None:
+            raise InputError(str(self._path), "", None, "an undamaged durable state of a device")
+        return Durable(head.epoch, head.memory, _unsealed(data[split:], tuple[str, ...]))
 
     def save(self, durable: Durable) -> None:
         """Write aside, sync, rename, sync the directory."""
-        body = msgspec.msgpack.encode(durable)
+        head = _sealed(_Head(durable.epoch, durable.memory))
+        ledger = b"" if durable.ledger is None else _sealed(durable.ledger)
         aside = self._path.with_suffix(".new")
         with aside.open("wb") as file:
-            file.write(blake2b(body, digest_size=_DIGEST_BYTES).digest() + body)
+            file.write(len(head).to_bytes(_LENGTH_BYTES) + head + ledger)
             file.flush()
             os.fsync(file.fileno())
         aside.replace(self._path)
@@ -87,3 +99,19 @@ class FileStore:
             os.fsync(directory)
         finally:
             os.close(directory)
+
+
+def _sealed(value: object) -> bytes:
+    body = msgspec.msgpack.encode(value)
+    return blake2b(body, digest_size=_DIGEST_BYTES).digest() + body
+
+
+def _unsealed(data: bytes, kind: type[T]) -> T | None:
+    """The value behind its digest; None if it is damaged."""
+    digest, body = data[:_DIGEST_BYTES], data[_DIGEST_BYTES:]
+    if blake2b(body, digest_size=_DIGEST_BYTES).digest() != digest:
+        return None
+    try:
+        return msgspec.msgpack.decode(body, type=kind)
+    except msgspec.MsgspecError:
+        return None

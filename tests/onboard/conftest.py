@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from network.line_file import load_line
 from network.model import Direction, Line
@@ -14,7 +15,15 @@ from network.timetable import AtPortal, Call, Stabled, TimetableTrain, load_time
 from onboard.mission import Mission, plan_mission
 from onboard.pattern import pattern_of
 from onboard.records import BEHAVIOUR, MODE_DRIVE, UNIT
+from onboard.rows import BehaviourRow, UnitRow
+from onboard.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
+from onboard.stopping import WAVE
+from onboard.tasc import DESIGN, TASC
+from onboard.tuning import Learned
+from vehicle.rows import TrainRow
 from vehicle.train_file import load_train, shipped_train
+
+Rows = NDArray[np.void]
 
 LINE_SPEED_MPS = 18.0
 
@@ -49,13 +58,14 @@ def back(rtri: Line) -> Mission:
 
 
 @pytest.fixture(scope="session")
-def train() -> np.recarray:
-    return load_train(shipped_train("ev_e301")).row.view(np.recarray)[0]
+def train() -> TrainRow:
+    row: TrainRow = load_train(shipped_train("ev_e301")).row.view(np.recarray)[0]
+    return row
 
 
 @pytest.fixture
-def behaviour(train: np.recarray) -> np.recarray:
-    row = np.zeros(1, dtype=BEHAVIOUR).view(np.recarray)[0]
+def behaviour(train: TrainRow) -> BehaviourRow:
+    row: BehaviourRow = np.zeros(1, dtype=BEHAVIOUR).view(np.recarray)[0]
     row.service_guaranteed_mps2 = 0.8
     row.service_reaction_s = 1.4
     row.emergency_guaranteed_mps2 = 1.0
@@ -74,9 +84,9 @@ def behaviour(train: np.recarray) -> np.recarray:
 
 
 @pytest.fixture
-def unit() -> np.recarray:
+def unit() -> UnitRow:
     """A unit that knows it stands at 100 m of an endless free track."""
-    row = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+    row: UnitRow = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
     row.position_m = 100.0
     row.position_known = 1
     row.odometer_scale = 1.0
@@ -90,11 +100,24 @@ def unit() -> np.recarray:
 
 
 @pytest.fixture
-def track(train: np.recarray, behaviour: np.recarray) -> Callable[..., np.recarray]:
+def track(train: TrainRow, behaviour: BehaviourRow) -> Callable[..., Rows]:
     """Rows of PATTERN over `elevation_m`, with one limit everywhere."""
 
-    def make(elevation_m: np.ndarray, limit_mps: float = LINE_SPEED_MPS) -> np.recarray:
+    def make(elevation_m: np.ndarray, limit_mps: float = LINE_SPEED_MPS) -> Rows:
         limits = np.full(elevation_m.size, limit_mps)
         return pattern_of(np.ascontiguousarray(elevation_m), limits, train, behaviour).view(np.recarray)
+
+    return make
+
+
+@pytest.fixture
+def keeper(train: TrainRow, behaviour: BehaviourRow) -> Callable[[], StopKeeper]:
+    """What a train that has made no stop yet keeps of its stops; new at each call."""
+
+    def make() -> StopKeeper:
+        tasc, design, wave = (np.zeros(1, dtype=t).view(np.recarray)[0] for t in (TASC, DESIGN, WAVE))
+        learned = Learned("K1", believed_dead_time_s(train))
+        fill_design(design, train, behaviour, learned)
+        return StopKeeper(tasc, design, wave, learned)
 
     return make

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -10,18 +11,25 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from onboard.driving import power_notch
+from onboard.pattern import pattern_of
 from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION
+from onboard.rows import BehaviourRow, UnitRow
+from onboard.stop_keeper import StopKeeper
 from onboard.tick import tick
 from vehicle.dynamics import step
-from vehicle.train_file import new_plant
+from vehicle.rows import TrainRow
 from vehicle.traction import full_force_n
+from vehicle.train_file import new_plant
+
+Rows = NDArray[np.void]
 
 START_M = 100.0
 TRACK_M = 4000
 compiled_test = settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 
 
@@ -35,10 +43,11 @@ class Course:
 
 
 def drive_along(
-    unit: np.recarray,
-    train: np.recarray,
-    behaviour: np.recarray,
-    path: np.recarray,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: Rows,
+    kept: StopKeeper,
     permille: float,
     load_share: float,
     speed_mps: float,
@@ -51,7 +60,18 @@ def drive_along(
     course = Course()
     for _ in range(steps):
         step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
-        tick(unit, train, behaviour, path, plant.wheel_travelled_m, plant.wheel_speed_mps, load_share)
+        tick(
+            unit,
+            train,
+            behaviour,
+            path,
+            plant.wheel_travelled_m,
+            plant.wheel_speed_mps,
+            load_share,
+            kept.tasc,
+            kept.design,
+            kept.wave,
+        )
         course.position_m.append(START_M + float(plant.travelled_m))
         course.speed_mps.append(float(plant.speed_mps))
         course.target_mps.append(float(unit.target_mps))
@@ -70,21 +90,22 @@ def drive_along(
     spare_m=st.floats(30.0, 400.0),
 )
 def test_it_stops_within_a_metre_of_the_mark(
-    unit: np.recarray,
-    train: np.recarray,
-    behaviour: np.recarray,
-    track: Callable[..., np.recarray],
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
     permille: float,
     load_share: float,
     initial_mps: float,
     spare_m: float,
 ) -> None:
-    path = track(np.arange(TRACK_M) * permille / 1000.0)
+    unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
     braking_m = initial_mps**2 / (2.0 * behaviour.stop_deceleration_mps2) + 2.0 * initial_mps
     unit.target_stop_m = START_M + braking_m + spare_m
     unit.cruise_mps = initial_mps
     unit.stop_limit_m = unit.target_stop_m + 20.0
-    course = drive_along(unit, train, behaviour, path, permille, load_share, initial_mps, 4000)
+    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, initial_mps, 4000)
     assert course.speed_mps[-1] == 0.0
     assert abs(course.position_m[-1] - unit.target_stop_m) < 1.0
     assert course.interventions == 0
@@ -93,19 +114,20 @@ def test_it_stops_within_a_metre_of_the_mark(
 @compiled_test
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), cruise_mps=st.floats(6.0, 16.0))
 def test_it_holds_its_speed_without_hunting(
-    unit: np.recarray,
-    train: np.recarray,
-    behaviour: np.recarray,
-    track: Callable[..., np.recarray],
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
     permille: float,
     load_share: float,
     cruise_mps: float,
 ) -> None:
     """From rest to the cruising speed and four minutes of it, as far as the train climbs at all."""
-    path = track(np.arange(TRACK_M) * permille / 1000.0)
+    unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
     unit.cruise_mps = cruise_mps
     unit.notch = 0.0
-    course = drive_along(unit, train, behaviour, path, permille, load_share, 0.0, 2400)
+    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 0.0, 2400)
     speeds, notches = np.array(course.speed_mps), np.array(course.notch)
     inside = np.array(course.position_m) < TRACK_M - 100.0
     assert speeds[inside].max() <= cruise_mps + 0.5
@@ -115,51 +137,60 @@ def test_it_holds_its_speed_without_hunting(
     power = np.maximum(notches, 0.0)[inside]
     changes_at = np.flatnonzero(np.diff(power) != 0.0)
     minutes = inside.sum() / 600.0
-    assert changes_at.size <= 30.0 * max(minutes, 1.0)  # a power notch is kept for 2 s
+    assert changes_at.size <= 16.0 * max(minutes, 1.0)
     used = np.sign(notches[inside])
     used = used[used != 0.0]
-    assert np.count_nonzero(np.diff(used)) <= 4.0 * max(minutes, 1.0)  # power to brake and back
+    assert np.count_nonzero(np.diff(used)) <= 2  # never to and fro between power and brake
 
 
 @compiled_test
-@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0))
+@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.5, 40.0))
 def test_it_is_down_to_a_lower_limit_in_time(
-    unit: np.recarray,
-    train: np.recarray,
-    behaviour: np.recarray,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
     permille: float,
     load_share: float,
+    bound_m: float,
 ) -> None:
-    from onboard.pattern import pattern_of
-
-    elevation_m = np.arange(TRACK_M) * permille / 1000.0
+    """However wide the bound: the driver keeps clear of the intervention."""
+    unit, elevation_m = copy(unit), np.arange(float(TRACK_M)) * permille / 1000.0
     limits_mps = np.full(TRACK_M, 18.0)
     limits_mps[1500:1700] = 8.0
+    unit.bound_ahead_m, unit.bound_growth = bound_m, 0.0
     path = pattern_of(elevation_m, limits_mps, train, behaviour).view(np.recarray)
-    unit.stop_limit_m = TRACK_M - 1.0
-    course = drive_along(unit, train, behaviour, path, permille, load_share, 15.0, 2000)
+    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 15.0, 1800)
     for position_m, speed_mps in zip(course.position_m, course.speed_mps, strict=True):
         if 1500.0 <= position_m <= 1700.0 + train.length_m:
             assert speed_mps <= 8.0
     assert course.interventions == 0
-    assert course.position_m[-1] > 2000.0
+    assert course.position_m[-1] > 1600.0
 
 
 def test_a_standing_train_holds_its_brake(
-    unit: np.recarray, train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
 ) -> None:
     unit.mode = MODE_HOLD
-    path = track(np.arange(TRACK_M) * -0.02)
-    course = drive_along(unit, train, behaviour, path, -20.0, 1.0, 0.0, 100)
+    path = track(np.arange(float(TRACK_M)) * -0.02)
+    course = drive_along(unit, train, behaviour, path, keeper(), -20.0, 1.0, 0.0, 100)
     assert set(course.notch) == {-behaviour.standing_brake_notch}
     assert course.position_m[-1] == START_M
 
 
 def test_supervision_overrules_the_driver(
-    unit: np.recarray, train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
 ) -> None:
     unit.intervention = EMERGENCY_INTERVENTION
-    drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), 0.0, 0.0, 10.0, 1)
+    drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, 10.0, 1)
     assert unit.emergency == 1
     assert unit.notch == -train.brake_notches
 
@@ -167,17 +198,19 @@ def test_supervision_overrules_the_driver(
 @compiled_test
 @given(force_share=st.floats(0.01, 1.0), load_share=st.floats(0.0, 1.0), speed_mps=st.floats(0.0, 25.0))
 def test_the_lowest_notch_that_is_strong_enough(
-    train: np.recarray, force_share: float, load_share: float, speed_mps: float
+    train: TrainRow, force_share: float, load_share: float, speed_mps: float
 ) -> None:
     """EV-E301's five notches are even (its train file), so the notch is the share in fifths, rounded up."""
     force_n = force_share * full_force_n(train, load_share, speed_mps)
     notch = power_notch(train, load_share, speed_mps, force_n)
-    assert notch == pytest.approx(np.ceil(5.0 * force_share - 1e-9), abs=1.0 if force_share % 0.2 < 1e-9 else 0.0)
+    assert notch == pytest.approx(
+        np.ceil(5.0 * force_share - 1e-9), abs=1.0 if force_share % 0.2 < 1e-9 else 0.0
+    )
     assert power_notch(train, load_share, speed_mps, 0.0) == 0.0
     assert power_notch(train, load_share, speed_mps, 2.0 * full_force_n(train, load_share, speed_mps)) == 5.0
 
 
-def test_notches_follow_the_force(train: np.recarray) -> None:
+def test_notches_follow_the_force(train: TrainRow) -> None:
     forces = np.linspace(0.0, 60e3, 50)
     notches = [power_notch(train, 0.5, 5.0, force) for force in forces]
     assert all(a <= b for a, b in pairwise(notches))

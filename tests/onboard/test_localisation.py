@@ -7,15 +7,18 @@ from hypothesis import strategies as st
 
 from onboard.localisation import calibrated_scale, fix, locate, within_window
 from onboard.records import EVENT_SAFE_REAR, EVENT_TAG_OVERDUE, UNIT
+from onboard.rows import UnitRow
+from vehicle.rows import TrainRow
 
 ACCURACY_M = 0.5
 STEP_S = 0.1
 compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
-def new_unit(growth: float = 0.02) -> np.recarray:
-    row = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+def new_unit(growth: float = 0.02) -> UnitRow:
+    row: UnitRow = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
     row.position_known, row.odometer_scale, row.bound_growth = 1, 1.0, growth
+    row.speed_mps = 20.0
     row.bound_ahead_m = row.bound_behind_m = ACCURACY_M
     row.expected_tag_m = row.rear_trigger_m = np.inf
     return row
@@ -30,7 +33,7 @@ def new_unit(growth: float = 0.02) -> np.recarray:
     tag_error_m=st.floats(-ACCURACY_M, ACCURACY_M),
 )
 def test_the_truth_lies_within_the_bounds_for_any_wheel_error_within_the_growth(
-    train: np.recarray,
+    train: TrainRow,
     growth: float,
     shares: list[float],
     run_m: float,
@@ -54,7 +57,7 @@ def test_the_truth_lies_within_the_bounds_for_any_wheel_error_within_the_growth(
 
 @compiled_test
 @given(runs_m=st.lists(st.floats(0.0, 50.0), min_size=2, max_size=20))
-def test_bounds_only_grow_between_tags(train: np.recarray, runs_m: list[float]) -> None:
+def test_bounds_only_grow_between_tags(train: TrainRow, runs_m: list[float]) -> None:
     unit = new_unit()
     odometer_m, before_m = 0.0, unit.bound_ahead_m
     for run_m in runs_m:
@@ -65,7 +68,7 @@ def test_bounds_only_grow_between_tags(train: np.recarray, runs_m: list[float]) 
     assert unit.bound_ahead_m == pytest.approx(ACCURACY_M + 0.02 * odometer_m)
 
 
-def test_a_tag_read_a_while_ago_counts_with_what_was_run_since(train: np.recarray) -> None:
+def test_a_tag_read_a_while_ago_counts_with_what_was_run_since(train: TrainRow) -> None:
     unit = new_unit()
     locate(unit, train, 1000.0, 20.0, STEP_S)
     correction_m = fix(unit, 983.0, 980.0, ACCURACY_M)
@@ -78,16 +81,14 @@ def test_a_tag_read_a_while_ago_counts_with_what_was_run_since(train: np.recarra
     ("tag_m", "accepted"),
     [(1000.0, True), (1020.9, True), (1021.1, False), (979.1, True), (978.9, False)],
 )
-def test_a_tag_is_accepted_where_it_can_have_been_read(
-    train: np.recarray, tag_m: float, accepted: bool
-) -> None:
+def test_a_tag_is_accepted_where_it_can_have_been_read(train: TrainRow, tag_m: float, accepted: bool) -> None:
     """After 1000 m the bound is 0.5 m + 20 m, and the tag itself is read to 0.5 m."""
     unit = new_unit()
     locate(unit, train, 1000.0, 20.0, STEP_S)
     assert within_window(unit, tag_m, 1000.0, ACCURACY_M) is accepted
 
 
-def test_without_a_position_any_tag_will_do_and_none_is_overdue(train: np.recarray) -> None:
+def test_without_a_position_any_tag_will_do_and_none_is_overdue(train: TrainRow) -> None:
     unit = new_unit()
     unit.position_known, unit.expected_tag_m, unit.rear_trigger_m = 0, 10.0, 20.0
     assert locate(unit, train, 500.0, 20.0, STEP_S) == 0
@@ -97,7 +98,7 @@ def test_without_a_position_any_tag_will_do_and_none_is_overdue(train: np.recarr
     assert unit.position_m == 5000.0
 
 
-def test_a_tag_is_overdue_once_the_front_is_surely_beyond_it(train: np.recarray) -> None:
+def test_a_tag_is_overdue_once_the_front_is_surely_beyond_it(train: TrainRow) -> None:
     unit = new_unit()
     unit.expected_tag_m, unit.tag_window_m = 100.0, 5.0
     # Surely beyond: 0.98 * run - 0.5 m > 105 m.
@@ -106,7 +107,7 @@ def test_a_tag_is_overdue_once_the_front_is_surely_beyond_it(train: np.recarray)
     assert locate(unit, train, 120.0, 20.0, STEP_S) == 0  # told once
 
 
-def test_the_safe_rear_is_the_estimate_less_the_bound_less_the_length(train: np.recarray) -> None:
+def test_the_safe_rear_is_the_estimate_less_the_bound_less_the_length(train: TrainRow) -> None:
     unit = new_unit()
     unit.rear_trigger_m = 100.0  # 0.98 * run - 0.5 m - 40 m >= 100 m
     assert locate(unit, train, 143.3, 20.0, STEP_S) == 0
@@ -114,7 +115,7 @@ def test_the_safe_rear_is_the_estimate_less_the_bound_less_the_length(train: np.
     assert locate(unit, train, 150.0, 20.0, STEP_S) == 0
 
 
-def test_the_scale_is_used(train: np.recarray) -> None:
+def test_the_scale_is_used(train: TrainRow) -> None:
     unit = new_unit()
     unit.odometer_scale = 1.01
     locate(unit, train, 100.0, 20.0, STEP_S)
@@ -132,7 +133,9 @@ def test_calibration_approaches_the_true_scale(true_scale: float, tags_m: list[f
 
 
 @given(
-    previous=st.floats(0.985, 1.015), between_m=st.floats(0.1, 10_000.0), odometer_run_m=st.floats(-10.0, 20_000.0)
+    previous=st.floats(0.985, 1.015),
+    between_m=st.floats(0.1, 10_000.0),
+    odometer_run_m=st.floats(-10.0, 20_000.0),
 )
 def test_calibration_never_leaves_what_worn_wheels_can_be(
     previous: float, between_m: float, odometer_run_m: float

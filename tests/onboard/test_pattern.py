@@ -7,8 +7,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from numpy.typing import NDArray
 
 from onboard.pattern import braking_curve, limit_for_length, mean_over_length, pattern_of
+from onboard.rows import BehaviourRow
+from vehicle.rows import TrainRow
+
+Rows = NDArray[np.void]
 
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -19,7 +24,7 @@ def test_half_the_square_of_the_speed_falls_by_the_deceleration_per_metre(permil
     """By hand: 200 m before a limit of 10 m/s with 0.8 m/s2 on the level it is sqrt(100 + 320) m/s."""
     limits = np.full(400, 30.0)
     limits[300:] = 10.0
-    elevation_m = np.arange(400) * permille / 1000.0
+    elevation_m = np.arange(400.0) * permille / 1000.0
     curve = braking_curve(limits, elevation_m, 0.8, GRAVITY_SHARE_MPS2)
     deceleration = 0.8 + GRAVITY_SHARE_MPS2 * permille / 1000.0
     assert curve[100] == pytest.approx(np.sqrt(100.0 + 2.0 * deceleration * 200.0))
@@ -31,7 +36,7 @@ def test_half_the_square_of_the_speed_falls_by_the_deceleration_per_metre(permil
 def test_a_descent_that_outweighs_the_brake_is_taken_at_the_lower_limit() -> None:
     limits = np.full(100, 30.0)
     limits[60:] = 10.0
-    elevation_m = np.arange(100) * -0.1
+    elevation_m = np.arange(100.0) * -0.1
     assert braking_curve(limits, elevation_m, 0.8, GRAVITY_SHARE_MPS2)[:60] == pytest.approx(10.0)
 
 
@@ -64,9 +69,9 @@ def test_a_train_of_40_m_leaves_a_limit_with_its_rear() -> None:
 
 def test_mean_elevation_under_the_train() -> None:
     """On a steady slope the mean is that of the train's middle; at a vertex it follows the body, not the front."""
-    slope = np.arange(200) * 0.02
+    slope = np.arange(200.0) * 0.02
     assert mean_over_length(slope, 40.0)[40:] == pytest.approx(slope[40:] - 0.4)
-    vertex = np.maximum(100.0 - np.arange(300), 0.0) * 0.02  # down to 100 m, then level
+    vertex = np.maximum(100.0 - np.arange(300.0), 0.0) * 0.02  # down to 100 m, then level
     mean_m = mean_over_length(vertex, 40.0)
     assert mean_m[100] == pytest.approx(0.4)
     assert mean_m[120] == pytest.approx(0.1, abs=1e-3)  # half the train on the slope: a quarter of 0.4 m
@@ -74,7 +79,7 @@ def test_mean_elevation_under_the_train() -> None:
     assert mean_over_length(np.full(50, 7.0), 40.0) == pytest.approx(7.0)
 
 
-def test_the_path_database(train: np.recarray, behaviour: np.recarray) -> None:
+def test_the_path_database(train: TrainRow, behaviour: BehaviourRow) -> None:
     limits = np.full(600, 25.0)
     limits[500:] = 0.5
     rows = pattern_of(np.zeros(600), limits, train, behaviour)
@@ -85,5 +90,5 @@ def test_the_path_database(train: np.recarray, behaviour: np.recarray) -> None:
     assert np.all(rows["driving_mps"][:480] < rows["permitted_mps"][:480])
 
 
-def test_never_faster_than_the_train_may_run(track: Callable[..., np.recarray], train: np.recarray) -> None:
-    assert track(np.zeros(100), 50.0).permitted_mps.max() == pytest.approx(train.speed_max_mps)
+def test_never_faster_than_the_train_may_run(track: Callable[..., Rows], train: TrainRow) -> None:
+    assert track(np.zeros(100), 50.0)["permitted_mps"].max() == pytest.approx(train.speed_max_mps)

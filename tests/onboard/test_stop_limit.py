@@ -48,7 +48,11 @@ def authority(*section_ids: str, proven: tuple[PointsNeeded, ...] = ()) -> Autho
     ],
 )
 def test_stop_limit(
-    mission: Mission, held: tuple[str, ...], proven: tuple[PointsNeeded, ...], limit_m: float, before: str | None
+    mission: Mission,
+    held: tuple[str, ...],
+    proven: tuple[PointsNeeded, ...],
+    limit_m: float,
+    before: str | None,
 ) -> None:
     limit = stop_limit(mission, authority(*held, proven=proven))
     assert limit.limit_m == pytest.approx(limit_m)

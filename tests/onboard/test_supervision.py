@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from onboard.localisation import locate
 from onboard.pattern import pattern_of
@@ -16,7 +18,11 @@ from onboard.records import (
     SERVICE_INTERVENTION,
     UNIT,
 )
+from onboard.rows import BehaviourRow, UnitRow
 from onboard.supervision import RESERVE_M, stop_curve_mps, supervise
+from vehicle.rows import TrainRow
+
+Rows = NDArray[np.void]
 
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 STEP_S = 0.1
@@ -47,8 +53,8 @@ def test_the_stop_curve_by_hand() -> None:
     assert stop_curve_mps(0.0, 5.0, 0.8, 1.4, GRAVITY_SHARE_MPS2) == 0.0
 
 
-def prepared(limit_m: float) -> np.recarray:
-    row = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+def prepared(limit_m: float) -> UnitRow:
+    row: UnitRow = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
     row.position_known, row.odometer_scale = 1, 1.0
     row.expected_tag_m = row.rear_trigger_m = row.restricted_mps = np.inf
     row.position_m, row.stop_limit_m, row.path_rows = 50.0, limit_m, TRACK_M
@@ -69,8 +75,8 @@ def prepared(limit_m: float) -> np.recarray:
 @example([-25.0] * 10, 2000.0, 0.6, 0.0, 40.0, False)
 @example([-25.0] * 5 + [25.0] * 5, 1400.0, 0.6, 0.0, 120.0, False)
 def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
-    train: np.recarray,
-    behaviour: np.recarray,
+    train: TrainRow,
+    behaviour: BehaviourRow,
     slopes: list[float],
     limit_m: float,
     push_mps2: float,
@@ -85,7 +91,7 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
     Where the service brake works it cuts the power off for good; where it does not, only the emergency brake does.
     """
     elevation_m = np.interp(np.arange(TRACK_M), np.linspace(0, TRACK_M, 11), np.cumsum([0.0, *slopes]) / 4.0)
-    long = train.copy()
+    long = copy(train)
     long.length_m = length_m
     path = pattern_of(elevation_m, np.full(TRACK_M, 27.0), long, behaviour)
     unit = prepared(limit_m)
@@ -125,9 +131,9 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
     permille=st.floats(-20.0, 20.0),
 )
 def test_the_permitted_speed_never_rises_towards_the_limit_nor_with_the_bound(
-    train: np.recarray,
-    behaviour: np.recarray,
-    track: Callable[..., np.recarray],
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    track: Callable[..., Rows],
     near_m: float,
     further_m: float,
     bound_m: float,
@@ -146,9 +152,7 @@ def test_the_permitted_speed_never_rises_towards_the_limit_nor_with_the_bound(
     assert permitted(near_m, bound_m) <= near + 1e-9
 
 
-def test_interventions(
-    train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
-) -> None:
+def test_interventions(train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows]) -> None:
     """Limit 18 m/s; service from 18.6, released at 17, emergency from 20, and that only by the driver."""
     path = track(np.zeros(TRACK_M))
     unit = prepared(np.inf)
@@ -167,7 +171,7 @@ def test_interventions(
 
 
 def test_the_restricted_speed_is_a_ceiling(
-    train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
+    train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows]
 ) -> None:
     unit = prepared(np.inf)
     unit.restricted_mps = 15.0 / 3.6
@@ -176,7 +180,7 @@ def test_the_restricted_speed_is_a_ceiling(
 
 
 def test_at_the_limit_and_beyond_nothing_is_permitted(
-    train: np.recarray, behaviour: np.recarray, track: Callable[..., np.recarray]
+    train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows]
 ) -> None:
     path = track(np.zeros(TRACK_M))
     for limit_m in (50.0, 40.0, 0.0):
@@ -191,7 +195,7 @@ def test_at_the_limit_and_beyond_nothing_is_permitted(
 
 
 def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
-    train: np.recarray, behaviour: np.recarray
+    train: TrainRow, behaviour: BehaviourRow
 ) -> None:
     limits = np.full(TRACK_M, 20.0)
     limits[200:] = 5.0

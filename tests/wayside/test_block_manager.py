@@ -9,7 +9,7 @@ from itertools import product
 
 import pytest
 
-from radio.fleet import ConfirmHolding, ConfirmOutside, NoteKind
+from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, NoteKind
 from radio.keys import capability_key, capability_mac
 from radio.messages import (
     AnyMessage,
@@ -30,7 +30,8 @@ from radio.messages import (
     SignOnRefused,
 )
 from wayside.actions import Send, Show
-from wayside.block_manager import ACTS, TELEGRAMS, Ask, Heard, step, wake_at_s
+from wayside.acts import Act
+from wayside.block_manager import TELEGRAMS, Ask, Heard, step, wake_at_s
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.register import Register, Standing, start
 
@@ -77,7 +78,7 @@ class Desk:
         self.kinds = [action.note.kind for action in actions if isinstance(action, Show)]
         return sends[-1].message
 
-    def act(self, act: ConfirmOutside | ConfirmHolding) -> list[NoteKind]:
+    def act(self, act: Act) -> list[NoteKind]:
         self.register, actions = step(self.register, act, self.now_s)
         return [action.note.kind for action in actions if isinstance(action, Show)]
 
@@ -227,6 +228,9 @@ def test_a_restarted_manager_asks_until_everyone_is_known() -> None:
     assert step(desk.register, Ask(), 1000.0) == (desk.register, ())
     assert desk.register.holders == {"A": "u1", "B": "u1", "E": "u3"}
     assert desk.standing("u2") is Standing.OUTSIDE
+    # Nothing is granted before a person has accepted what the claims show.
+    request = RouteRequest("u1", "over", ("C", "D", "E"))
+    assert desk.hear("u1", request) == RouteRefused("over", RefusalReason.UNDEFINED)
 
 
 def test_a_claim_keeps_the_trains_token_and_later_ones_are_greater() -> None:
@@ -237,6 +241,8 @@ def test_a_claim_keeps_the_trains_token_and_later_ones_are_greater() -> None:
     assert accepted.token == old_token
     for unit_id in ("u2", "u3"):
         desk.hear(unit_id, Claim((), 0))
+    desk.now_s = 10.0
+    assert desk.act(AcceptPicture("Sato")) == [NoteKind.PICTURE]
     granted = desk.hear("u1", IN)
     assert isinstance(granted, RouteGranted)
     assert granted.token > old_token
@@ -269,49 +275,6 @@ def test_a_unit_that_started_again_learns_what_it_holds() -> None:
     assert desk.register.held_by("u1") == ("P0", "A", "B")
 
 
-def test_both_dead_and_nobody_knows_a_person_must_say() -> None:
-    desk = Desk(epoch=2)
-    assert desk.hear("u1", SignOn("u1", None)) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
-    assert desk.standing("u1") is Standing.UNKNOWN
-    desk.now_s = 6.0
-    assert desk.act(ConfirmHolding("u1", ("C", "D"), "Sato")) == [NoteKind.BY_HAND]
-    accepted = desk.hear("u1", SignOn("u1", None))
-    assert isinstance(accepted, SignOnAccepted)
-    assert accepted.section_ids == ("C", "D")
-    assert desk.standing("u1") is Standing.REPORTED
-
-
-def test_a_person_waits_until_no_grant_of_the_boot_before_can_arrive() -> None:
-    desk = Desk(epoch=2)
-    desk.now_s = 50.0
-    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.REFUSED]
-    desk.now_s = 50.0 + CONFIG.telegram_age_max_s
-    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.REFUSED]
-    desk.now_s += 0.1
-    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.OUTSIDE]
-
-
-def test_a_wrong_entry_by_hand_shows_when_the_unit_speaks_and_stops_all_grants() -> None:
-    desk = Desk(epoch=2)
-    desk.register, _ = step(desk.register, Ask(), 0.0)
-    desk.now_s = 10.0
-    desk.act(ConfirmHolding("u1", ("B",), "Sato"))  # wrong: u1 holds A, B and u2 is not in A
-    desk.act(ConfirmHolding("u2", ("A",), "Sato"))
-    desk.act(ConfirmOutside("u3", "Sato"))
-    assert desk.hear("u1", Claim(("A", "B"), 7)) == SignOnRefused(RefusalReason.HELD, "A", "u2")
-    assert NoteKind.CONTRADICTION in desk.kinds
-    assert desk.standing("u1") is Standing.DISPUTED
-    assert desk.register.holders == {"B": "u1", "A": "u2"}
-    desk.hear("u3", SignOn("u3", ("P0",)))
-    assert desk.standing("u3") is Standing.OUTSIDE  # entering is a grant too
-    refused = desk.hear("u1", RouteRequest("u1", "over", ("C", "D", "E")))
-    assert refused == ClaimQuery()
-    # The person corrects the entry for u2, u1 claims again: defined.
-    assert desk.act(ConfirmHolding("u2", ("E",), "Sato")) == [NoteKind.FREED, NoteKind.BY_HAND]
-    assert isinstance(desk.hear("u1", Claim(("A", "B"), 7)), SignOnAccepted)
-    assert desk.register.undefined_because_of() == ()
-
-
 def test_a_person_cannot_contradict_another_holder() -> None:
     desk = defined(u1=("A", "B"))
     assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [NoteKind.CONTRADICTION]
@@ -340,10 +303,12 @@ def test_a_wish_to_enter_is_no_claim() -> None:
     # u2 may stand in P0 and be silent: u1 must not get it by wishing to enter there.
     desk = Desk(epoch=2)
     desk.hear("u3", Claim((), 0))
+    desk.hear("u1", Claim((), 0))
     assert desk.hear("u1", SignOn("u1", ("P0",))) == SignOnRefused(RefusalReason.UNDEFINED, None, "u2")
     assert desk.standing("u1") is Standing.OUTSIDE
-    assert desk.kinds == [NoteKind.OUTSIDE, NoteKind.REFUSED]
     desk.hear("u2", Claim((), 0))
+    desk.now_s = 10.0
+    desk.act(AcceptPicture("Sato"))
     accepted = desk.hear("u1", SignOn("u1", ("P0",)))
     assert isinstance(accepted, SignOnAccepted)
     assert accepted.section_ids == ("P0",)
@@ -477,22 +442,6 @@ def test_the_table_of_telegrams(standing: Standing, message: AnyMessage) -> None
     assert before.items() <= desk.register.holders.items()
 
 
-@pytest.mark.parametrize(
-    ("standing", "act"),
-    list(product(Standing, (ConfirmOutside("u1", "Sato"), ConfirmHolding("u1", ("B",), "Sato")))),
-)
-def test_the_table_of_acts(standing: Standing, act: ConfirmOutside | ConfirmHolding) -> None:
-    desk = in_standing(standing)
-    before = desk.register
-    kinds = desk.act(act)
-    if standing in (Standing.REPORTED, Standing.DISPUTED):
-        assert kinds == [NoteKind.REFUSED]
-        assert desk.register == before
-    else:
-        expected = Standing.OUTSIDE if isinstance(act, ConfirmOutside) else Standing.BY_HAND
-        assert desk.standing("u1") is expected
-
-
 @pytest.mark.parametrize("standing", Standing)
 def test_messages_for_others_are_refused_in_every_standing(standing: Standing) -> None:
     desk = in_standing(standing)
@@ -503,6 +452,5 @@ def test_messages_for_others_are_refused_in_every_standing(standing: Standing) -
     assert action.note.kind is NoteKind.REFUSED
 
 
-def test_the_tables_are_complete() -> None:
+def test_the_table_is_complete() -> None:
     assert set(TELEGRAMS) == {(standing, type(message)) for standing in Standing for message in MESSAGES}
-    assert set(ACTS) == set(product(Standing, (ConfirmOutside, ConfirmHolding)))

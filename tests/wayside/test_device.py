@@ -21,6 +21,7 @@ from radio.messages import (
     Restarted,
     RouteGranted,
     RouteRequest,
+    SignOff,
     SignOn,
     SignOnAccepted,
 )
@@ -175,13 +176,22 @@ def test_the_same_telegrams_give_the_same_bytes() -> None:
 def test_file_store_keeps_what_it_was_given(tmp_path: Path) -> None:
     store = FileStore(tmp_path / "durable")
     assert store.load() == Durable()
-    durable = Durable(4, Memory({"S": 7}, {"p": Commitment("u1", Position.NORMAL, 7)}))
+    durable = Durable(4, Memory({"S": 7}, {"p": Commitment("u1", Position.NORMAL, 7)}), ("u1",))
     store.save(durable)
     assert FileStore(tmp_path / "durable").load() == durable
     assert [path.name for path in tmp_path.iterdir()] == ["durable"]
 
 
-@pytest.mark.parametrize("damage", [lambda data: data[:-1], lambda data: b"", lambda data: b"x" + data[1:]])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: b"",
+        lambda data: data[:3],
+        lambda data: b"x" + data[1:],
+        lambda data: data[:20] + b"x" + data[21:],
+        lambda data: data[:24],
+    ],
+)
 def test_a_damaged_file_is_refused_and_never_taken_for_a_first_start(
     tmp_path: Path, damage: Callable[[bytes], bytes]
 ) -> None:
@@ -190,6 +200,47 @@ def test_a_damaged_file_is_refused_and_never_taken_for_a_first_start(
     path.write_bytes(damage(path.read_bytes()))
     with pytest.raises(InputError, match="undamaged"):
         manager(FileStore(path))
+
+
+@pytest.mark.parametrize("damage", [lambda data: data[:-1], lambda data: data[:-1] + b"x"])
+def test_a_damaged_ledger_is_a_lost_one(tmp_path: Path, damage: Callable[[bytes], bytes]) -> None:
+    path = tmp_path / "durable"
+    FileStore(path).save(Durable(4, ledger=()))
+    path.write_bytes(damage(path.read_bytes()))
+    assert FileStore(path).load() == Durable(4, ledger=None)
+
+
+def test_a_lost_ledger_stays_lost_until_a_device_has_a_new_one(tmp_path: Path) -> None:
+    store = FileStore(tmp_path / "durable")
+    store.save(Durable(1, ledger=None))
+    assert store.load().ledger is None
+    manager(store).advance(0.0, [])
+    assert store.load() == Durable(2, ledger=("u1",))  # any unit may be on the line
+
+
+def test_the_ledger_is_kept_before_the_unit_is_told_and_until_it_has_left() -> None:
+    train, store = unit(), MemoryStore()
+    host = manager(store)
+    host.advance(0.0, [], [ConfirmOutside("u1", "Sato")])
+    assert store.load().ledger == ()
+    entered = host.advance(0.2, [train.seal(MANAGER_ID, SignOn("u1", ("P",)), 0.2)])
+    assert store.load().ledger == ("u1",)
+    (accepted,) = heard(train, entered, 0.2)
+    assert isinstance(accepted, SignOnAccepted)
+    again = manager(store)
+    assert store.load().ledger == ("u1",)
+    (query,) = heard(train, again.advance(1.0, []), 1.0)
+    assert query == ClaimQuery()
+    heard(train, again.advance(1.2, [train.seal(MANAGER_ID, Claim(("P",), accepted.token), 1.2)]), 1.2)
+    heard(train, again.advance(1.4, [train.seal(MANAGER_ID, SignOff("u1", accepted.token), 1.4)]), 1.4)
+    assert store.load().ledger == ()
+
+
+def test_a_unit_on_the_line_cannot_be_struck_off_the_fleet_list() -> None:
+    store = MemoryStore()
+    store.save(Durable(1, ledger=("u9",)))
+    with pytest.raises(InputError, match=r"unit_ids.*expected a fleet list with u9"):
+        manager(store)
 
 
 @pytest.mark.parametrize("config", [MANAGER, TERMINAL])

@@ -1,8 +1,9 @@
 """Trains, block manager and air together, on the bytes: whatever is lost, late, repeated or restarted, in
 any order, no two trains believe to hold the same section.
 
-The trains here keep the duties listed in `radio.messages` and nothing more. The person is truthful: enters
-by hand all that a train believes to hold, and confirms as outside only trains that hold nothing.
+The trains here keep the duties listed in `radio.messages` and nothing more. Of the persons, Mori stands beside
+the trains and is truthful: enters by hand all that a train believes to hold, and confirms as outside only
+trains that hold nothing. Sato, the controller, enters anything about anything, and accepts any picture.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from collections import Counter
 from collections.abc import Callable
 from itertools import pairwise
 
+import msgspec
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from radio.envelope import AGE_MAX_S, Endpoint, Received
-from radio.fleet import ConfirmHolding, ConfirmOutside, Input, Note, NoteKind
+from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input, Note, NoteKind
 from radio.keys import key_ring
 from radio.messages import (
     AnyMessage,
@@ -39,6 +41,7 @@ from wayside.config import (
     MANAGER_ID,
     DeviceConfig,
     ManagerConfig,
+    ReentryMode,
     RouteEntry,
     SectionEntry,
     TerminalConfig,
@@ -71,6 +74,7 @@ CONFIG = ManagerConfig(
     ),
     tuple(ROUTES.values()),
 )
+SECTIONS = tuple(section.section_id for section in CONFIG.sections)
 
 
 class Train:
@@ -86,6 +90,7 @@ class Train:
         self.epoch += 1
         self.endpoint = Endpoint(key_ring(MASTER, self.unit_id, [MANAGER_ID]), self.epoch)
         self.held = held
+        self.located = False  # a tag has told where it stands
         self.token = 0
         self.correlation = 0
         self.request: tuple[int, RouteRequest] | None = None
@@ -98,18 +103,22 @@ class Train:
             return frozenset()
         return frozenset(self.held) if self.held is not None else self.physical
 
+    @property
+    def place(self) -> tuple[str, ...]:
+        return tuple(sorted(self.physical))
+
     def next_correlation(self) -> int:
         self.correlation += 1
         return self.correlation
 
     def hold(self, sections: tuple[str, ...]) -> None:
-        self.held = sections
+        self.held, self.located = sections, False
         self.physical = frozenset(sections) if len(sections) < 2 else frozenset(sections[-1:])
 
     def take(self, got: Received) -> AnyMessage | None:
         match got.message:
             case ClaimQuery():
-                return Claim(() if self.leaving else self.held, self.token)
+                return Claim(() if self.leaving else self.place if self.located else self.held, self.token)
             case SignOffAccepted() if self.leaving == got.correlation > 0:
                 self.leaving = 0
                 self.hold(())
@@ -146,12 +155,14 @@ class Train:
 class World:
     """Telegrams live in `flying` until the age limit and are delivered any number of times, in any order."""
 
-    def __init__(self) -> None:
+    def __init__(self, mode: ReentryMode = ReentryMode.ASSISTED) -> None:
         """A day under way: u1 stands in B, u2 in E, u3 is off the line."""
+        self.mode = mode
         self.now_s = 0.0
         self.store = MemoryStore()
         self.units = {unit_id: Train(unit_id) for unit_id in UNITS}
         self.flying: list[tuple[str, bytes, float]] = []
+        self.silent: set[str] = set()  # no telegram comes from or to these
         self.notes: list[Note] = []
         self.host: DeviceHost
         self.boot_manager()
@@ -168,7 +179,11 @@ class World:
 
     def manage(self, telegrams: list[bytes] | None = None, inputs: list[Input] | None = None) -> None:
         advance = self.host.advance(self.now_s, telegrams or [], inputs or [])
-        self.flying += [(destination, data, self.now_s) for destination, data in advance.telegrams]
+        self.flying += [
+            (destination, data, self.now_s)
+            for destination, data in advance.telegrams
+            if destination not in self.silent
+        ]
         self.judge(advance.notes)
 
     def judge(self, notes: tuple[Note, ...]) -> None:
@@ -176,15 +191,20 @@ class World:
         for note in notes:
             if note.kind is NoteKind.STARTED:
                 self.known: set[str] = set()
+                self.restoring = note.token > 1
+            if note.kind is NoteKind.PICTURE:
+                self.restoring = not note.detail.startswith("defined")
             if note.kind in (NoteKind.CLAIMED, NoteKind.OUTSIDE, NoteKind.BY_HAND):
                 self.known.add(note.unit_id)
             if note.kind is NoteKind.GRANTED:
                 assert self.known == set(UNITS)
+                assert not self.restoring
         self.notes += notes
 
     def send(self, train: Train, message: AnyMessage, correlation: int) -> None:
         data = train.endpoint.seal(MANAGER_ID, message, self.now_s, correlation)
-        self.flying.append((MANAGER_ID, data, self.now_s))
+        if train.unit_id not in self.silent:
+            self.flying.append((MANAGER_ID, data, self.now_s))
 
     def flush(self) -> None:
         """The air at its best: everything arrives, answers too."""
@@ -199,7 +219,7 @@ class World:
         self.flush()
 
     def boot_manager(self) -> None:
-        config: DeviceConfig = CONFIG
+        config: DeviceConfig = msgspec.structs.replace(CONFIG, reentry=self.mode)
         assert not isinstance(config, TerminalConfig)
         ring = key_ring(MASTER, MANAGER_ID, UNITS, ["tA", "tD"])
         self.host = DeviceHost(config, ring, self.store)
@@ -215,7 +235,8 @@ class World:
         if train.held == () and train.sign_on is None:
             train.sign_on = (train.next_correlation(), SignOn(unit_id, ("P0",)))
         if train.held is None and train.sign_on is None:
-            train.sign_on = (train.next_correlation(), SignOn(unit_id, None))
+            place = train.place if train.located else None
+            train.sign_on = (train.next_correlation(), SignOn(unit_id, place))
         if train.sign_on is not None:
             self.send(train, train.sign_on[1], train.sign_on[0])
 
@@ -264,21 +285,48 @@ class World:
     def lose_everything_in_the_air(self, unit_id: str) -> None:
         self.flying = [flight for flight in self.flying if flight[0] != unit_id]
 
-    def confirm_by_hand(self, unit_id: str) -> None:
+    def locate(self, unit_id: str) -> None:
+        """A train that has started again reads a tag: it claims where it stands."""
+        train = self.units[unit_id]
+        if train.held is None and train.physical and not train.located:
+            train.located, train.sign_on = True, None
+            self.sign_on(unit_id)
+
+    def confirm_by_hand(self, unit_id: str, person: str = "Mori") -> None:
+        """A true word about one train."""
         believed = tuple(sorted(self.units[unit_id].believed))
         entry: Input = (
-            ConfirmHolding(unit_id, believed, "Sato") if believed else ConfirmOutside(unit_id, "Sato")
+            ConfirmHolding(unit_id, believed, person) if believed else ConfirmOutside(unit_id, person)
         )
         self.manage(inputs=[entry])
 
+    def enter_every_section(self) -> None:
+        """Sato corrects everything that was entered wrongly: a true word about every section."""
+        holder = {section: train.unit_id for train in self.units.values() for section in train.believed}
+        self.manage(inputs=[EnterSection(section, holder.get(section), "Sato") for section in SECTIONS])
+
+    def hush(self, unit_id: str) -> None:
+        """The radio of a train fails, or works again."""
+        self.silent ^= {unit_id}
+
+    def restore(self) -> None:
+        """What a careful controller and the staff do together."""
+        self.enter_every_section()
+        for unit_id, train in self.units.items():
+            if train.held is None or unit_id in self.silent:
+                self.confirm_by_hand(unit_id)
+                self.confirm_by_hand(unit_id, "Sato")
+        self.manage(inputs=[AcceptPicture("Sato")])
+
     def heal(self) -> None:
-        """Faults end, telegrams arrive, and the person enters what the trains cannot say."""
+        """Faults end, telegrams arrive, and the persons enter what the trains cannot say."""
+        self.silent.clear()
         for _ in range(3):
             self.wait(6.0)
             self.flush()
+            self.restore()
             for unit_id, train in self.units.items():
                 if train.held is None:
-                    self.confirm_by_hand(unit_id)
                     self.sign_on(unit_id)
                 elif train.leaving:
                     self.sign_off(unit_id)
@@ -311,6 +359,13 @@ class World:
 
 units = st.sampled_from(UNITS)
 routes = st.sampled_from(sorted(ROUTES))
+sections = st.sampled_from(SECTIONS)
+wrong_entries = st.one_of(
+    st.builds(EnterSection, sections, st.none() | units, st.just("Sato")),
+    st.builds(ConfirmHolding, units, st.lists(sections, min_size=1, unique=True).map(tuple), st.just("Sato")),
+    st.builds(ConfirmOutside, units, st.just("Sato")),
+    st.just(AcceptPicture("Sato")),
+)
 seldom = st.sampled_from([False, False, True])
 
 
@@ -320,6 +375,10 @@ class Exclusion(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         self.world = World()
+
+    @initialize(mode=st.sampled_from(ReentryMode))
+    def begin(self, mode: ReentryMode) -> None:
+        self.world = World(mode)
 
     @rule(unit_id=units, route=routes)
     def normal_run(self, unit_id: str, route: str) -> None:
@@ -372,6 +431,23 @@ class Exclusion(RuleBasedStateMachine):
     def confirm_by_hand(self, unit_id: str) -> None:
         self.world.confirm_by_hand(unit_id)
 
+    @rule(entry=wrong_entries)
+    def enter_anything(self, entry: Input) -> None:
+        self.world.manage(inputs=[entry])
+
+    @rule(unit_id=units)
+    def locate(self, unit_id: str) -> None:
+        self.world.locate(unit_id)
+
+    @rule()
+    def restore(self) -> None:
+        self.world.restore()
+
+    @rule(unit_id=units, really=seldom)
+    def hush(self, unit_id: str, really: bool) -> None:
+        if really:
+            self.world.hush(unit_id)
+
     @invariant()
     def check(self) -> None:
         self.world.check()
@@ -384,9 +460,9 @@ TestExclusion.settings = settings(max_examples=60, stateful_step_count=60, deadl
 class Walker:
     """A long day at random, busier than hypothesis' examples: what happens often happens often."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, mode: ReentryMode) -> None:
         self.chance = random.Random(seed)
-        self.world = World()
+        self.world = World(mode)
 
     def step(self) -> None:
         world, chance = self.world, self.chance
@@ -403,13 +479,59 @@ class Walker:
             (2.0, lambda: world.sign_on(unit_id)),
             (1.0, lambda: world.sign_off(unit_id)),
             (0.5, lambda: world.confirm_by_hand(unit_id)),
+            (0.5, lambda: world.manage(inputs=[self.anything()])),
+            (0.2, lambda: world.manage(inputs=[AcceptPicture("Sato")])),
+            (0.4, world.restore),
+            (0.3, lambda: world.locate(unit_id)),
             (0.3, lambda: world.lose_everything_in_the_air(unit_id)),
             (0.25, world.boot_manager),
             (0.25, lambda: world.restart_train(unit_id)),
         ]
-        (deed,) = chance.choices([deed for _, deed in deeds], [weight for weight, _ in deeds])
+        self.do(deeds)
+
+    def step_of_recovery(self) -> None:
+        """Mostly after a restart, with trains out of reach or without memory, and Sato hard at work."""
+        world, chance = self.world, self.chance
+        unit_id = chance.choice(UNITS)
+        held = world.units[unit_id].held
+        routes = [key for key, route in ROUTES.items() if held and route.from_section == held[-1]] or ["in"]
+        self.do(
+            [
+                (4.0, lambda: world.normal_run(unit_id, chance.choice(routes))),
+                (1.5, lambda: world.request(unit_id, chance.choice(routes))),
+                (2.0, lambda: world.wait(chance.choice([0.1, 5.5]))),
+                (2.0, lambda: world.sign_on(unit_id)),
+                (0.5, lambda: world.sign_off(unit_id)),
+                (1.0, lambda: world.confirm_by_hand(unit_id)),
+                (3.0, lambda: world.manage(inputs=[self.anything()])),
+                (2.0, lambda: world.manage(inputs=[AcceptPicture("Sato")])),
+                (0.7, world.restore),
+                (0.3, world.enter_every_section),
+                (0.7, world.flush),
+                (0.5, lambda: world.locate(unit_id)),
+                (0.7, lambda: world.hush(unit_id)),
+                (0.7, world.boot_manager),
+                (0.3, lambda: world.restart_train(unit_id)),
+            ]
+        )
+
+    def do(self, deeds: list[tuple[float, Callable[[], None]]]) -> None:
+        (deed,) = self.chance.choices([deed for _, deed in deeds], [weight for weight, _ in deeds])
         deed()
-        world.check()
+        self.world.check()
+
+    def anything(self) -> Input:
+        """What Sato enters: mostly wrong."""
+        chance = self.chance
+        unit_id = chance.choice(UNITS)
+        some = tuple(chance.sample(SECTIONS, chance.randint(1, 3)))
+        return chance.choice(
+            [
+                EnterSection(some[0], chance.choice([None, unit_id]), "Sato"),
+                ConfirmHolding(unit_id, some, "Sato"),
+                ConfirmOutside(unit_id, "Sato"),
+            ]
+        )
 
     def deliver_any(self) -> None:
         if self.world.flying:
@@ -417,9 +539,10 @@ class Walker:
             self.world.deliver_one(index, keep=self.chance.random() < 0.5)
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_walks_and_after_them_everyone_can_run_again(seed: int) -> None:
-    walker = Walker(seed)
+@pytest.mark.parametrize("mode", ReentryMode)
+@pytest.mark.parametrize("seed", range(30))
+def test_walks_and_after_them_everyone_can_run_again(seed: int, mode: ReentryMode) -> None:
+    walker = Walker(seed, mode)
     for _ in range(400):
         walker.step()
     world = walker.world
@@ -429,18 +552,42 @@ def test_walks_and_after_them_everyone_can_run_again(seed: int) -> None:
     assert any(world.can_run(unit_id) for unit_id in UNITS)
 
 
-def test_walks_grant_and_disturb_enough() -> None:
+@pytest.mark.parametrize("mode", ReentryMode)
+@pytest.mark.parametrize("seed", range(30))
+def test_recoveries_and_after_them_everyone_can_run_again(seed: int, mode: ReentryMode) -> None:
+    walker = Walker(seed, mode)
+    for _ in range(400):
+        walker.step_of_recovery()
+    world = walker.world
+    world.heal()
+    for unit_id, train in world.units.items():
+        assert train.held is not None, unit_id
+    assert any(world.can_run(unit_id) for unit_id in UNITS)
+
+
+@pytest.mark.parametrize("mode", ReentryMode)
+def test_walks_grant_and_disturb_enough(mode: ReentryMode) -> None:
     kinds: Counter[NoteKind] = Counter()
+    granted_again = 0
     for seed in range(10):
-        walker = Walker(seed)
+        walker = Walker(seed, mode)
         for _ in range(300):
             walker.step()
-        kinds.update(note.kind for note in walker.world.notes)
+            walker.step_of_recovery()
+        notes = walker.world.notes
+        kinds.update(note.kind for note in notes)
+        granted_again += sum(note.kind is NoteKind.GRANTED and note.token >> 32 > 1 for note in notes)
     assert kinds[NoteKind.GRANTED] > 40
-    assert (
-        min(kinds[NoteKind.FREED], kinds[NoteKind.DROPPED], kinds[NoteKind.STARTED], kinds[NoteKind.BY_HAND])
-        > 10
+    assert granted_again > 20
+    enough = (
+        NoteKind.FREED,
+        NoteKind.DROPPED,
+        NoteKind.STARTED,
+        NoteKind.BY_HAND,
+        NoteKind.ENTERED,
+        NoteKind.CONTRADICTION,
     )
+    assert min(kinds[kind] for kind in enough) > 20
 
 
 def test_a_wish_to_enter_a_portal_where_a_silent_train_stands() -> None:

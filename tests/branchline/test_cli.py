@@ -1,0 +1,121 @@
+"""The command itself: help, usage errors, exit codes, what goes to which stream, and how it is stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import study.run
+from radio.fleet import FleetError
+
+HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
+
+
+def test_help_needs_nothing_heavy() -> None:
+    asked = f"import sys, branchline.cli; print([m for m in {HEAVY} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("run", "--help"), ("import", "--help")])
+def test_help_is_no_error(main: Callable[..., Any], arguments: tuple[str, ...]) -> None:
+    ended = main(*arguments)
+    assert (ended.code, ended.err) == (0, "")
+    assert "branchline" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("run",), "scenario"),
+        (("run", "rtri_test_line", "--bogus"), "--bogus"),
+        (("run", "rtri_test_line", "--seed", "-1"), "--seed"),
+        (("run", "rtri_test_line", "--seed", "one"), "--seed"),
+        (("run", "rtri_test_line", "--out"), "--out"),
+        (("bench", "--rounds", "0"), "--rounds"),
+        (("dance",), "dance"),
+    ],
+)
+def test_a_usage_error_names_what_is_wrong(
+    main: Callable[..., Any], tmp_path: Path, arguments: tuple[str, ...], named: str
+) -> None:
+    ended = main(*arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert named in ended.err
+    assert ended.err.lower().count("error") == 1
+    assert "Traceback" not in ended.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.system
+def test_a_run_for_a_person_and_its_seed(main: Callable[..., Any], tmp_path: Path) -> None:
+    ended = main("run", "rtri_test_line", "--carrier", "plain", "--seed", "3", "--out", "a/b")
+    assert ended.code == 0
+    summary = json.loads((tmp_path / "a" / "b" / "summary.json").read_text("utf-8"))
+    assert summary["seed"] == 3
+    for words in (
+        "1 of 1 ran their whole journey",
+        summary["digest"],
+        f"report: {tmp_path}/a/b/report.html\n",
+    ):
+        assert words in ended.out
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]
+
+
+@pytest.mark.system
+def test_a_run_replaces_the_run_before_it(main: Callable[..., Any], tmp_path: Path) -> None:
+    digests = []
+    for seed in ("1", "2"):
+        ended = main("run", "rtri_test_line", "--carrier", "plain", "--seed", seed, "--out", "run", "--json")
+        assert ended.figures()["out"] == str(tmp_path / "run")
+        digests.append(json.loads((tmp_path / "run" / "summary.json").read_text("utf-8"))["digest"])
+    assert digests[0] != digests[1]
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize("moment", ["execute", "write_report"])
+def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
+    main: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    moment: str,
+    number: signal.Signals,
+    code: int,
+) -> None:
+    def stopped(*_: object, **__: object) -> None:
+        os.kill(os.getpid(), number)
+
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "summary.json").write_text("the run before", "utf-8")
+    monkeypatch.setattr(study.run, moment, stopped)
+    ended = main("run", "rtri_test_line", "--carrier", "plain", "--out", "run")
+    assert (ended.code, ended.out) == (code, "")
+    assert ended.err.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in ended.err
+    assert [path.name for path in tmp_path.rglob("*")] == ["run", "summary.json"]
+    assert (tmp_path / "run" / "summary.json").read_text("utf-8") == "the run before"
+
+
+def test_a_failing_device_is_one_line(main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise FleetError("device OGN-W died")
+
+    monkeypatch.setattr(study.run, "execute", fail)
+    ended = main("run", "rtri_test_line")
+    assert (ended.code, ended.out, ended.err) == (1, "", "error: device OGN-W died\n")
+
+
+def test_check_prints_one_object(main: Callable[..., Any]) -> None:
+    ended = main("check", "rtri_test_line", "--json")
+    assert ended.code == 0
+    assert ended.figures()["trains"] == 1
+    assert "trains: 1" in main("check", "rtri_test_line").out

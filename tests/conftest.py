@@ -1,0 +1,119 @@
+"""The command, in this process and as a process of its own, and scenarios that tests of several packages run."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+TURN_BACK_TIMETABLE = """
+[timetable]
+id = "turn_back"
+name = "One set to Ogane and back"
+line = "karasuyama"
+dwell_min_s = 20
+sources = ["made for tests: times of trains 321M and 322M"]
+
+[[trains]]
+number = "1D"
+direction = "down"
+begins = "portal:HSK.MD"
+ends = "becomes:2U"
+calls = [
+  { station = "HSK", departure = "05:37" },
+  { station = "SHN", arrival = "05:42", departure = "05:43" },
+  { station = "OGN", track = "1", arrival = "05:57" },
+]
+
+[[trains]]
+number = "2U"
+direction = "up"
+begins = "from:1D"
+ends = "stabled"
+calls = [
+  { station = "OGN", track = "1", departure = "06:05" },
+  { station = "HSK", arrival = "06:26" },
+]
+
+[[diagrams]]
+stock = "V1"
+trains = ["1D", "2U"]
+"""
+TURN_BACK_SCENARIO = """
+extends = "karasuyama_weekday"
+id = "turn_back"
+name = "One set to Ogane and back"
+timetable = "turn_back_times.toml"
+"""
+
+
+@pytest.fixture
+def turn_back(tmp_path: Path) -> str:
+    """A scenario file: one set of the Karasuyama line that changes ends at Ogane, with the weekday's air."""
+    (tmp_path / "turn_back_times.toml").write_text(TURN_BACK_TIMETABLE, "utf-8")
+    file = tmp_path / "turn_back.toml"
+    file.write_text(TURN_BACK_SCENARIO, "utf-8")
+    return str(file)
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+    def figures(self) -> dict[str, Any]:
+        """The one JSON object that stdout is."""
+        assert self.out.count("\n") == 1, self.out
+        found: dict[str, Any] = json.loads(self.out)
+        return found
+
+
+@pytest.fixture(scope="session")
+def command() -> tuple[str, ...]:
+    """What starts the program."""
+    return (sys.executable, "-m", "branchline.cli")
+
+
+@pytest.fixture(scope="session")
+def branchline(command: tuple[str, ...]) -> Callable[..., Ended]:
+    """Run the command as a process; `cwd` must be a folder of the test."""
+
+    def run(*arguments: str, cwd: Path) -> Ended:
+        done = subprocess.run([*command, *arguments], cwd=cwd, capture_output=True, text=True, check=False)
+        return Ended(done.returncode, done.stdout, done.stderr)
+
+    return run
+
+
+@pytest.fixture
+def main(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> Iterator[Callable[..., Ended]]:
+    """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
+    from branchline import cli
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> Ended:
+        monkeypatch.setattr(sys, "argv", ["branchline", *arguments])
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capfd.readouterr()
+        code = ended.value.code
+        return Ended(code if isinstance(code, int) else 0, out, err)
+
+    yield run
+    for number, handler in before.items():
+        signal.signal(number, handler)

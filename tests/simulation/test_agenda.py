@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulation.agenda import Agenda, Due
+
+
+@given(st.lists(st.tuples(st.integers(0, 20), st.sampled_from(Due)), max_size=40))
+def test_items_come_by_step_then_kind_then_as_they_were_put_in(items: list[tuple[int, Due]]) -> None:
+    agenda = Agenda()
+    for order, (step, kind) in enumerate(items):
+        agenda.put(step, kind, str(order))
+    out = []
+    while (item := agenda.pop_due(20)) is not None:
+        out.append((item.step, item.kind, int(item.subject)))
+    assert out == sorted((step, kind, order) for order, (step, kind) in enumerate(items))
+
+
+def test_nothing_comes_before_its_step() -> None:
+    agenda = Agenda()
+    assert agenda.next_step() is None
+    agenda.put(7, Due.DUTY, "V1")
+    assert agenda.pop_due(6) is None
+    assert agenda.next_step() == 7
+    item = agenda.pop_due(9)  # late is still due
+    assert item is not None
+    assert item.subject == "V1"
+    assert agenda.pop_due(9) is None
+
+
+def test_all_telegrams_of_a_device_can_be_taken_at_once() -> None:
+    agenda = Agenda()
+    agenda.put(3, Due.TO_DEVICE, "BM", b"one")
+    agenda.put(3, Due.TO_DEVICE, "A-E", b"other")
+    agenda.put(3, Due.TO_UNIT, "BM", b"unit")
+    agenda.put(3, Due.TO_DEVICE, "BM", b"two")
+    agenda.put(4, Due.TO_DEVICE, "BM", b"later")
+    assert [item.data for item in agenda.pop_all(3, Due.TO_DEVICE, "BM")] == [b"one", b"two"]
+    assert agenda.pop_all(3, Due.TO_DEVICE, "BM") == []
+    rest = []
+    while (item := agenda.pop_due(9)) is not None:
+        rest.append(item.data)
+    assert rest == [b"other", b"unit", b"later"]

@@ -1,0 +1,212 @@
+"""Deliberate defects: one behaviour switched off at a time, and a named checker or expectation must see it.
+
+`DEFECTS` is the table: what is wrong, in which scenario (of the folder `defects`, or shipped), which switch of
+`conftest` makes it so, and who must catch it: checkers by name, expectations by their text, all of those given.
+`given` is misbehaviour of somebody against whom the behaviour protects, such as a unit that commands points it does
+not hold. Without the defect every scenario, its misbehaviour included, ends with nothing broken and all it expects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import pytest
+
+from simulation.checkers import Checker
+from study.run import Run
+
+pytestmark = pytest.mark.system
+
+RunWith = Callable[..., tuple[Run, set[str]]]
+
+
+@dataclass(frozen=True)
+class Defect:
+    """One row of the table."""
+
+    name: str
+    scenario: str
+    off: str
+    caught_by: tuple[Checker | str, ...]
+    given: str = ""
+
+
+DEFECTS: Final = (
+    Defect(
+        "a section is granted that another holds",
+        "two_trains",
+        "grants_what_another_holds",
+        (Checker.NO_DOUBLE_GRANT, Checker.SUMO_COLLISION),
+    ),
+    Defect(
+        "grants in the undefined state",
+        "manager_loses_its_register",
+        "grants_while_undefined",
+        (Checker.UNDEFINED_GRANTS_NOTHING, Checker.ONE_TRAIN_A_SECTION),
+    ),
+    Defect(
+        "a restart sets every section free",
+        "manager_loses_its_register",
+        "starts_with_every_section_free",
+        (Checker.UNDEFINED_GRANTS_NOTHING, Checker.ONE_TRAIN_A_SECTION),
+    ),
+    Defect(
+        "a picture accepted without a silent unit",
+        "manager_loses_its_register",
+        "accepts_a_picture_without_the_silent",
+        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
+    ),
+    Defect(
+        "tokens begin anew after a restart",
+        "manager_loses_its_register",
+        "tokens_begin_anew",
+        (Checker.TOKENS_GROW,),
+    ),
+    Defect(
+        "silence frees what a unit holds",
+        "two_trains",
+        "silence_frees",
+        (Checker.INSIDE_HOLDING,),
+    ),
+    Defect(
+        "the block manager refuses everything",
+        "rtri_test_line",
+        "refuses_everything",
+        (Checker.EVERYONE_ARRIVES,),
+    ),
+    Defect(
+        "points thrown without the token",
+        "two_trains",
+        "throws_for_anyone",
+        (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
+        "commands_what_it_does_not_hold",
+    ),
+    Defect(
+        "points thrown for a token that is out of date",
+        "two_trains",
+        "obeys_an_old_token",
+        (Checker.POINTS_UNDER_TRAIN,),
+        "repeats_an_old_command",
+    ),
+    Defect(
+        "points proven that were not detected",
+        "stuck_points",
+        "proves_what_it_has_not_detected",
+        (Checker.PROVEN_BEFORE_ENTRY, "the train waits before the points"),
+    ),
+    Defect(
+        "sections given back by the front instead of the safe rear",
+        "rtri_test_line",
+        "releases_at_the_front",
+        (Checker.RELEASE_BEHIND_REAR,),
+    ),
+    Defect(
+        "no wait for the proof of points",
+        "terminal_out_of_reach",
+        "does_not_wait_for_proof",
+        (Checker.PROVEN_BEFORE_ENTRY, "the train waits before the points"),
+    ),
+    Defect(
+        "a train runs beyond what it holds",
+        "two_trains",
+        "runs_beyond_what_it_holds",
+        (Checker.INSIDE_HOLDING, Checker.SUMO_COLLISION),
+    ),
+    Defect(
+        "a withdrawn proof still counts",
+        "points_turned_by_hand",
+        "ignores_a_withdrawn_proof",
+        (Checker.PROVEN_BEFORE_ENTRY, "the proof is withdrawn"),
+    ),
+    Defect(
+        "a claim of less than is held",
+        "manager_restarts_before_departure",
+        "claims_only_where_it_stands",
+        (Checker.INSIDE_HOLDING, "K1 claims all that it was granted"),
+    ),
+    Defect(
+        "a tag accepted outside its window",
+        "wrong_tag",
+        "believes_any_tag",
+        (Checker.WITHIN_BOUNDS, "the unit does not believe it and stops"),
+    ),
+    Defect(
+        "a missing tag is not noticed",
+        "missed_tag",
+        "expects_no_tag",
+        ("the unit finds the tag overdue and stops",),
+    ),
+    Defect(
+        "the bounds of the position do not grow",
+        "worn_wheels",
+        "bounds_do_not_grow",
+        (Checker.WITHIN_BOUNDS,),
+    ),
+    Defect(
+        "full speed after a restart",
+        "unit_restart",
+        "restarts_at_full_speed",
+        ("on sight until position and holdings are known",),
+    ),
+    Defect(
+        "supervision leaves no room to brake",
+        "terminal_out_of_reach",
+        "supervision_trusts_any_brake",
+        (Checker.PROVEN_BEFORE_ENTRY, "the train waits before the points"),
+        "driver_aims_at_the_mark",
+    ),
+    Defect(
+        "the crew does not look at the points",
+        "on_sight_to_stuck_points",
+        "crew_does_not_look",
+        (Checker.POINTS_UNDER_TRAIN,),
+    ),
+    Defect(
+        "a telegram takes effect twice",
+        "everything_twice",
+        "accepts_telegrams_twice",
+        (Checker.TELEGRAM_ONCE, "the second copies are dropped"),
+    ),
+    Defect(
+        "an old grant obeyed after a restart",
+        "grant_comes_after_a_restart",
+        "obeys_an_earlier_boot",
+        (Checker.INSIDE_HOLDING, "K1 drops the grant of the manager's earlier boot"),
+    ),
+    Defect(
+        "a telegram believed whatever its code",
+        "two_trains",
+        "believes_any_code",
+        (Checker.INSIDE_HOLDING,),
+        "forges_a_report",
+    ),
+)
+
+BASELINES: Final = sorted({(defect.scenario, defect.given) for defect in DEFECTS})
+
+
+@pytest.mark.parametrize(("scenario", "given"), BASELINES, ids=["-".join(filter(None, b)) for b in BASELINES])
+def test_nothing_is_broken_without_a_defect(scenario: str, given: str, run_with: RunWith) -> None:
+    run, objections = run_with(scenario, given)
+    assert run.broken == ()
+    assert objections == set()
+
+
+@pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name.replace(" ", "-") for defect in DEFECTS])
+def test_a_defect_is_caught(defect: Defect, run_with: RunWith) -> None:
+    _, objections = run_with(defect.scenario, defect.given, defect.off)
+    assert set(map(str, defect.caught_by)) <= objections
+
+
+def test_every_checker_catches_some_defect() -> None:
+    """But `no-jump`, which no behaviour of a party could break: it watches the carrier."""
+    catching = {name for defect in DEFECTS for name in defect.caught_by if isinstance(name, Checker)}
+    assert set(Checker) - catching == {Checker.NO_JUMP}
+
+
+def test_every_defect_has_a_name_and_a_switch_of_its_own(switch_names: frozenset[str]) -> None:
+    assert len({defect.name for defect in DEFECTS}) == len({defect.off for defect in DEFECTS}) == len(DEFECTS)
+    assert len(DEFECTS) >= 12
+    assert {defect.off for defect in DEFECTS} <= switch_names

@@ -1,0 +1,526 @@
+"""Re-entry after the manager lost its memory: what persons and units say, what stops each wrong entry, what it costs.
+
+The line, after figure 3: P0 (portal), A (points), B (track), C (between), D (points), E (track), P9 (portal). When
+the manager loses its power u1 holds A and B (and stands in B), u2 holds E, u3 holds P9, u4 is off the line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import pytest
+
+from network.line_file import load_line
+from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Note, NoteKind
+from radio.keys import capability_key
+from radio.messages import (
+    AnyMessage,
+    Claim,
+    ClaimQuery,
+    HoldingReport,
+    RefusalReason,
+    RouteGranted,
+    RouteRefused,
+    RouteRequest,
+    SignOff,
+    SignOffAccepted,
+    SignOn,
+    SignOnAccepted,
+    SignOnRefused,
+)
+from wayside import reentry
+from wayside.actions import Send, Show
+from wayside.acts import Act
+from wayside.block_manager import Ask, Heard, step
+from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry, manager_config
+from wayside.picture import picture
+from wayside.reentry import Clash
+from wayside.register import Register, Stage, Standing, start
+
+SECTIONS = ("P0", "A", "B", "C", "D", "E", "P9")
+ROUTES = (
+    RouteEntry("in", "P0", ("A", "B")),
+    RouteEntry("over", "B", ("C", "D", "E")),
+    RouteEntry("back", "E", ("D", "C", "B")),
+    RouteEntry("up", "P9", ("E",)),
+    RouteEntry("out", "B", ("A", "P0")),
+)
+HELD = {"u1": ("A", "B"), "u2": ("E",), "u3": ("P9",)}
+MODES = pytest.mark.parametrize("mode", ReentryMode)
+KEYS = {terminal: capability_key(b"m" * 32, terminal) for terminal in ("tA", "tD")}
+
+
+def config_of(mode: ReentryMode) -> ManagerConfig:
+    return ManagerConfig(
+        "line",
+        "block-manager",
+        ("u1", "u2", "u3", "u4"),
+        (
+            SectionEntry("P0", portal=True),
+            SectionEntry("A", terminal_ids=("tA",)),
+            SectionEntry("B"),
+            SectionEntry("C"),
+            SectionEntry("D", terminal_ids=("tD",)),
+            SectionEntry("E"),
+            SectionEntry("P9", portal=True),
+        ),
+        ROUTES,
+        reentry=mode,
+    )
+
+
+class Desk:
+    """The manager a minute after its restart, the persons at it, and the trains out on the line."""
+
+    def __init__(
+        self, mode: ReentryMode = ReentryMode.ASSISTED, ledger: Iterable[str] | None = tuple(HELD)
+    ) -> None:
+        self.mode = mode
+        self.register: Register = start(config_of(mode), 2, KEYS, ledger)
+        self.notes: list[Note] = []
+        self.now_s = 60.0
+        self.register, _ = step(self.register, Ask(), 0.0)
+
+    def act(self, act: Act) -> list[NoteKind]:
+        self.register, actions = step(self.register, act, self.now_s)
+        self.notes = [action.note for action in actions if isinstance(action, Show)]
+        return [note.kind for note in self.notes]
+
+    def hear(self, unit_id: str, message: AnyMessage, epoch: int = 1) -> AnyMessage:
+        self.register, actions = step(self.register, Heard(unit_id, epoch, True, 1, message), self.now_s)
+        self.notes = [action.note for action in actions if isinstance(action, Show)]
+        return [action.message for action in actions if isinstance(action, Send)][-1]
+
+    def claim(self, *unit_ids: str) -> None:
+        for unit_id in unit_ids:
+            assert isinstance(self.hear(unit_id, Claim(HELD.get(unit_id, ()), 7)), SignOnAccepted)
+
+    def enter(self, wrong: Mapping[str, str | None] | None = None, person: str = "Sato") -> None:
+        """Every section by hand, as it is but for what is wrong."""
+        right = {section: unit_id for unit_id, held in HELD.items() for section in held}
+        for section in SECTIONS:
+            unit_id = (wrong or {}).get(section, right.get(section))
+            self.act(EnterSection(section, unit_id, person))
+
+    def accept(self) -> list[NoteKind]:
+        return self.act(AcceptPicture("Sato"))
+
+    @property
+    def why(self) -> str:
+        """What the last notes say."""
+        return "; ".join(note.detail for note in self.notes)
+
+    def check_no_grant_takes_what_a_train_holds(self) -> int:
+        """Any unit asks for any route; returns how many are granted."""
+        granted = 0
+        for unit_id in HELD:
+            for route in ROUTES:
+                request = RouteRequest(unit_id, route.route_id, route.section_ids)
+                event: Heard[AnyMessage] = Heard(unit_id, 1, True, 99, request)
+                _, actions = step(self.register, event, self.now_s)
+                for action in actions:
+                    if isinstance(action, Send) and isinstance(action.message, RouteGranted):
+                        granted += 1
+                        for other in HELD.keys() - {unit_id}:
+                            assert not set(HELD[other]) & set(action.message.section_ids)
+        return granted
+
+
+@MODES
+def test_claims_and_one_person_define_the_line(mode: ReentryMode) -> None:
+    desk = Desk(mode)
+    desk.claim(*HELD)
+    assert desk.check_no_grant_takes_what_a_train_holds() == 0
+    if mode is ReentryMode.BY_HAND:
+        assert desk.accept() == [NoteKind.REFUSED]
+        assert desk.why.startswith("Sato: not complete: section P0, section A")
+        desk.enter()
+    assert desk.accept() == [NoteKind.OUTSIDE, NoteKind.PICTURE]  # u4: silent, never signed on
+    assert desk.register.defined
+    assert desk.register.holders == {"A": "u1", "B": "u1", "E": "u2", "P9": "u3"}
+    assert desk.check_no_grant_takes_what_a_train_holds() > 0
+    assert desk.register.reentry.defined_s == desk.now_s
+
+
+def test_the_picture_may_be_accepted_by_hand_before_the_units_speak() -> None:
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.enter()
+    assert desk.accept() == [NoteKind.PICTURE]
+    assert reentry.stage(desk.register) is Stage.ACCEPTED
+    assert desk.register.undefined_because_of() == ("u1", "u2", "u3", "u4")
+    for unit_id in HELD:
+        assert not desk.register.defined
+        desk.claim(unit_id)
+    assert desk.register.defined
+
+
+# the wrong entries of section 4.4 (4) --------------------------------------------------------------------------
+
+LEFT_OUT: Mapping[str, str | None] = {"A": None}  # only where it stands is entered, as section 5 warns
+TRAIN_LEFT_OUT: Mapping[str, str | None] = {"A": None, "B": None}
+SWAPPED: Mapping[str, str | None] = {"A": "u2", "B": "u2", "E": "u1"}
+WRONG = pytest.mark.parametrize(
+    "wrong", [LEFT_OUT, TRAIN_LEFT_OUT, SWAPPED], ids=["section left out", "train left out", "trains swapped"]
+)
+
+
+def enter_wrongly(desk: Desk, wrong: Mapping[str, str | None]) -> None:
+    """The way of each mode: every section, or the units that have not spoken."""
+    if desk.mode is ReentryMode.BY_HAND:
+        desk.enter(wrong)
+        return
+    for unit_id in ("u1", "u2"):
+        right = {section: unit for unit, held in HELD.items() for section in held}
+        sections = tuple(section for section in SECTIONS if (right | dict(wrong)).get(section) == unit_id)
+        desk.act(ConfirmHolding(unit_id, sections, "Sato") if sections else ConfirmOutside(unit_id, "Sato"))
+
+
+@MODES
+@WRONG
+def test_wrong_and_the_unit_silent_one_persons_word_is_not_enough(
+    wrong: Mapping[str, str | None], mode: ReentryMode
+) -> None:
+    desk = Desk(mode)
+    desk.claim("u3")
+    enter_wrongly(desk, wrong)
+    desk.accept()
+    assert not desk.register.defined
+    assert "u1" in reentry.missing(desk.register).unit_ids
+    over = RouteRequest("u3", "up", ("E",))
+    assert desk.hear("u3", over) == RouteRefused("up", RefusalReason.UNDEFINED, None, "u1")
+    assert desk.check_no_grant_takes_what_a_train_holds() == 0
+
+
+@MODES
+@WRONG
+def test_wrong_and_the_unit_restarted_too_a_claim_is_needed(
+    wrong: Mapping[str, str | None], mode: ReentryMode
+) -> None:
+    desk = Desk(mode)
+    desk.claim("u2", "u3") if wrong is not SWAPPED else desk.claim("u3")
+    enter_wrongly(desk, wrong)
+    desk.accept()
+    assert desk.hear("u1", SignOn("u1", None), 2) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
+    assert not desk.register.defined
+    assert desk.check_no_grant_takes_what_a_train_holds() == 0
+    # A tag tells it where it stands, and that is what it claims.
+    answer = desk.hear("u1", SignOn("u1", ("B",)), 2)
+    assert isinstance(answer, SignOnRefused if wrong is SWAPPED else SignOnAccepted)
+    assert desk.register.holders["B"] == "u1"
+
+
+@MODES
+@pytest.mark.parametrize("wrong", [LEFT_OUT, TRAIN_LEFT_OUT], ids=["section left out", "train left out"])
+def test_left_out_and_the_unit_speaks_its_claim_is_added_and_shown(
+    wrong: Mapping[str, str | None], mode: ReentryMode
+) -> None:
+    desk = Desk(mode)
+    enter_wrongly(desk, wrong)
+    desk.accept()
+    desk.claim("u1")
+    if mode is ReentryMode.BY_HAND:
+        assert [note.kind for note in desk.notes].count(NoteKind.CONTRADICTION) == len(wrong)
+        assert Clash.ENTERED_FREE.value in desk.why
+    desk.claim("u2", "u3")
+    desk.accept()
+    assert desk.register.defined
+    assert desk.register.held_by("u1") == ("A", "B")
+    assert desk.check_no_grant_takes_what_a_train_holds() > 0
+
+
+@MODES
+def test_swapped_and_the_units_speak_both_are_disputed_until_the_person_corrects(mode: ReentryMode) -> None:
+    desk = Desk(mode)
+    enter_wrongly(desk, SWAPPED)
+    desk.accept()
+    assert desk.hear("u1", Claim(("A", "B"), 7)) == SignOnRefused(RefusalReason.HELD, "A", "u2")
+    assert NoteKind.CONTRADICTION in [note.kind for note in desk.notes]
+    assert desk.hear("u2", Claim(("E",), 7)) == SignOnRefused(RefusalReason.HELD, "E", "u1")
+    desk.claim("u3")
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert Clash.ENTERED_FOR_ANOTHER.value in desk.why
+    assert desk.check_no_grant_takes_what_a_train_holds() == 0
+    # A word against what a unit says is refused; its own word, or the section, is a correction.
+    assert desk.act(ConfirmHolding("u1", ("E",), "Sato")) == [NoteKind.REFUSED]
+    assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))[0] is NoteKind.ENTERED
+    assert desk.act(EnterSection("E", "u2", "Sato"))[0] is NoteKind.ENTERED
+    desk.claim("u1", "u2")
+    desk.accept()
+    assert desk.register.defined
+    assert desk.check_no_grant_takes_what_a_train_holds() > 0
+
+
+@MODES
+@pytest.mark.parametrize("act", [EnterSection("B", "u1", "Sato"), AcceptPicture("Sato")])
+def test_too_early_a_grant_of_the_boot_before_may_still_arrive(mode: ReentryMode, act: Act) -> None:
+    desk = Desk(mode)
+    age_max_s = desk.register.plan.telegram_age_max_s
+    desk.claim(*HELD)
+    desk.now_s = age_max_s
+    for entry in (act, ConfirmHolding("u1", ("B",), "Sato"), ConfirmOutside("u4", "Sato")):
+        assert desk.act(entry) == [NoteKind.REFUSED]
+        assert desk.why == "Sato: too early"
+    assert desk.register.reentry.entries == {}
+    desk.now_s = age_max_s + 0.1
+    assert desk.act(ConfirmOutside("u4", "Sato")) == [NoteKind.ENTERED]
+
+
+@MODES
+def test_accepted_before_the_entries_it_is_refused_with_what_is_missing(mode: ReentryMode) -> None:
+    desk = Desk(mode)
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert "not complete" in desk.why
+    assert ("section P0" in desk.why) is (mode is ReentryMode.BY_HAND)
+    assert ("unit u1" in desk.why) is (mode is ReentryMode.ASSISTED)
+
+
+# four eyes -----------------------------------------------------------------------------------------------------
+
+
+@MODES
+def test_two_persons_speak_for_a_silent_unit_which_then_learns_it(mode: ReentryMode) -> None:
+    desk = Desk(mode)
+    desk.claim("u2", "u3")
+    if mode is ReentryMode.BY_HAND:
+        desk.enter()
+    else:
+        assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato")) == [NoteKind.ENTERED]
+    desk.accept()
+    assert not desk.register.defined
+    desk.act(ConfirmHolding("u1", ("A", "B"), "Mori"))
+    desk.accept()
+    assert desk.register.defined
+    assert desk.register.unit("u1").standing is Standing.BY_HAND
+    accepted = desk.hear("u1", SignOn("u1", None), 2)
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.section_ids == ("A", "B")
+
+
+@MODES
+def test_persons_who_differ_define_nothing(mode: ReentryMode) -> None:
+    desk = Desk(mode)
+    desk.claim("u2", "u3")
+    enter_wrongly(desk, LEFT_OUT)
+    desk.act(ConfirmHolding("u1", ("A", "B"), "Mori"))
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert not desk.register.defined
+    desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))
+    desk.accept()
+    assert desk.register.defined
+    assert desk.register.held_by("u1") == ("A", "B")
+
+
+@pytest.mark.parametrize("name", ["Sato", "sato", " SATO  "])
+def test_one_person_is_not_two(name: str) -> None:
+    desk = Desk()
+    desk.claim("u2", "u3")
+    desk.act(ConfirmHolding("u1", ("B",), "Sato"))
+    desk.act(ConfirmHolding("u1", ("B",), name))
+    assert desk.accept() == [NoteKind.REFUSED]
+
+
+def test_the_ledger_blocks_outside_by_one_person_and_never_frees() -> None:
+    desk = Desk()
+    desk.claim("u2", "u3")
+    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.REFUSED]
+    assert "a second person" in desk.why
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.act(ConfirmOutside("u1", "Mori")) == [NoteKind.ENTERED, NoteKind.PICTURE]
+    desk.accept()
+    assert desk.register.defined
+    assert desk.register.ledger == {"u2", "u3"}
+
+
+def test_a_lost_ledger_counts_every_unit_as_on_the_line() -> None:
+    desk = Desk(ledger=None)
+    desk.claim(*HELD)
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert "unit u4" in desk.why
+    assert desk.act(ConfirmOutside("u4", "Sato")) == [NoteKind.REFUSED]
+    desk.claim("u4")  # empty: it is off the line, in its own word
+    desk.accept()
+    assert desk.register.defined
+
+
+def test_a_unit_that_was_heard_but_does_not_know_is_not_taken_as_outside() -> None:
+    desk = Desk()
+    desk.claim(*HELD)
+    assert desk.hear("u4", SignOn("u4", None)) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
+    assert desk.accept() == [NoteKind.REFUSED]
+    desk.act(ConfirmOutside("u4", "Sato"))
+    desk.accept()
+    assert desk.register.defined
+
+
+def test_one_persons_entry_for_a_unit_off_the_line_blocks_too() -> None:
+    desk = Desk()
+    desk.claim(*HELD)
+    desk.act(ConfirmHolding("u4", ("C",), "Sato"))
+    assert desk.accept() == [NoteKind.REFUSED]
+    desk.claim("u4")
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert Clash.ENTERED_BUT_OUTSIDE.value in desk.why
+    desk.act(ConfirmOutside("u4", "Sato"))
+    desk.accept()
+    assert desk.register.defined
+
+
+# units and the picture -----------------------------------------------------------------------------------------
+
+
+def test_trains_finish_within_what_they_hold_and_entries_follow() -> None:
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.enter()
+    desk.claim(*HELD)
+    token = desk.register.unit("u1").token
+    desk.hear("u1", HoldingReport(("B",), token))
+    assert desk.hear("u3", SignOff("u3", desk.register.unit("u3").token)) == SignOffAccepted()
+    assert desk.accept()[-1] is NoteKind.PICTURE
+    assert desk.register.holders == {"B": "u1", "E": "u2"}
+
+
+def test_what_was_entered_beyond_the_claim_is_held_until_the_unit_reports() -> None:
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.enter({"C": "u1"})
+    desk.claim(*HELD)
+    desk.accept()
+    assert desk.register.held_by("u1") == ("A", "B", "C")
+    desk.hear("u1", HoldingReport(("A", "B"), desk.register.unit("u1").token))
+    assert desk.register.held_by("u1") == ("A", "B")
+
+
+def test_a_wish_where_the_unit_was_last_on_the_line_is_asked_about() -> None:
+    desk = Desk()
+    assert desk.hear("u3", SignOn("u3", ("P9",))) == ClaimQuery()
+    assert desk.register.unit("u3").standing is Standing.UNKNOWN
+    # u4 never signed on: not even a claim makes a portal its own before the line is defined.
+    assert desk.hear("u4", Claim(("P9",), 0)) == SignOnRefused(RefusalReason.UNDEFINED, None, "u1")
+    assert desk.register.unit("u4").standing is Standing.OUTSIDE
+
+
+def test_two_units_that_claim_the_same_block_whatever_persons_say() -> None:
+    desk = Desk()
+    desk.claim(*HELD)
+    desk.hear("u4", Claim(("B", "C"), 7))
+    assert desk.accept() == [NoteKind.REFUSED]
+    assert Clash.CLAIMED_TWICE.value in desk.why
+    assert desk.act(ConfirmOutside("u4", "Sato")) == [NoteKind.REFUSED]
+    assert not desk.register.defined
+
+
+def test_an_entry_after_the_acceptance_takes_it_back() -> None:
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.enter()
+    desk.accept()
+    desk.act(EnterSection("C", "u2", "Sato"))
+    desk.claim(*HELD)
+    assert not desk.register.defined
+    desk.accept()
+    assert desk.register.defined
+    assert desk.act(EnterSection("C", None, "Sato")) == [NoteKind.REFUSED]
+    assert desk.why == "Sato: nothing to restore"
+
+
+def test_a_token_that_no_known_boot_gave_is_no_first_start() -> None:
+    """The durable state is gone with the ledger: a unit that speaks gives it away, and everyone must be asked."""
+    register = start(config_of(ReentryMode.ASSISTED), 1, KEYS)
+    assert not register.restoring
+    for unit_id in ("u2", "u3", "u4"):
+        register, _ = step(register, ConfirmOutside(unit_id, "Sato"), 0.0)
+    register, actions = step(register, Heard("u1", 1, True, 1, Claim(("A", "B"), (3 << 32) + 5)), 1.0)
+    assert register.restoring
+    assert register.undefined_because_of() == register.plan.unit_ids
+    assert register.ledger == set(register.plan.unit_ids)
+    assert [type(action) for action in actions] == [Show, Send]
+    register, _ = step(register, Heard("u1", 1, True, 1, Claim(("A", "B"), (3 << 32) + 5)), 2.0)
+    assert register.held_by("u1") == ("A", "B")
+
+
+def test_the_picture_shows_claims_silences_and_contradictions_side_by_side() -> None:
+    desk = Desk()
+    desk.claim("u2")
+    desk.hear("u1", SignOn("u1", None), 2)
+    desk.act(ConfirmHolding("u1", ("B", "A", "E"), "Sato"))
+    seen = picture(desk.register)
+    one, two, three, four = seen.units
+    assert (one.standing, one.claim, one.silent_since_s) == (Standing.UNKNOWN, None, 60.0)
+    assert one.words == (("sato", ("A", "B", "E")),)
+    assert (two.claim, two.sections, two.silent_since_s, two.vouched) == (("E",), ("E",), None, True)
+    assert (three.on_ledger, three.silent_since_s, three.vouched) == (True, 0.0, False)
+    assert (four.on_ledger, four.vouched) == (False, True)
+    e = next(section for section in seen.sections if section.section_id == "E")
+    assert (e.holder, e.defined, e.entered) == ("u2", True, (("sato", "u1"),))
+    assert next(s for s in seen.sections if s.section_id == "C").defined is False
+    assert [(found.clash, found.section_id) for found in seen.contradictions] == [
+        (Clash.ENTERED_FOR_ANOTHER, "E")
+    ]
+    assert seen.missing.unit_ids == ("u1", "u3")
+    assert (seen.stage, seen.complete, seen.inputs) == (Stage.INCOMPLETE, False, (("sato", 1),))
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        EnterSection("nowhere", "u1", "Sato"),
+        EnterSection("B", "ghost", "Sato"),
+        EnterSection("B", "u1", " "),
+        ConfirmHolding("u1", (), "Sato"),
+        ConfirmHolding("u1", ("nowhere",), "Sato"),
+        AcceptPicture(""),
+    ],
+)
+def test_inputs_that_make_no_sense_are_refused_and_counted(act: Act) -> None:
+    desk = Desk()
+    assert desk.act(act) == [NoteKind.REFUSED]
+    assert desk.register.reentry.entries == {}
+    assert desk.register.inputs == 1
+
+
+# what it costs the person --------------------------------------------------------------------------------------
+
+KARASUYAMA = Path(__file__).resolve().parents[2] / "network" / "lines" / "karasuyama.toml"
+FOUR_OUT = {
+    "V1": ("HSK.MD", "HSK.S", "HSK.1"),
+    "V2": ("HSK-OGN", "OGN.W", "OGN.1"),
+    "V3": ("OGN.2",),
+    "V4": ("OGN-KRS", "KRS.1"),
+}
+
+
+def karasuyama(mode: ReentryMode, silent: frozenset[str]) -> int:
+    """Inputs until the line is defined again, with four trains out of which some do not speak."""
+    config = manager_config(load_line(KARASUYAMA), [], tuple(FOUR_OUT), reentry=mode)
+    assert len(config.sections) == 11
+    terminals = {terminal_id for section in config.sections for terminal_id in section.terminal_ids}
+    keys = {terminal_id: capability_key(b"m" * 32, terminal_id) for terminal_id in terminals}
+    register, _ = step(start(config, 2, keys, FOUR_OUT), Ask(), 0.0)
+    for unit_id in FOUR_OUT.keys() - silent:
+        register, _ = step(register, Heard(unit_id, 1, True, 1, Claim(FOUR_OUT[unit_id], 7)), 1.0)
+    acts: list[Act] = []
+    if mode is ReentryMode.BY_HAND:
+        holder = {section: unit_id for unit_id, held in FOUR_OUT.items() for section in held}
+        acts += [
+            EnterSection(section.section_id, holder.get(section.section_id), "controller")
+            for section in config.sections
+        ]
+    for unit_id in sorted(silent):
+        people = ("staff",) if mode is ReentryMode.BY_HAND else ("controller", "staff")
+        acts += [ConfirmHolding(unit_id, FOUR_OUT[unit_id], person) for person in people]
+    for act in (*acts, AcceptPicture("controller")):
+        assert not register.defined
+        register, _ = step(register, act, 60.0)
+    assert register.defined
+    assert {unit_id: register.held_by(unit_id) for unit_id in FOUR_OUT} == FOUR_OUT
+    return register.inputs
+
+
+@pytest.mark.parametrize(
+    ("silent", "by_hand", "assisted"), [((), 12, 1), (("V2",), 13, 3)], ids=["all speak", "one is silent"]
+)
+def test_assisted_needs_at_most_a_third_of_the_inputs(
+    silent: tuple[str, ...], by_hand: int, assisted: int
+) -> None:
+    assert karasuyama(ReentryMode.BY_HAND, frozenset(silent)) == by_hand
+    assert karasuyama(ReentryMode.ASSISTED, frozenset(silent)) == assisted
+    assert 3 * assisted <= by_hand

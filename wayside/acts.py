@@ -1,0 +1,217 @@
+"""Invariant: one person's word never frees what a unit may hold. It is taken at once only where it adds, or
+says that a unit is outside which the ledger does not have on the line; else a second, different person must
+say the same. Against a unit that speaks for itself no word counts.
+
+What persons enter at the block manager, as a pure machine: `act(register, event, now_s) -> (register,
+actions)`. `UNIT_ACTS` and `LINE_ACTS` are the whole table; what is refused changes nothing but the count of
+inputs, and a first word that waits for the second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from enum import Enum
+from types import MappingProxyType
+from typing import Any, Final
+
+from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
+from wayside import reentry
+from wayside.actions import Show, show
+from wayside.reentry import Step
+from wayside.register import Register, Standing, Unit
+
+Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture
+
+
+class Phase(Enum):
+    """Whether the block state of the line is in force."""
+
+    RUNNING = "running"  # since the first start, or since the line was defined again
+    RESTORING = "restoring"
+
+
+def act(register: Register, event: Act, now_s: float) -> Step:
+    """The register after a person's input. Never raises for what a person enters."""
+    phase = Phase.RESTORING if register.restoring else Phase.RUNNING
+    person = person_key(event.person)
+    if register.restoring:
+        inputs = {**register.reentry.inputs, person: register.reentry.inputs.get(person, 0) + 1}
+        register = replace(register, reentry=replace(register.reentry, inputs=inputs))
+    started_s = now_s if register.started_s is None else register.started_s
+    if not person:
+        return register, (_refused(event, "no name"),)
+    unit_id = None if isinstance(event, AcceptPicture) else event.unit_id
+    if unit_id is not None and unit_id not in register.plan.unit_ids:
+        return register, (_refused(event, "not on the fleet list"),)
+    # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
+    if register.epoch > 1 and now_s <= started_s + register.plan.telegram_age_max_s:
+        return register, (_refused(event, "too early"),)
+    if isinstance(event, EnterSection | AcceptPicture):
+        return LINE_ACTS[phase, type(event)](register, event)
+    return UNIT_ACTS[phase, register.unit(event.unit_id).standing, type(event)](register, event)
+
+
+def person_key(name: str) -> str:
+    """Who it is, so that one person spelled in two ways is not two."""
+    return " ".join(name.split()).casefold()
+
+
+def _sections(event: ConfirmOutside | ConfirmHolding) -> tuple[str, ...]:
+    return event.section_ids if isinstance(event, ConfirmHolding) else ()
+
+
+def _refused(event: Act, why: str, section_ids: tuple[str, ...] = ()) -> Show:
+    unit_id = "" if isinstance(event, AcceptPicture) else event.unit_id or ""
+    return show(NoteKind.REFUSED, unit_id, section_ids, detail=f"{event.person}: {why}")
+
+
+def _senseless(register: Register, event: ConfirmOutside | ConfirmHolding) -> Show | None:
+    if isinstance(event, ConfirmOutside):
+        return None
+    unknown = tuple(section for section in event.section_ids if section not in register.plan.order)
+    if unknown:
+        return _refused(event, "unknown section", unknown)
+    return None if event.section_ids else _refused(event, "an empty entry; confirm the unit as outside")
+
+
+def _confirm_outside(register: Register, event: ConfirmOutside) -> Step:
+    """Outside at once; a unit on the ledger only when a second person says so."""
+    unit_id = event.unit_id
+    if unit_id in register.ledger:
+        register = reentry.with_word(register, person_key(event.person), unit_id, ())
+        if reentry.agreed(register, unit_id) is None:
+            return register, (_refused(event, _SECOND_PERSON),)
+    freed = register.held_by(unit_id)
+    unit = Unit(Standing.OUTSIDE, register.unit(unit_id).epoch)
+    register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
+    shows = [show(NoteKind.FREED, unit_id, freed, detail=event.person)] if freed else []
+    return register, (*shows, show(NoteKind.OUTSIDE, unit_id, detail=event.person))
+
+
+def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
+    """Held by hand at once; what it frees only when a second person says so."""
+    unit_id, section_ids = event.unit_id, event.section_ids
+    if (senseless := _senseless(register, event)) is not None:
+        return register, (senseless,)
+    if (conflict := register.other_holder(unit_id, section_ids)) is not None:
+        return register, (show(NoteKind.CONTRADICTION, unit_id, conflict[:1], 0, conflict[1], event.person),)
+    freed = tuple(section_id for section_id in register.held_by(unit_id) if section_id not in section_ids)
+    if freed:
+        register = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
+        if reentry.agreed(register, unit_id) is None:
+            return register, (_refused(event, _SECOND_PERSON, freed),)
+    register, token = reentry.without_words(register, unit_id).next_token()
+    register = register.with_held(unit_id, section_ids)
+    register = register.with_unit(unit_id, Unit(Standing.BY_HAND, register.unit(unit_id).epoch, token))
+    shows = [show(NoteKind.FREED, unit_id, freed, token, detail=event.person)] if freed else []
+    held = register.held_by(unit_id)
+    return register, (*shows, show(NoteKind.BY_HAND, unit_id, held, token, detail=event.person))
+
+
+def _refuse_unit_speaks(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
+    """Refused: the unit speaks for itself, or claims what another holds."""
+    standing = register.unit(event.unit_id).standing.value
+    return register, (_refused(event, f"the unit is {standing}"),)
+
+
+def _take_word(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
+    """Taken down, not in force; it counts with the same word of a second person, or once the unit speaks."""
+    unit_id, section_ids = event.unit_id, _sections(event)
+    if (senseless := _senseless(register, event)) is not None:
+        return register, (senseless,)
+    changed = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
+    if not section_ids and unit_id in register.ledger and reentry.agreed(changed, unit_id) is None:
+        return _as_changed(register, changed), (_refused(event, _SECOND_PERSON),)
+    note = show(NoteKind.ENTERED, unit_id, section_ids, detail=event.person)
+    return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
+
+
+def _take_correction(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
+    """Refused but for the unit's own word: so a person takes back what they entered wrongly for it."""
+    unit = register.unit(event.unit_id)
+    own = register.held_by(event.unit_id) if unit.claim is None else unit.claim
+    if frozenset(own) != frozenset(_sections(event)):
+        return _refuse_unit_speaks(register, event)
+    changed = reentry.with_word(register, person_key(event.person), event.unit_id, own)
+    note = show(NoteKind.ENTERED, event.unit_id, own, detail=event.person)
+    return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
+
+
+def _enter_section(register: Register, event: EnterSection) -> Step:
+    """Taken down, not in force before the picture is accepted."""
+    if event.section_id not in register.plan.order:
+        return register, (_refused(event, "unknown section", (event.section_id,)),)
+    changed = reentry.with_entry(register, person_key(event.person), event.section_id, event.unit_id)
+    detail = event.person if event.unit_id is not None else f"{event.person}: free"
+    note = show(NoteKind.ENTERED, event.unit_id or "", (event.section_id,), detail=detail)
+    return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
+
+
+def _accept(register: Register, event: AcceptPicture) -> Step:
+    """Taken when nothing is missing and nothing contradicts; refused with what is missing."""
+    if lacking := reentry.missing_for_acceptance(register):
+        return register, (_refused(event, f"not complete: {lacking}"),)
+    taken = replace(register.reentry, accepted_by=event.person)
+    return replace(register, reentry=taken), ()
+
+
+def _refuse_running(register: Register, event: EnterSection | AcceptPicture) -> Step:
+    """Refused: there is nothing to restore."""
+    return register, (_refused(event, "nothing to restore"),)
+
+
+def _as_changed(before: Register, after: Register) -> Register:
+    """An entry that changes what the picture says takes an earlier acceptance back."""
+    was, now = (
+        {section: set(by.values()) for section, by in register.reentry.entries.items()}
+        for register in (before, after)
+    )
+    return after if was == now else replace(after, reentry=replace(after.reentry, accepted_by=""))
+
+
+def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
+    known = reentry.contradictions(before)
+    return tuple(
+        show(NoteKind.CONTRADICTION, found.unit_id, (found.section_id,), 0, found.other_id, found.clash.value)
+        for found in reentry.contradictions(after)
+        if found not in known
+    )
+
+
+_SECOND_PERSON: Final = "it may be on the line; a second person must say the same"
+_Handler = Callable[[Register, Any], Step]
+
+UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxyType(
+    {
+        (Phase.RUNNING, Standing.UNKNOWN, ConfirmOutside): _confirm_outside,
+        (Phase.RUNNING, Standing.UNKNOWN, ConfirmHolding): _confirm_holding,
+        (Phase.RUNNING, Standing.OUTSIDE, ConfirmOutside): _confirm_outside,
+        (Phase.RUNNING, Standing.OUTSIDE, ConfirmHolding): _confirm_holding,
+        (Phase.RUNNING, Standing.BY_HAND, ConfirmOutside): _confirm_outside,
+        (Phase.RUNNING, Standing.BY_HAND, ConfirmHolding): _confirm_holding,
+        (Phase.RUNNING, Standing.REPORTED, ConfirmOutside): _refuse_unit_speaks,
+        (Phase.RUNNING, Standing.REPORTED, ConfirmHolding): _refuse_unit_speaks,
+        (Phase.RUNNING, Standing.DISPUTED, ConfirmOutside): _refuse_unit_speaks,
+        (Phase.RUNNING, Standing.DISPUTED, ConfirmHolding): _refuse_unit_speaks,
+        (Phase.RESTORING, Standing.UNKNOWN, ConfirmOutside): _take_word,
+        (Phase.RESTORING, Standing.UNKNOWN, ConfirmHolding): _take_word,
+        (Phase.RESTORING, Standing.OUTSIDE, ConfirmOutside): _take_correction,
+        (Phase.RESTORING, Standing.OUTSIDE, ConfirmHolding): _take_correction,
+        (Phase.RESTORING, Standing.BY_HAND, ConfirmOutside): _take_word,
+        (Phase.RESTORING, Standing.BY_HAND, ConfirmHolding): _take_word,
+        (Phase.RESTORING, Standing.REPORTED, ConfirmOutside): _take_correction,
+        (Phase.RESTORING, Standing.REPORTED, ConfirmHolding): _take_correction,
+        (Phase.RESTORING, Standing.DISPUTED, ConfirmOutside): _take_correction,
+        (Phase.RESTORING, Standing.DISPUTED, ConfirmHolding): _take_correction,
+    }
+)
+
+LINE_ACTS: Final[Mapping[tuple[Phase, type], _Handler]] = MappingProxyType(
+    {
+        (Phase.RUNNING, EnterSection): _refuse_running,
+        (Phase.RUNNING, AcceptPicture): _refuse_running,
+        (Phase.RESTORING, EnterSection): _enter_section,
+        (Phase.RESTORING, AcceptPicture): _accept,
+    }
+)

@@ -1,0 +1,322 @@
+"""Invariant: while the line is being restored nothing that a person enters is in force, and it is defined again
+only when a person has accepted the picture, nothing in it contradicts, and for every unit that may be on the
+line its own word counts or two different persons have said the same.
+
+Re-entry of the block state after the manager lost it (閉そく状況を再現する手動入力, section 4.4 (2) of Sugiyama et
+al. 2017; its laboriousness is the open problem of section 5, a wrong entry that of section 4.4 (4)). Pure
+functions on the register; persons' inputs themselves are in `wayside.acts`.
+
+| what vouches for a unit                         | on the ledger, or heard | silent, not on the ledger     |
+|-------------------------------------------------|-------------------------|-------------------------------|
+| its own fresh claim, nobody else claims the same| yes                     | (then it is not silent)       |
+| the same complete word of two persons           | yes                     | yes                           |
+| one person: it is outside                       | if not on the ledger    | yes                           |
+| one person: it holds sections                   | no                      | no                            |
+| nobody entered anything for it                  | no                      | yes: nothing was ever granted |
+
+A unit's word outranks an entry: what it claims beyond the entry is added, what was entered beyond its claim is
+added too when the line is defined, and its next report frees it. An entry that gives one unit what another
+claims blocks until a person corrects it. Two persons who agree on the same wrong word for a silent unit are
+the danger that remains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Final
+
+from radio.fleet import NoteKind
+from wayside.actions import Action, show
+from wayside.config import ReentryMode
+from wayside.register import Reentry, Register, Stage, Standing, Unit
+
+Step = tuple[Register, tuple[Action, ...]]
+
+
+class Clash(Enum):
+    """What does not fit together in the picture."""
+
+    CLAIMED_TWICE = "two units claim it"
+    ENTERED_FOR_ANOTHER = "entered for one unit, claimed by another"
+    PERSONS_DIFFER = "two persons entered it differently"
+    ENTERED_BUT_OUTSIDE = "entered for a unit that says it is outside"
+    ENTERED_FREE = "entered as free, claimed: added"
+    NOT_CLAIMED = "entered, but its unit does not claim it: added"
+
+
+BLOCKING: Final = frozenset(
+    {Clash.CLAIMED_TWICE, Clash.ENTERED_FOR_ANOTHER, Clash.PERSONS_DIFFER, Clash.ENTERED_BUT_OUTSIDE}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """`unit_id` holds or claims the section, or is entered for it; `other_id` stands against it, if anyone."""
+
+    clash: Clash
+    section_id: str
+    unit_id: str
+    other_id: str = ""
+
+    @property
+    def blocks(self) -> bool:
+        """Whether a person must correct it; the others are only shown."""
+        return self.clash in BLOCKING
+
+
+@dataclass(frozen=True, slots=True)
+class Missing:
+    """Why the line is not defined: units nobody vouches for, sections not entered, what contradicts."""
+
+    unit_ids: tuple[str, ...]
+    section_ids: tuple[str, ...]
+    contradictions: tuple[Contradiction, ...]
+
+    def __bool__(self) -> bool:
+        """Whether anything is missing."""
+        return bool(self.unit_ids or self.section_ids or self.contradictions)
+
+    def __str__(self) -> str:
+        """In one line, for the person."""
+        words = [f"unit {unit_id}" for unit_id in self.unit_ids]
+        words += [f"section {section_id}" for section_id in self.section_ids]
+        words += [f"{found.section_id}: {found.clash.value}" for found in self.contradictions]
+        return ", ".join(words)
+
+
+def entered_for(register: Register, unit_id: str) -> frozenset[str]:
+    """Sections that anyone entered for the unit."""
+    return frozenset(section for section, by in register.reentry.entries.items() if unit_id in by.values())
+
+
+def words_for(register: Register, unit_id: str) -> Mapping[str, frozenset[str]]:
+    """All that the unit holds, in the word of each person who has said it completely.
+
+    Complete is a confirmation of the unit, or an entry for every section of the line.
+    """
+    entries, complete = register.reentry.entries, register.reentry.complete
+    people = {person for by in entries.values() for person in by} | {person for person, _ in complete}
+    words: dict[str, frozenset[str]] = {}
+    for person in sorted(people):
+        of_person = {section: by[person] for section, by in entries.items() if person in by}
+        if (person, unit_id) in complete or len(of_person) == len(register.plan.order):
+            words[person] = frozenset(section for section, unit in of_person.items() if unit == unit_id)
+    return words
+
+
+def agreed(register: Register, unit_id: str) -> frozenset[str] | None:
+    """What two different persons say the unit holds, and nobody says more; None: no such agreement."""
+    entered = entered_for(register, unit_id)
+    same = [person for person, word in words_for(register, unit_id).items() if word == entered]
+    return entered if len(same) > 1 else None
+
+
+def vouched(register: Register, unit_id: str) -> bool:
+    """Whether it is known well enough what the unit holds (see the table above)."""
+    standing = register.unit(unit_id).standing
+    if standing is not Standing.UNKNOWN:
+        return standing is not Standing.DISPUTED
+    if agreed(register, unit_id) is not None:
+        return True
+    if unit_id in register.ledger or entered_for(register, unit_id):
+        return False
+    return unit_id not in register.reentry.heard_s or bool(words_for(register, unit_id))
+
+
+def entered_for_another(
+    register: Register, unit_id: str, section_ids: Iterable[str]
+) -> tuple[str, str] | None:
+    """The first of the sections that a person entered for another unit, and that unit."""
+    for section_id in section_ids:
+        for entered in sorted(filter(None, register.reentry.entries.get(section_id, {}).values())):
+            if entered != unit_id:
+                return section_id, entered
+    return None
+
+
+def contradictions(register: Register) -> tuple[Contradiction, ...]:
+    """Everything that does not fit, in the order of the line; empty once the line is defined."""
+    if not register.restoring:
+        return ()
+    found: list[Contradiction] = []
+    for section_id in register.plan.order:
+        found += _contradictions_at(register, section_id)
+    for unit_id in register.plan.unit_ids:
+        for section_id in register.unit(unit_id).claim or ():
+            holder = register.holders.get(section_id, unit_id)
+            if holder != unit_id:
+                found.append(Contradiction(Clash.CLAIMED_TWICE, section_id, unit_id, holder))
+    return tuple(found)
+
+
+def _contradictions_at(register: Register, section_id: str) -> list[Contradiction]:
+    entered = set(register.reentry.entries.get(section_id, {}).values())
+    units, holder = sorted(filter(None, entered)), register.holders.get(section_id)
+    found: list[Contradiction] = []
+    if len(entered) > 1:
+        found.append(Contradiction(Clash.PERSONS_DIFFER, section_id, *units[:2]))
+    for unit_id in units:
+        standing = register.unit(unit_id).standing
+        if holder not in (None, unit_id):
+            found.append(Contradiction(Clash.ENTERED_FOR_ANOTHER, section_id, holder or "", unit_id))
+        elif standing is Standing.OUTSIDE:
+            found.append(Contradiction(Clash.ENTERED_BUT_OUTSIDE, section_id, unit_id))
+        elif standing is Standing.REPORTED and holder is None:
+            found.append(Contradiction(Clash.NOT_CLAIMED, section_id, unit_id))
+    if holder is not None and None in entered:
+        found.append(Contradiction(Clash.ENTERED_FREE, section_id, holder))
+    return found
+
+
+def shown_against(register: Register, unit_id: str) -> tuple[Action, ...]:
+    """What was entered otherwise than the unit claims, for the journal."""
+    return tuple(
+        show(NoteKind.CONTRADICTION, unit_id, (found.section_id,), 0, found.other_id, found.clash.value)
+        for found in contradictions(register)
+        if found.unit_id == unit_id
+    )
+
+
+def missing(register: Register) -> Missing:
+    """What stands between the register and a defined line, apart from the person's acceptance."""
+    if not register.restoring:
+        return Missing(register.undefined_because_of(), (), ())
+    plan, entries = register.plan, register.reentry.entries
+    by_hand = plan.reentry is ReentryMode.BY_HAND
+    return Missing(
+        tuple(unit_id for unit_id in plan.unit_ids if not vouched(register, unit_id)),
+        tuple(section_id for section_id in plan.order if by_hand and not entries.get(section_id)),
+        tuple(found for found in contradictions(register) if found.blocks),
+    )
+
+
+def missing_for_acceptance(register: Register) -> Missing:
+    """What must be settled before a person may accept: by hand, the units may yet speak afterwards."""
+    lacking = missing(register)
+    return replace(lacking, unit_ids=()) if register.plan.reentry is ReentryMode.BY_HAND else lacking
+
+
+def stage(register: Register) -> Stage:
+    """How far the re-entry has come."""
+    if not register.restoring:
+        return Stage.DEFINED
+    if register.reentry.accepted_by:
+        return Stage.ACCEPTED
+    return Stage.INCOMPLETE if missing_for_acceptance(register) else Stage.COMPLETE
+
+
+def settle(register: Register, now_s: float) -> Step:
+    """What follows from any event: the ledger, an acceptance that no longer holds, the line defined."""
+    actions: tuple[Action, ...] = ()
+    if register.restoring:
+        if missing_for_acceptance(register):
+            register = replace(register, reentry=replace(register.reentry, accepted_by=""))
+        if register.reentry.accepted_by and not missing(register):
+            register, actions = _define(register, now_s)
+        if (now := stage(register)) is not register.reentry.stage:
+            register = replace(register, reentry=replace(register.reentry, stage=now))
+            shown = show(NoteKind.PICTURE, detail=f"{now.value} after {register.inputs} inputs")
+            actions = (*actions, shown)
+    elif register.reentry.complete:
+        register = _forget_words_of_speakers(register)
+    ledger = frozenset(filter(lambda unit_id: _on_line(register, unit_id), register.plan.unit_ids))
+    return (register if ledger == register.ledger else replace(register, ledger=ledger)), actions
+
+
+def _on_line(register: Register, unit_id: str) -> bool:
+    standing = register.unit(unit_id).standing
+    return unit_id in register.ledger if standing is Standing.UNKNOWN else standing is not Standing.OUTSIDE
+
+
+def _define(register: Register, now_s: float) -> Step:
+    """Entries come into force: for silent units all that two persons agree on, for others as additions."""
+    actions: list[Action] = []
+    for unit_id in register.plan.unit_ids:
+        unit, entered = register.unit(unit_id), entered_for(register, unit_id)
+        said_by = ", ".join(words_for(register, unit_id)) or register.reentry.accepted_by
+        if unit.standing is Standing.UNKNOWN and not entered:
+            register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
+            actions.append(show(NoteKind.OUTSIDE, unit_id, detail=said_by))
+            continue
+        before = register.held_by(unit_id)
+        if entered <= frozenset(before):
+            continue
+        if unit.standing is Standing.UNKNOWN:
+            register, token = register.next_token()
+            unit = Unit(Standing.BY_HAND, unit.epoch, token)
+        register = register.with_held(unit_id, (*before, *entered.difference(before)))
+        register = register.with_unit(unit_id, unit)
+        held = register.held_by(unit_id)
+        actions.append(show(NoteKind.BY_HAND, unit_id, held, unit.token, detail=said_by))
+    past = register.reentry
+    done = Reentry(accepted_by=past.accepted_by, inputs=past.inputs, stage=past.stage, defined_s=now_s)
+    return replace(register, restoring=False, reentry=done), tuple(actions)
+
+
+def _forget_words_of_speakers(register: Register) -> Register:
+    """Of a running line, words are kept only for units entered by hand: a first one waits for the second."""
+    for unit_id in {unit_id for _, unit_id in register.reentry.complete}:
+        if register.unit(unit_id).standing is not Standing.BY_HAND:
+            register = without_words(register, unit_id)
+    return register
+
+
+def without_words(register: Register, unit_id: str, person: str | None = None) -> Register:
+    """The register without what was entered for the unit, by anyone or by one person."""
+    entries: dict[str, Mapping[str, str | None]] = {}
+    for section_id, by in register.reentry.entries.items():
+        kept = {p: unit for p, unit in by.items() if unit != unit_id or person not in (None, p)}
+        if kept:
+            entries[section_id] = kept
+    complete = frozenset(
+        (p, unit) for p, unit in register.reentry.complete if unit != unit_id or person not in (None, p)
+    )
+    return replace(register, reentry=replace(register.reentry, entries=entries, complete=complete))
+
+
+def with_entry(register: Register, person: str, section_id: str, unit_id: str | None) -> Register:
+    """The register with one section entered by the person; an earlier entry of theirs is corrected."""
+    by = {**register.reentry.entries.get(section_id, {}), person: unit_id}
+    entries = {**register.reentry.entries, section_id: by}
+    return replace(register, reentry=replace(register.reentry, entries=entries))
+
+
+def with_word(register: Register, person: str, unit_id: str, section_ids: Iterable[str]) -> Register:
+    """The register with all that the person says the unit holds; empty: it is outside."""
+    register = without_words(register, unit_id, person)
+    for section_id in section_ids:
+        register = with_entry(register, person, section_id, unit_id)
+    complete = register.reentry.complete | {(person, unit_id)}
+    return replace(register, reentry=replace(register.reentry, complete=complete))
+
+
+def released(register: Register, unit_id: str, section_ids: Iterable[str]) -> Register:
+    """The unit itself has given sections back: entries for it there mean free from now on."""
+    if not register.restoring:
+        return register
+    for section_id in section_ids:
+        for person, unit in register.reentry.entries.get(section_id, {}).items():
+            if unit == unit_id:
+                register = with_entry(register, person, section_id, None)
+    return register
+
+
+def lost_again(register: Register, token: int) -> Register:
+    """A unit has a token that no boot known here gave: the durable state is not the last, so begin anew."""
+    spoken = {
+        unit_id: unit
+        for unit_id, unit in register.units.items()
+        if unit.standing in (Standing.REPORTED, Standing.DISPUTED)
+    }
+    holders = {section: unit_id for section, unit_id in register.holders.items() if unit_id in spoken}
+    return replace(
+        register,
+        restoring=True,
+        ledger=frozenset(register.plan.unit_ids),
+        foreign_token=token,
+        units=spoken,
+        holders=holders,
+        reentry=Reentry(inputs=register.reentry.inputs),
+    )
