@@ -3,6 +3,8 @@
 A patch is the table `[line_patch]` of a scenario, carried out in this order:
 
 - `remove_tracks = ["OGN.2"]`: see `network.track_removal`;
+- `remove_tags = { purpose = "position", near_marks_m = 200.0 }`: tags of that purpose on sections, as near as that
+  to a stopping mark of the same alignment;
 - `set = { "points.OGN.11.throw_time_s" = 12.0 }`: tables by id, platforms by name, other lists by index
   (`alignments.main.limits[3].speed_kmh`); the value is in the line file's own units;
 - `add = { limits = [ { from_km = 3.0, to_km = 3.5, speed_kmh = 25 } ] }`: whole entries; limits, curves and
@@ -19,7 +21,7 @@ from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from pydantic import Field
 
@@ -39,8 +41,14 @@ _ON_ALIGNMENT: Final = ("limits", "curves", "coverage")
 Data = dict[str, Any]
 
 
+class _Tags(Record):
+    purpose: Literal["arrival", "control_start", "departed", "approach", "position", "portal"]
+    near_marks_m: float = Field(gt=0.0)
+
+
 class _Patch(Record):
     remove_tracks: list[str] = Field(default_factory=list)
+    remove_tags: _Tags | None = None
     values: dict[str, Any] = Field(default_factory=dict, alias="set")
     add: dict[str, list[dict[str, Any]]] = Field(default_factory=dict)
 
@@ -107,6 +115,8 @@ def _patched(data: Mapping[str, Any], patch: Mapping[str, Any], file: str) -> tu
     entry = validate(data, file, LineFile)
     for i, track_id in enumerate(wanted.remove_tracks):
         entry = without_track(entry, track_id, file, f"{KEY}.remove_tracks[{i}]")
+    if wanted.remove_tags is not None:
+        entry = _without_tags(entry, wanted.remove_tags, file)
     patched = _Patched(file, entry.model_dump(exclude_unset=True, exclude_none=True))
     for path, value in wanted.values.items():
         _set(patched, path, deepcopy(value))
@@ -115,6 +125,33 @@ def _patched(data: Mapping[str, Any], patch: Mapping[str, Any], file: str) -> tu
         for i, row in enumerate(rows):
             _add(patched, table, deepcopy(row), f"{KEY}.add.{table}[{i}]")
     return patched, _validated(patched) if wanted.add else entry
+
+
+def _without_tags(entry: LineFile, wanted: _Tags, file: str) -> LineFile:
+    """The line without those tags; InputError where there is none to take out."""
+    axis = {section.id: section.alignment for section in entry.sections}
+    marks = [
+        (axis.get(track.section), mark_km)
+        for station in entry.stations
+        for track in station.tracks
+        for mark_km in (track.mark_down_km, track.mark_up_km)
+        if mark_km is not None
+    ]
+    reach_km = wanted.near_marks_m / 1000.0
+    kept = [
+        tag
+        for tag in entry.tags
+        if tag.purpose != wanted.purpose
+        or tag.section is None
+        or not any(
+            axis.get(tag.section) == alignment and abs(tag.km - mark_km) <= reach_km
+            for alignment, mark_km in marks
+        )
+    ]
+    if len(kept) == len(entry.tags):
+        expected = f"tags of purpose {wanted.purpose} within {wanted.near_marks_m:g} m of a mark"
+        raise InputError(file, f"{KEY}.remove_tags", None, expected)
+    return entry.model_copy(update={"tags": kept})
 
 
 def _validated(patched: _Patched) -> LineFile:

@@ -48,4 +48,4 @@ def take_sighting(row: UnitRow, mark_m: float, distance_m: float) -> float | Non
     row.bound_ahead_m = front_m - estimate_m
     row.bound_behind_m = estimate_m - rear_m
     row.fix_correction_m += estimate_m - before_m
-    return estimate_m - before_m
+    return float(estimate_m - before_m)

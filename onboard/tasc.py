@@ -351,9 +351,10 @@ def tasc_step(
     later_mps, run_m = predicted(tasc, design, speed_mps, own_mps2)
     left_m = distance_m - run_m
     demand = followed(tasc, design, later_mps, left_m, own_mps2, moved_m)
-    strongest = strength * expected_mps2(design, design.brake_max_mps2) + own_mps2
-    weak = strongest * (left_m + WEAK_TOLERANCE_M) < later_mps**2 / 2.0
+    strongest = expected_mps2(design, design.brake_max_mps2)
+    room_m, energy = left_m + WEAK_TOLERANCE_M, later_mps**2 / 2.0
+    weak = (strength * strongest + own_mps2) * room_m < energy
     tasc.weak_s = tasc.weak_s + design.step_s if weak else 0.0
-    if tasc.weak_s >= WEAK_S:
+    if tasc.weak_s >= WEAK_S or (strongest + own_mps2) * room_m < energy:
         judge(tasc, BRAKE_TOO_WEAK)
     return command_mps2(tasc, design, demand)

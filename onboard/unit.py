@@ -162,7 +162,9 @@ class Unit:
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._tags: dict[int, PathTag] = {}
         self._last_tag: tuple[PathTag, float] | None = None
-        self._doubting = False  # after a position fault; `_suspect`: a tag read since that alone proves nothing
+        self._doubting = (
+            False  # after a position fault; `_suspect`: a tag read since that alone proves nothing
+        )
         self._suspect: tuple[PathTag, float] | None = None
         self._wanted: tuple[auth.PointsNeeded, ...] = ()  # thrown as soon as and whenever they can be
         self._ready_s = -math.inf  # not before: doors, dwell

@@ -222,7 +222,6 @@ class Injector:
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
 
-
     def _reenter(self, act: Act) -> None:
         """Every section of the line by what the crews say they hold, then the whole picture (手動入力)."""
         holder = {

@@ -103,7 +103,13 @@ class Simulation:
         self._eyes = Eyes(self.trains, self._agenda)
         self._crew = Crew(self.trains, self.wayside.machines.__getitem__, self.journal)
         self._injector = Injector(
-            setup.script, setup.seed, self.trains, self.wayside, self.journal, self._agenda, self._unit_power,
+            setup.script,
+            setup.seed,
+            self.trains,
+            self.wayside,
+            self.journal,
+            self._agenda,
+            self._unit_power,
             self._give_back,
         )
 
@@ -580,6 +586,9 @@ class Simulation:
         return waiting
 
     def _result(self, because: str, collisions: tuple[str, ...]) -> RunResult:
+        for slot in self.trains.active():
+            if self.trains.on_board[slot].phase is not Phase.FINISHED:
+                self._close_energy(slot)
         trains = self.setup.timetable.trains.values()
         planned = tuple(t.number for t in trains if t.revenue)
         empty = tuple(t.number for t in trains if not t.revenue)

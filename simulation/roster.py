@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from network.graph import routes_from
 from network.model import Line, SectionKind, TagPurpose
-from network.timetable import AtPortal, BecomesTrain, Stabled, Timetable, TimetableTrain
+from network.timetable import AtPortal, BecomesTrain, FromTrain, Stabled, Timetable, TimetableTrain
 from onboard.mission import Mission, plan_mission
 
 PORTAL_STAND_M = 40.0  # a train enters with its rear this far inside the portal's outer end, at most
@@ -29,22 +29,36 @@ def draw_up(
     line: Line, timetable: Timetable, train_lengths_m: dict[str, float], portal_lead_s: float
 ) -> dict[str, tuple[Duty, ...]]:
     """Duties of each stock id in order. Raises `onboard.mission.NoWay` where the line has no route for a train."""
-    return {
-        diagram.stock_id: tuple(
-            _duty(line, timetable.trains[number], diagram.stock_id, train_lengths_m, portal_lead_s)
-            for number in diagram.train_numbers
-        )
-        for diagram in timetable.diagrams
-    }
+    duties: dict[str, tuple[Duty, ...]] = {}
+    for diagram in timetable.diagrams:
+        drawn: list[Duty] = []
+        for number in diagram.train_numbers:
+            stands_in = drawn[-1].mission.spans[-1].section_id if drawn else None
+            train = timetable.trains[number]
+            length_m = train_lengths_m[diagram.stock_id]
+            drawn.append(_duty(line, train, diagram.stock_id, length_m, portal_lead_s, stands_in))
+        duties[diagram.stock_id] = tuple(drawn)
+    return duties
 
 
 def _duty(
-    line: Line, train: TimetableTrain, stock_id: str, train_lengths_m: dict[str, float], portal_lead_s: float
+    line: Line,
+    train: TimetableTrain,
+    stock_id: str,
+    length_m: float,
+    portal_lead_s: float,
+    stands_in: str | None,
 ) -> Duty:
+    """One duty; a train that another has become starts where that one ended, `stands_in`."""
     enters = isinstance(train.begins, AtPortal)
-    start = train.begins.section_id if isinstance(train.begins, AtPortal) else first_section(line, train)
+    if isinstance(train.begins, AtPortal):
+        start = train.begins.section_id
+    elif isinstance(train.begins, FromTrain) and stands_in is not None:
+        start = stands_in
+    else:
+        start = first_section(line, train)
     leave_by = train.ends.section_id if isinstance(train.ends, AtPortal) else None
-    enter_mark_m = portal_mark_m(line, train, start, train_lengths_m[stock_id]) if enters else None
+    enter_mark_m = portal_mark_m(line, train, start, length_m) if enters else None
     return Duty(
         stock_id=stock_id,
         train=train,

@@ -90,8 +90,12 @@ class ActKind(Enum):
     ACCEPT_PICTURE = "accept_picture"  # controller: the restored picture is complete and right
     POWER_ON = "power_on"  # crew or staff: switch a device on again
     REPAIR_POINTS = "repair_points"  # staff: set by hand into a position, lock, remove faults
-    ENTER_SECTION = "enter_section"  # controller, after a restart: these sections are this unit's; no unit: free
-    REENTER_BY_HAND = "reenter_by_hand"  # controller: every section, one by one, from what the crews say by voice
+    ENTER_SECTION = (
+        "enter_section"  # controller, after a restart: these sections are this unit's; no unit: free
+    )
+    REENTER_BY_HAND = (
+        "reenter_by_hand"  # controller: every section, one by one, from what the crews say by voice
+    )
     REENTER_ASSISTED = "reenter_assisted"  # controller: looks at the gathered claims and accepts them
     GIVE_BACK = "give_back"  # crew: sets back the route ahead, not entered, and asks for none for a while
 

@@ -59,7 +59,9 @@ class Trains:
         self.plants = new_plant(n).view(np.recarray)
         self.units = np.zeros(n, dtype=UNIT).view(np.recarray)
         self.kinds = np.zeros(n, dtype=TRAIN).view(np.recarray)
-        self.bodies = np.zeros(n, dtype=TRAIN).view(np.recarray)  # the trains as they are; `kinds`: as believed
+        self.bodies = np.zeros(n, dtype=TRAIN).view(
+            np.recarray
+        )  # the trains as they are; `kinds`: as believed
         self.tascs = np.zeros(n, dtype=TASC).view(np.recarray)
         self.designs = np.zeros(n, dtype=DESIGN).view(np.recarray)
         self.waves = np.zeros(n, dtype=WAVE).view(np.recarray)
@@ -71,7 +73,9 @@ class Trains:
         self.energy_marks = [EnergyMark() for _ in range(n)]
         self.unpowered: set[int] = set()
         self.boots = [1] * n
-        self.tachometer_faults: dict[int, bool] = {}  # slot: whether it still lies, until the position is sound
+        self.tachometer_faults: dict[
+            int, bool
+        ] = {}  # slot: whether it still lies, until the position is sound
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self._keepers: list[StopKeeper] = []
         self._brake_factors = np.ones(n)
@@ -107,7 +111,9 @@ class Trains:
         """An on-board unit that has just been switched on: fixed data and the number of its boot, nothing else."""
         facts = UnitFacts(self.stock_ids[slot], self.setup.line, MANAGER_ID, self.setup.unit)
         endpoint = Endpoint(self._rings[slot], epoch=self.boots[slot])
-        return Unit(facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint, self._keepers[slot])
+        return Unit(
+            facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint, self._keepers[slot]
+        )
 
     def power_off(self, slot: int) -> None:
         """The unit dies: its outputs fall to the safe side, the emergency brake applies itself."""

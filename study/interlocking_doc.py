@@ -48,7 +48,7 @@ UNIT_EVENTS: Final[Mapping[str, str]] = {
     "Tick": "Sends what is due, where the radio reaches.",
 }
 UNIT_TELEGRAMS: Final[Mapping[str, str]] = {
-    "SignOnAccepted": "To its sign-on: holds what the manager says. On the line: takes a greater token, never sections.",
+    "SignOnAccepted": "To its sign-on: holds what the manager says. On the line: a greater token only, never sections.",
     "SignOnRefused": "To its sign-on: waits and asks again.",
     "SignOffAccepted": "To its sign-off: holds nothing, is off the line.",
     "SignOffRefused": "To its sign-off: asks again; reports first if the manager has lost sight of it.",

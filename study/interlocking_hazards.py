@@ -49,7 +49,7 @@ HAZARDS: Final = (
         "a unit's own full claim outranks entries; for a silent unit two persons must say the same",
         ("wayside.reentry", "wayside.acts", "onboard.authority"),
         (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
-        ("rtri/09_manager_power",),
+        ("rtri/09_manager_power", "rtri/09b_manager_power_by_hand"),
         ("a picture accepted without a silent unit", "a claim of less than is held"),
     ),
     Hazard(

@@ -35,13 +35,10 @@ class RestartCase:
 
 RESTARTS: Final = (
     RestartCase("on the departure track, beyond tag (2)", f"train {TRAIN} departs A"),
-    RestartCase("from the departure points to tag (3)", f"train {TRAIN} departs A", 7.0),
+    RestartCase("from the departure points to tag (3)", f"train {TRAIN} departs A", 12.0),
     RestartCase("between the stations, from tag (3) to tag (4)", f"train {TRAIN} passes tag 601"),
     RestartCase("between the stations, beyond tag (4), a tag ahead", f"train {TRAIN} passes tag 602"),
     RestartCase("between the stations, no tag before the points", f"train {TRAIN} passes tag 603"),
-    RestartCase("beyond the arrival points, before tag (1)", f"train {TRAIN} passes tag 701"),
-)
-
 
 def run_without_failure() -> Run:
     """The paper's run from section 3 to section 8."""
@@ -84,26 +81,27 @@ def sequence(run: Run) -> str:
 def _note(entry: Entry) -> str:
     """What a journal entry says in the diagram; empty for those that are not drawn."""
     sections = ", ".join(entry.get("sections", ()))
+    note = ""
     match entry["what"]:
         case "granted":
-            return f"{sections} granted, token {_token(entry['token'])}"
+            note = f"{sections} granted, token {_token(entry['token'])}"
         case "freed":
-            return f"{sections} free"
+            note = f"{sections} free"
         case "stop_limit":
-            return f"stop limit km {entry['kilometrage_m'] / 1000.0:.3f}, {_why(entry)}"
+            note = f"stop limit km {entry['kilometrage_m'] / 1000.0:.3f}, {_why(entry)}"
         case "departs":
-            return f"departs {entry['station']}"
+            note = f"departs {entry['station']}"
         case "arrived":
-            return f"stands at {entry['station']}"
+            note = f"stands at {entry['station']}"
         case "tag_read" if entry["purpose"] != "position":
-            return f"tag {entry['tag']} ({_purpose(entry)})"
+            note = f"tag {entry['tag']} ({_purpose(entry)})"
         case "proven":
-            return f"{entry['points']} proven {entry['position']}"
+            note = f"{entry['points']} proven {entry['position']}"
         case "points_moving":
-            return f"{entry['points']} moves to {entry['target']}"
+            note = f"{entry['points']} moves to {entry['target']}"
         case "points_locked":
-            return f"{entry['points']} locked {entry['position']}"
-    return ""
+            note = f"{entry['points']} locked {entry['position']}"
+    return note
 
 
 def _token(token: int) -> str:

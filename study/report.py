@@ -22,6 +22,7 @@ from study.report_data import Run
 from study.report_graph import draw_train_graph
 from study.report_occupancy import draw_occupancy
 from study.report_style import clock, drawing, svg_of
+from study.report_tasc import Tuned, draw_approaches, draw_response, learned_rows, most_telling
 from study.run_tables import RunTables
 from study.summary import TELEGRAM_COUNTS, summarise
 
@@ -60,19 +61,24 @@ class Part:
 
 
 def write_report(
-    directory: Path, line: Line, timetable: Timetable, tables: RunTables, summary: Mapping[str, Any]
+    directory: Path,
+    line: Line,
+    timetable: Timetable,
+    tables: RunTables,
+    summary: Mapping[str, Any],
+    tuned: Mapping[str, Tuned] | None = None,
 ) -> Path:
     """Write `report.html` into `directory` and return its path; written aside, then renamed.
 
     `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
-    "broken_expectations" (text). Figures of `study.summary.summarise` found in it are used as they are.
+    "broken_expectations" (text). `tuned` is what each train learned of its stops, by unit. Figures of `study.summary.summarise` found in it are used as they are.
     Raises OSError when the file cannot be written.
     """
     run = Run(line, timetable, tables)
     facts = {**summarise(tables, timetable), **summary}
     with drawing():
-        parts = _parts(run, facts)
+        parts = _parts(run, facts, tuned or {})
     environment = Environment(
         loader=PackageLoader("study", "templates"),
         autoescape=True,
@@ -150,7 +156,7 @@ def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
     return (*lines, *(f"Expected: {text}" for text in facts.get("broken_expectations", ())))
 
 
-def _parts(run: Run, facts: Mapping[str, Any]) -> tuple[Part, ...]:
+def _parts(run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:
     """Every part of the report, in the order in which a planner reads them."""
     graph, tips = draw_train_graph(run)
     parts = [
@@ -185,12 +191,36 @@ def _parts(run: Run, facts: Mapping[str, Any]) -> tuple[Part, ...]:
             draw_energy(run),
         ),
         ("Stop errors", "Bars by station are means.", draw_stop_errors(run, facts)),
+        (
+            "Stopping",
+            "The last 400 m of every stop at a mark: what the train ran and what its target-speed pattern asked for.",
+            draw_approaches(run),
+        ),
         ("Delays", "Seconds after plan on arrival, and on departure where a train begins.", draw_delays(run)),
     ):
         svg = () if figure is None else (svg_of(figure, title.split()[0].lower()),)
         parts.append(Part(title, caption if svg else "Nothing to show: the run has none.", svg))
+    parts.extend(_tuning_part(tuned))
     parts.append(Part("Trains", "", grids=(_train_grid(run),), folded="Plan and run of every train"))
     return (*parts, _telegram_part(run.tables.telegrams), _event_part(run.tables.events))
+
+
+def _tuning_part(tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:
+    """What the trains have learned of their brakes; nothing where none learned."""
+    unit = most_telling(tuned)
+    if unit is None:
+        return ()
+    figure = draw_response(tuned[unit], unit)
+    header = ("unit", "stops counted", "left out", "dead time designed, s", "learned, s", "offset learned, km/h/s")
+    return (
+        Part(
+            "Self-tuning",
+            "What each train has learned of its brake from its own stops, and the response surface of the one that"
+            " differs most from its design.",
+            () if figure is None else (svg_of(figure, "tuning"),),
+            (Grid(header, learned_rows(tuned), numbers_from=1),),
+        ),
+    )
 
 
 def _train_grid(run: Run) -> Grid:

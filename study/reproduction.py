@@ -11,6 +11,7 @@ from network.errors import InputError
 
 # name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
 REPRODUCTIONS: Final[Mapping[str, str]] = {
+    "line-stops": "study.reproduce_line_stops",
     "oda-scale-track": "study.reproduce_scale_track",
     "oda-vision": "study.reproduce_vision",
     "oda-table4": "study.reproduce_table4",

@@ -26,6 +26,7 @@ from simulation.setup import STEP_S, Setup
 from study.collect import tables_of
 from study.fleet_file import learned_json
 from study.report import write_report
+from study.report_tasc import Tuned
 from study.run_tables import SCHEMAS, RunTables
 from study.scenario import Scenario
 from study.summary import summarise
@@ -33,7 +34,9 @@ from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 from wayside.config import device_specs, manager_config, terminal_configs
 
-LEARNED_FILE: Final = "learned.json"  # only where trains learn; `[tuning] learned` of another scenario may name it
+LEARNED_FILE: Final = (
+    "learned.json"  # only where trains learn; `[tuning] learned` of another scenario may name it
+)
 RUN_FILES: Final = frozenset(
     {"summary.json", LEARNED_FILE, "journal.jsonl", "report.html", *(f"{name}.parquet" for name in SCHEMAS)}
 )
@@ -182,7 +185,11 @@ def _write_files(run: Run, out: Path, folder: Path) -> None:
         "broken_expectations": list(run.broken),
         "assumed": list(run.scenario.assumed),
     }
-    write_report(folder, setup.line, setup.timetable, run.tables, facts)
+    waves = run.result.learned_from
+    tuned = {
+        unit: Tuned(learned, waves[unit]) for unit, learned in run.result.learned.items() if unit in waves
+    }
+    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned)
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
@@ -231,7 +238,8 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
     ]
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
     return device_specs(
-        manager_config(line, routes, unit_ids, reentry=setup.reentry), terminal_configs(line), master_key)
+        manager_config(line, routes, unit_ids, reentry=setup.reentry), terminal_configs(line), master_key
+    )
 
 
 def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:

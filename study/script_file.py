@@ -200,9 +200,7 @@ def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
     if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
         raise InputError(file, f"{key}.sections", table.sections, "the sections that are entered")
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
-    return Act(
-        kind, table.target, trigger, table.person, tuple(table.sections), table.position, table.hold_s
-    )
+    return Act(kind, table.target, trigger, table.person, tuple(table.sections), table.position, table.hold_s)
 
 
 def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetable: Timetable) -> Expectation:
@@ -243,9 +241,7 @@ def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetab
     )
 
 
-def _trigger(
-    file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: _Names
-) -> Trigger:
+def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: _Names) -> Trigger:
     if isinstance(given, str) and _CLOCK.fullmatch(given):
         return Trigger(at_s=_time(file, key, given), after_s=after_s)
     return Trigger(on=_matcher(file, key, given, names), after_s=after_s)

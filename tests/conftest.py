@@ -12,6 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+# No verdict depends on how fast the machine is, and the same examples are tried everywhere.
+settings.register_profile("branchline", deadline=None, derandomize=True)
+settings.load_profile("branchline")
 
 TURN_BACK_TIMETABLE = """
 [timetable]

@@ -237,8 +237,16 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
         if unit.standing in (Standing.UNKNOWN, Standing.DISPUTED):
             return _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
         claimed = ()
+    elif not claimed and unit.standing is Standing.BY_HAND:
+        return _deny_entry(register, heard)
     if unknown := [section_id for section_id in claimed if section_id not in register.plan.order]:
         return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
+    return _weigh_claim(register, heard, claimed)
+
+
+def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
+    unit_id = heard.unit_id
+    unit = register.unit(unit_id)
     conflict = register.other_holder(unit_id, claimed)
     if _wishes(register, heard, claimed):
         # Where it was last known on the line, a wish may as well be its place: let the claim tell.
@@ -254,6 +262,15 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
         register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
         return register, (shown, *refusal)
     return _accept_claim(register, heard, claimed)
+
+
+def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
+    """It says that it is outside, persons say it holds something: it would never report, so persons must."""
+    unit_id = heard.unit_id
+    detail = "entered by hand, says it is outside"
+    shown = show(NoteKind.CONTRADICTION, unit_id, register.held_by(unit_id), detail=detail)
+    register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
+    return register, (shown, *refusal)
 
 
 def _doubt(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:

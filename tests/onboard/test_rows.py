@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,5 +16,5 @@ from simulation.rows import TruthRow
 )
 def test_a_row_type_names_the_fields_of_its_record_in_order_and_kind(record: np.dtype, row: type) -> None:
     kinds = {"f": "float", "i": "int"}
-    fields: Mapping[Any, Any] = record.fields or {}
+    fields: dict[str, Any] = {str(name): field for name, field in (record.fields or {}).items()}
     assert row.__annotations__ == {name: kinds[fields[name][0].kind] for name in record.names or ()}

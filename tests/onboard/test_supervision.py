@@ -61,7 +61,7 @@ def prepared(limit_m: float) -> UnitRow:
     return row
 
 
-@compiled_test
+@settings(compiled_test, max_examples=40)
 @given(
     slopes=st.lists(st.floats(-25.0, 25.0), min_size=10, max_size=10),
     limit_m=st.floats(120.0, 2400.0),

@@ -55,7 +55,7 @@ def test_a_cell_may_have_a_bar() -> None:
 
 
 def test_a_module_without_an_invariant_is_refused() -> None:
-    with pytest.raises(ValueError, match="network.units"):
+    with pytest.raises(ValueError, match=r"network\.units"):
         invariant_of("network.units")
 
 

@@ -66,7 +66,9 @@ RUN = result_of(
 )
 
 
-def verdict(expectation: Expectation, result: RunResult = RUN, given: RunTables = NOTHING) -> tuple[bool, str]:
+def verdict(
+    expectation: Expectation, result: RunResult = RUN, given: RunTables = NOTHING
+) -> tuple[bool, str]:
     (found,) = judge((expectation,), result, given)
     return found.passed, found.happened
 
@@ -116,10 +118,10 @@ def test_a_train_number_is_that_of_the_moment() -> None:
 def test_broken_invariants_and_collisions_are_not_passed_over() -> None:
     sound = Expectation("t", holds=Property.NO_INVARIANT_BROKEN)
     assert verdict(sound) == (True, "none broken")
-    violation = Violation(5.0, "inside-holding", "K1", "K1 is in section 5")
+    violation = Violation(5.0, "inside-holding", "K1 is in section 5")
     assert verdict(sound, result_of(violations=(violation,))) == (False, "inside-holding: K1 is in section 5")
     assert not verdict(sound, result_of(collisions=("K1 and K2",)))[0]
-    late = Violation(5.0, "everyone-arrives", "T1", "T1 has not arrived")
+    late = Violation(5.0, "everyone-arrives", "T1 has not arrived")
     assert verdict(sound, result_of(violations=(late,)))[0]
 
 
@@ -130,7 +132,7 @@ def test_every_train_must_arrive_empty_ones_too() -> None:
 
 
 def trajectory(*points: tuple[float, float]) -> list[tuple[Any, ...]]:
-    kinds = {"t_s": 0.0, "unit": "K1", "train": "T1", "direction": 1, "piece": "5"}
+    kinds = {"unit": "K1", "train": "T1", "direction": 1, "piece": "5", "intervention": 0}
     return [
         tuple({**kinds, "t_s": t_s, "speed_mps": speed}.get(name, 0.0) for name in SCHEMAS["trajectory"])
         for t_s, speed in points

@@ -23,7 +23,7 @@ from onboard import unit as unit_module
 from onboard.authority_records import Authority
 from onboard.mission import Mission
 from onboard.stop_limit import StopLimit, cleared_sections, stop_limit
-from onboard.unit import Phase, Transmit, Unit, UnitAction
+from onboard.unit import Transmit, Unit, UnitAction
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer
 from radio.fleet import Note, NoteKind
@@ -40,7 +40,6 @@ from radio.messages import (
     RouteRefused,
     RouteRequest,
 )
-from simulation import wayside_world
 from simulation.crew import Crew, Seen
 from simulation.roster import Duty
 from simulation.setup import Setup, behaviour_rows
@@ -51,7 +50,7 @@ from study.scenario import load_scenario
 from study.verdict import judge
 from wayside import block_manager, device, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
-from wayside.config import ManagerConfig, TerminalConfig, terminal_configs
+from wayside.config import ManagerConfig
 from wayside.register import Register, Standing
 
 Switch = Callable[[pytest.MonkeyPatch], None]
@@ -80,12 +79,12 @@ def switch_names() -> frozenset[str]:
 def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Run, set[str]]]:
     """Run a scenario or drill with switches thrown; the run, and who objects: checkers, unmet expectations."""
 
-    def run(scenario: str, *switches: str) -> tuple[Run, set[str]]:
-        for name in filter(None, switches):
-            SWITCHES[name](monkeypatch)
+    def run(scenario: str, *switches: str | Switch) -> tuple[Run, set[str]]:
+        for given in filter(None, switches):
+            (SWITCHES[given] if isinstance(given, str) else given)(monkeypatch)
         file = FOLDER / f"{scenario}.toml"
-        given = str(file) if file.is_file() else scenario
-        loaded = load_scenario(find_drill(given) if given in shipped_drills() else given)
+        name = str(file) if file.is_file() else scenario
+        loaded = load_scenario(find_drill(name) if name in shipped_drills() else name)
         done = execute(loaded, Link.SIMULATED)
         verdicts = judge(loaded.setup.script.expectations, done.result, done.tables)
         return done, {v.checker for v in done.result.violations} | {v.text for v in verdicts if not v.passed}
@@ -325,24 +324,31 @@ def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def restarts_at_full_speed(patch: pytest.MonkeyPatch) -> None:
-    restart = Unit.restart
+    restart, fault = Unit.restart, Unit._position_fault
 
     def at_once(self: Unit, *args: Any, **keywords: Any) -> list[UnitAction]:  # noqa: ANN401 - handed on
         actions = restart(self, *args, **keywords)
         self.row.restricted_mps = math.inf
         return actions
 
+    def unrestricted(self: Unit, why: str, now_s: float) -> None:
+        fault(self, why, now_s)
+        self.row.restricted_mps = math.inf
+
     patch.setattr(Unit, "restart", at_once)
+    patch.setattr(Unit, "_position_fault", unrestricted)
 
 
 @switch
-def driver_aims_at_the_mark(patch: pytest.MonkeyPatch) -> None:
-    """Given: automatic driving aims at the station's mark, whatever the stop limit."""
+def service_brake_is_weak(patch: pytest.MonkeyPatch) -> None:
+    """Given: the service brake gives a fifth of what automatic driving counts on; the emergency brake is sound."""
+    place = Trains.place
 
-    def aim(self: Unit, mission: Mission) -> None:
-        self.row.target_stop_m = mission.targets[self.at + 1].mark_m
+    def worn(self: Trains, slot: int, duty: Duty) -> None:
+        place(self, slot, duty)
+        self.plants[slot].brake_factor = 0.2
 
-    patch.setattr(Unit, "_aim", aim)
+    patch.setattr(Trains, "place", worn)
 
 
 @switch
@@ -390,11 +396,6 @@ def accepts_telegrams_twice(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
-def obeys_stale_telegrams(patch: pytest.MonkeyPatch) -> None:
-    lets_pass(patch, DropReason.STALE)
-
-
-@switch
 def obeys_an_earlier_boot(patch: pytest.MonkeyPatch) -> None:
     lets_pass(patch, DropReason.OLD_EPOCH)
 
@@ -420,73 +421,3 @@ def forges_a_report(patch: pytest.MonkeyPatch) -> None:
 @switch
 def believes_any_code(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(env, "mac_equal", lambda *_: True)
-
-
-# needed for shipped drills only -------------------------------------------------------------------------------
-
-
-@switch
-def keeps_proofs_when_turning(patch: pytest.MonkeyPatch) -> None:
-    turned = event_table()[auth.TurnedBack]
-
-    def kept(state: Authority, event: auth.TurnedBack, now_s: float, covered: bool) -> auth.Result:
-        after, actions = turned(state, event, now_s, covered)
-        return replace(after, proven=state.proven), actions
-
-    patch.setitem(event_table(), auth.TurnedBack, kept)
-
-
-@switch
-def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
-    patch.setitem(event_table(), auth.GiveBack, lambda state, *_: (state, ()))
-
-
-@switch
-def crew_does_not_stop_before_points(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Crew, "_unproven", lambda *_: [])
-
-
-@switch
-def ignores_position_faults(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Unit, "_position_fault", lambda *_: None)
-
-
-@switch
-def reads_no_tag_after_a_restart(patch: pytest.MonkeyPatch) -> None:
-    read = Unit.tag_read
-
-    def blind(self: Unit, tag_id: int, odometer_m: float, now_s: float) -> list[UnitAction]:
-        return [] if self.phase is Phase.RESTARTED else read(self, tag_id, odometer_m, now_s)
-
-    patch.setattr(Unit, "tag_read", blind)
-
-
-@switch
-def points_unlock_without_power(patch: pytest.MonkeyPatch) -> None:
-    power_off = wayside_world.WaysideWorld.power_off
-
-    def unlocked(self: wayside_world.WaysideWorld, step: int, device_id: str) -> None:
-        power_off(self, step, device_id)
-        for points_id, terminal_id in self._terminal_of.items():
-            if terminal_id == device_id:
-                self.set_machine(step, replace(self.machines[points_id], locked=False))
-
-    patch.setattr(wayside_world.WaysideWorld, "power_off", unlocked)
-
-
-@switch
-def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
-    def strict(*args: Any) -> tuple[TerminalConfig, ...]:  # noqa: ANN401 - handed on
-        configs = []
-        for config in terminal_configs(*args):
-            points = [msgspec.structs.replace(p, throw_limit_s=p.throw_limit_s / 1.5) for p in config.points]
-            configs.append(msgspec.structs.replace(config, points=tuple(points)))
-        return tuple(configs)
-
-    patch.setattr("study.run.terminal_configs", strict)
-
-
-@switch
-def believes_tags_too_old_or_new(patch: pytest.MonkeyPatch) -> None:
-    believes_any_tag(patch)
-    patch.setattr(Unit, "_believes", lambda *_: True)

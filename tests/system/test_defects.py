@@ -155,7 +155,7 @@ DEFECTS: Final = (
         "terminal_out_of_reach",
         "supervision_trusts_any_brake",
         (Checker.PROVEN_BEFORE_ENTRY, "the train waits before the points"),
-        "driver_aims_at_the_mark",
+        "service_brake_is_weak",
     ),
     Defect(
         "the crew does not look at the points",

@@ -1,55 +1,174 @@
-"""Each shipped drill fails when the behaviour that it checks is switched off (see `conftest` for the switches)."""
+"""Each shipped drill of the paper's line fails when the behaviour that it checks is switched off.
+
+Switches are those of `conftest`, by name, and those that no other test needs, here.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final, cast
 
+import msgspec
 import pytest
 
+from onboard import authority as auth
+from onboard.authority_records import Authority
+from onboard.mission import Mission
+from onboard.unit import Phase, Unit, UnitAction
+from radio.messages import HoldingReport
+from simulation.crew import Crew
+from simulation.roster import Duty
+from simulation.trains import Trains
+from simulation.wayside_world import WaysideWorld
 from study.drill import shipped_drills
 from study.run import Run
+from wayside.config import TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
 
+Switch = Callable[[pytest.MonkeyPatch], None]
+
 FOLDER: Final = "rtri/"
+TRAIN_M: Final = 40.0
+
+
+def turns_without_its_position(patch: pytest.MonkeyPatch) -> None:
+    """Changes ends, and takes the place of the old front for that of the new one."""
+    turn = Trains.turn
+
+    def turned(self: Trains, slot: int, duty: Duty) -> None:
+        turn(self, slot, duty)
+        self.units[slot].position_m -= TRAIN_M
+
+    patch.setattr(Trains, "turn", turned)
+
+
+def reports_once(patch: pytest.MonkeyPatch) -> None:
+    due = auth._due
+
+    def once(state: Authority, *rest: Any) -> auth.Result:  # noqa: ANN401 - handed on
+        after, actions = due(state, *rest)
+        said = any(isinstance(a, auth.Send) and isinstance(a.message, HoldingReport) for a in actions)
+        return (replace(after, report_due=False, next_report_s=auth.NEVER) if said else after), actions
+
+    patch.setattr(auth, "_due", once)
+
+
+def obeys_only_while_it_hears_the_manager(patch: pytest.MonkeyPatch) -> None:
+    """Authority with a lease: 20 s after the manager's last word the train may not go on."""
+    receive, set_limit, heard_s = Unit.receive, Unit._set_limit, dict[str, float]()
+
+    def received(self: Unit, data: bytes, now_s: float) -> list[UnitAction]:
+        heard_s[self.facts.unit_id] = now_s
+        return receive(self, data, now_s)
+
+    def limited(self: Unit, mission: Mission, now_s: float) -> None:
+        set_limit(self, mission, now_s)
+        if self.phase is Phase.RUNNING and now_s - heard_s.get(self.facts.unit_id, now_s) > 20.0:
+            self.row.stop_limit_m = self.row.position_m
+
+    patch.setattr(Unit, "receive", received)
+    patch.setattr(Unit, "_set_limit", limited)
+
+
+def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
+    patch.setitem(cast("dict[type, Any]", auth._EVENTS), auth.GiveBack, lambda state, *_: (state, ()))
+
+
+def crew_does_not_stop_before_points(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Crew, "_unproven", lambda *_: [])
+
+
+def ignores_position_faults(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Unit, "_position_fault", lambda *_: None)
+
+
+def reads_no_tag_after_a_restart(patch: pytest.MonkeyPatch) -> None:
+    read = Unit.tag_read
+
+    def blind(self: Unit, tag_id: int, odometer_m: float, now_s: float) -> list[UnitAction]:
+        return [] if self.phase is Phase.RESTARTED else read(self, tag_id, odometer_m, now_s)
+
+    patch.setattr(Unit, "tag_read", blind)
+
+
+def points_unlock_without_power(patch: pytest.MonkeyPatch) -> None:
+    power_off = WaysideWorld.power_off
+
+    def unlocked(self: WaysideWorld, step: int, device_id: str) -> None:
+        power_off(self, step, device_id)
+        for points_id, terminal_id in self._terminal_of.items():
+            if terminal_id == device_id:
+                self.set_machine(step, replace(self.machines[points_id], locked=False))
+
+    patch.setattr(WaysideWorld, "power_off", unlocked)
+
+
+def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
+    def strict(*args: Any) -> tuple[TerminalConfig, ...]:  # noqa: ANN401 - handed on
+        configs = []
+        for config in terminal_configs(*args):
+            points = [msgspec.structs.replace(p, throw_limit_s=p.throw_limit_s / 1.5) for p in config.points]
+            configs.append(msgspec.structs.replace(config, points=tuple(points)))
+        return tuple(configs)
+
+    patch.setattr("study.run.terminal_configs", strict)
+
+
+def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("onboard.unit.within_window", lambda *_: True)
+    patch.setattr(Unit, "_believes", lambda *_: True)
+
+
+# what it checks lies in compiled code that no test can patch: that slides widen the bounds (tests/onboard)
+NOT_YET: Final = frozenset({"27_slippery_rail"})
 
 # drill: switch, and one expectation or checker that must object
-WITHOUT: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
     {
         "01_normal": ("releases_at_the_front", "no invariant is broken"),
-        "02_turn_back": ("keeps_proofs_when_turning", "no invariant is broken"),
+        "02_turn_back": (turns_without_its_position, "no invariant is broken"),
         "03_block_held": ("grants_what_another_holds", "the request is refused: section 8 is held"),
         "04_unit_power_position_fixed": (
             "restarts_at_full_speed",
             "low speed until position and holdings are known",
         ),
         "05_unit_power_position_unknown": (
-            "crew_does_not_stop_before_points",
+            crew_does_not_stop_before_points,
             "the train is stopped before the points and the crew looks how they lie",
         ),
-        "05b_extra_tag": ("reads_no_tag_after_a_restart", "it resumes before the points"),
-        "06_unit_manager_link": ("silence_frees", "x"),
+        "05b_extra_tag": (reads_no_tag_after_a_restart, "it resumes before the points"),
+        "06_unit_manager_link": (reports_once, "afterwards all together"),
         "07_unit_terminal_link": ("does_not_wait_for_proof", "no invariant is broken"),
-        "08a_tachometer_scale": ("believes_any_tag", "x"),
-        "08b_tachometer_silent": ("ignores_position_faults", "position fault"),
-        "08c_tachometer_silent_at_start": ("ignores_position_faults", "position fault"),
-        "08d_tachometer_stuck": ("ignores_position_faults", "position fault"),
-        "09_manager_power": ("starts_with_every_section_free", "x"),
-        "10_manager_link": ("silence_frees", "x"),
+        "08a_tachometer_scale": ("believes_any_tag", "a tag is read where none can be: position fault"),
+        "08b_tachometer_silent": (
+            "restarts_at_full_speed",
+            "low speed until position and holdings are known",
+        ),
+        "08c_tachometer_silent_at_start": (ignores_position_faults, "position fault"),
+        "08d_tachometer_stuck": (ignores_position_faults, "position fault"),
+        "09_manager_power": (
+            "starts_with_every_section_free",
+            "nothing is granted while it is off or undefined",
+        ),
+        "09b_manager_power_by_hand": (
+            "starts_with_every_section_free",
+            "nothing is granted while it is off or undefined",
+        ),
+        "10_manager_link": ("silence_frees", "no invariant is broken"),
         "11_terminal_link": ("does_not_wait_for_proof", "it does not enter them"),
         "12_terminal_power": ("does_not_wait_for_proof", "it does not enter them"),
-        "12b_terminal_power_after_throw": ("points_unlock_without_power", "no invariant is broken"),
-        "13_tag_not_read": ("expects_no_tag", "x"),
-        "20_route_given_back": ("keeps_a_route_set_back", "T2 gets its route"),
+        "12b_terminal_power_after_throw": (points_unlock_without_power, "no invariant is broken"),
+        "13_tag_not_read": ("expects_no_tag", "position fault: the expected tag was not read"),
+        "20_route_given_back": (keeps_a_route_set_back, "then the manager frees it"),
         "21_points_stuck": ("proves_what_it_has_not_detected", "the train waits before them"),
         "22_points_no_detection": ("proves_what_it_has_not_detected", "but not proven"),
-        "23_points_slow": ("terminal_allows_no_slower_throw", "they are proven, later"),
-        "24_manager_frozen": ("obeys_stale_telegrams", "x"),
+        "23_points_slow": (terminal_allows_no_slower_throw, "they are proven, later"),
+        "24_manager_frozen": (obeys_only_while_it_hears_the_manager, "T1 runs on within what it holds"),
         "25_wrong_tag_id": ("believes_any_tag", "the unit does not believe it"),
-        "26_tags_swapped": ("believes_tags_too_old_or_new", "the unit does not believe the first"),
-        "27_slippery_rail": ("bounds_do_not_grow", "no invariant is broken"),
+        "26_tags_swapped": (believes_any_tag_at_once, "no invariant is broken"),
     }
 )
 
@@ -65,4 +184,4 @@ def test_a_drill_fails_without_the_behaviour_that_it_checks(
 
 def test_no_drill_is_left_out() -> None:
     shipped = {name.removeprefix(FOLDER) for name in shipped_drills() if name.startswith(FOLDER)}
-    assert shipped == set(WITHOUT)
+    assert shipped == set(WITHOUT) | NOT_YET

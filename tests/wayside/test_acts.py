@@ -126,6 +126,15 @@ def test_what_was_entered_by_hand_is_freed_by_two_persons_only() -> None:
     assert desk.register.ledger == {"u2"}
 
 
+def test_a_unit_entered_by_hand_that_says_it_is_outside_is_for_two_persons_to_free() -> None:
+    desk = Desk(Standing.BY_HAND)
+    desk.claim("u1")
+    assert desk.standing is Standing.BY_HAND
+    assert desk.register.held_by("u1") == ("A", "B")
+    desk.act(ConfirmOutside("u1", "Sato"))
+    assert desk.act(ConfirmOutside("u1", "Mori")) == [NoteKind.FREED, NoteKind.OUTSIDE]
+
+
 def test_a_word_that_waited_is_forgotten_when_the_unit_speaks() -> None:
     desk = Desk(Standing.BY_HAND)
     desk.act(ConfirmOutside("u1", "Sato"))

@@ -325,6 +325,9 @@ class World:
             self.wait(6.0)
             self.flush()
             self.restore()
+            for unit_id in UNITS:
+                self.confirm_by_hand(unit_id)
+                self.confirm_by_hand(unit_id, "Sato")
             for unit_id, train in self.units.items():
                 if train.held is None:
                     self.sign_on(unit_id)
@@ -525,13 +528,12 @@ class Walker:
         chance = self.chance
         unit_id = chance.choice(UNITS)
         some = tuple(chance.sample(SECTIONS, chance.randint(1, 3)))
-        return chance.choice(
-            [
-                EnterSection(some[0], chance.choice([None, unit_id]), "Sato"),
-                ConfirmHolding(unit_id, some, "Sato"),
-                ConfirmOutside(unit_id, "Sato"),
-            ]
-        )
+        wrong: list[Input] = [
+            EnterSection(some[0], chance.choice([None, unit_id]), "Sato"),
+            ConfirmHolding(unit_id, some, "Sato"),
+            ConfirmOutside(unit_id, "Sato"),
+        ]
+        return chance.choice(wrong)
 
     def deliver_any(self) -> None:
         if self.world.flying:
