@@ -450,7 +450,8 @@ def _confirmed(state: Authority, event: Heard, now_s: float, covered: bool) -> R
 def _claim_query(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Result:
     if not state.on_line and state.sign_on is not None and state.sign_on.section_ids is None:
         return state, (Send(state.manager_id, Claim(None, 0), event.correlation),)
-    sections = state.section_ids()
+    waits_to_enter = state.entering and not state.on_line
+    sections = () if waits_to_enter else state.section_ids()
     return state, (
         Send(state.manager_id, Claim(sections, state.token), event.correlation),
         Noted("claimed", {"sections": sections, "token": state.token}),

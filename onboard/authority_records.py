@@ -58,6 +58,7 @@ class Authority:
     token: int = 0
     on_line: bool = False  # signed on and not signed off
     sign_on: SignOn | None = None
+    entering: bool = False  # the sign-on asks for a portal
     sign_off: SignOff | None = None
     next_sign_s: float = NEVER
     asked: Route | None = None
@@ -91,6 +92,7 @@ class BeginOnLine:
     """The train has come onto the line and claims these sections; None: switched on, it knows nothing."""
 
     section_ids: tuple[str, ...] | None
+    enters: bool = False  # a wish for a portal, not a fact: until it is accepted the unit holds nothing
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,18 +7,15 @@ tags, timers and what the tick reports. Each event ends in `_think`: what is ope
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from enum import Enum
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from network.model import Line, SectionKind, TagPurpose
+from network.model import SectionKind, TagPurpose
 from onboard import authority as auth
 from onboard.coverage import covered_at, next_coverage_m
-from onboard.localisation import calibrated_scale, fix, within_window
+from onboard.localisation import fix, within_window
 from onboard.mission import Mission, PathTag, Target
 from onboard.records import (
     EMERGENCY_INTERVENTION,
@@ -47,88 +44,36 @@ from onboard.stop_limit import (
 )
 from onboard.stopping import LIMIT_MARGIN_M
 from onboard.supervision import RESERVE_M
+from onboard.tag_doubt import TagDoubt
 from onboard.tasc import Verdict, judge
 from onboard.timekeeping import cruise_for
+from onboard.unit_records import (
+    Finished,
+    LeftLine,
+    Noted,
+    Phase,
+    Transmit,
+    UnitAction,
+    UnitFacts,
+    UnitParameters,
+)
 from radio.envelope import Dropped, Endpoint
 from radio.messages import AnyMessage
 from vehicle.rows import TrainRow
 
+__all__ = [
+    "Finished",
+    "LeftLine",
+    "Noted",
+    "Phase",
+    "Transmit",
+    "Unit",
+    "UnitAction",
+    "UnitFacts",
+    "UnitParameters",
+]
+
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
-
-
-class Phase(Enum):
-    """Where the unit is in its duty."""
-
-    OFF = "off"
-    SIGNING_ON = "signing on"
-    STANDING = "standing"
-    RUNNING = "running"
-    RESTARTED = "restarted"  # on sight: switched on again, or lost its position, until all is known again
-    FINISHED = "finished"
-    SIGNING_OFF = "signing off"
-    GONE = "gone"
-
-
-@dataclass(frozen=True, slots=True)
-class UnitParameters:
-    """How a unit behaves; `assumed` unless the scenario says otherwise (the paper gives no figures)."""
-
-    dwell_min_s: float = 20.0
-    request_lead_s: float = 45.0  # a route is asked for this long before the departure
-    time_margin_s: float = 10.0  # arrive this much before the time
-    standoff_m: float = 15.0  # stop this far before a stop limit that is no mark
-    tag_accuracy_m: float = 0.5
-    wheel_error_share: float = 0.02  # worn wheels: growth of the bounds
-    doubt_error_share: float = (
-        0.2  # the same after a position fault, until two tags agree with the tachometer
-    )
-    doubt_bound_max_m: float = 60.0  # a train that cannot go on for bounds wider than this goes on sight
-    wheel_scale_limit: float = 0.015
-    tag_window_m: float = 5.0
-    emergency_release_s: float = 30.0  # the driver's acknowledgement after an emergency stop
-    restricted_mps: float = 15.0 / 3.6  # on sight while the position is unknown
-
-
-@dataclass(frozen=True, slots=True)
-class UnitFacts:
-    """Fixed data of one unit (固定データ)."""
-
-    unit_id: str
-    line: Line
-    manager_id: str
-    parameters: UnitParameters
-
-
-@dataclass(frozen=True, slots=True)
-class Transmit:
-    """A sealed telegram for the air."""
-
-    destination: str
-    kind: str
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Noted:
-    """A line for the journal."""
-
-    what: str
-    data: Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
-class Finished:
-    """The mission's last target is reached and the sections behind are given back."""
-
-    number: str
-
-
-@dataclass(frozen=True, slots=True)
-class LeftLine:
-    """Signed off: the train may be taken off the line."""
-
-
-UnitAction = Transmit | Noted | Finished | LeftLine
 
 
 class Unit:
@@ -161,11 +106,7 @@ class Unit:
         self._elevation_m: NDArray[np.float64] = np.zeros(1)
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._tags: dict[int, PathTag] = {}
-        self._last_tag: tuple[PathTag, float] | None = None
-        self._doubting = (
-            False  # after a position fault; `_suspect`: a tag read since that alone proves nothing
-        )
-        self._suspect: tuple[PathTag, float] | None = None
+        self._doubt: Final = TagDoubt(row, facts.parameters)
         self._wanted: tuple[auth.PointsNeeded, ...] = ()  # thrown as soon as and whenever they can be
         self._ready_s = -math.inf  # not before: doors, dwell
         self._release_emergency_s = math.inf
@@ -181,7 +122,8 @@ class Unit:
         self._expect_tag()
         if signing_on:
             self.phase = Phase.SIGNING_ON
-            self._authority(auth.BeginOnLine((mission.spans[0].section_id,)), now_s)
+            enters = mission.spans[0].kind is SectionKind.PORTAL
+            self._authority(auth.BeginOnLine((mission.spans[0].section_id,), enters), now_s)
         elif self.row.position_known:
             self.phase = Phase.STANDING
         else:
@@ -259,7 +201,7 @@ class Unit:
         self._elevation_m = np.ascontiguousarray(path["elevation_m"])
         self._driving_mps = np.ascontiguousarray(path["driving_mps"])
         self._tags = {tag.tag_id: tag for tag in mission.tags}
-        self._last_tag = None
+        self._doubt.new_path(mission.tags)
         self._wanted = ()
         self._ready_s = ready_s
         self.row.mode = MODE_HOLD
@@ -306,17 +248,14 @@ class Unit:
         if tag is None or not within_window(self.row, tag.position_m, odometer_m, tolerance_m):
             self._position_fault(f"tag {tag_id} where none can be", now_s)
             return self._done(now_s)
-        if not self._believes(tag, odometer_m):
-            self._suspect = (tag, odometer_m)
+        if not self._doubt.believes(tag, odometer_m):
             self._note("tag_doubted", tag=tag_id)
             return self._done(now_s)
-        self._calibrate(tag, odometer_m)
-        self._settle_doubt(tag, odometer_m)
+        self._doubt.take(tag, odometer_m)
         was_known = self.row.position_known == 1
         correction_m = fix(self.row, tag.position_m, odometer_m, tolerance_m)
         self.row.fix_correction_m += correction_m
         self._note("tag_read", tag=tag_id, purpose=tag.purpose.value, correction_m=round(correction_m, 3))
-        self._last_tag = (tag, odometer_m)
         self._expect_tag(tag.position_m)
         if not was_known:
             self._position_found(now_s)
@@ -424,62 +363,13 @@ class Unit:
         ahead = (tag.position_m for tag in self.mission.tags if tag.position_m > beyond_m + 0.1)
         self.row.expected_tag_m = next(ahead, math.inf)
 
-    def _calibrate(self, tag: PathTag, odometer_m: float) -> None:
-        if self._last_tag is None or not self.row.position_known:
-            return
-        last, last_odometer_m = self._last_tag
-        parameters = self.facts.parameters
-        self.row.odometer_scale = calibrated_scale(
-            self.row.odometer_scale,
-            tag.position_m - last.position_m,
-            odometer_m - last_odometer_m,
-            parameters.wheel_scale_limit,
-            parameters.tag_accuracy_m,
-        )
-
-    def _believes(self, tag: PathTag, odometer_m: float) -> bool:
-        """After a position fault: the only tag that can be meant here, or one that agrees with the one before.
-
-        Tags swapped, or wrong by themselves, would otherwise give a false position to a unit that has none.
-        """
-        if self.mission is None or not self._doubting or self.row.position_known:
-            return True
-        row, parameters = self.row, self.facts.parameters
-        estimate_m = row.position_m - (row.odometer_m - odometer_m) * row.odometer_scale
-        low_m = estimate_m - row.bound_behind_m - parameters.tag_accuracy_m
-        high_m = estimate_m + row.bound_ahead_m + parameters.tag_accuracy_m
-        possible = [t for t in self.mission.tags if low_m <= t.position_m <= high_m]
-        agrees = self._suspect is not None and self._agree(self._suspect, (tag, odometer_m))
-        self._doubting = not (possible == [tag] or agrees)
-        return not self._doubting
-
-    def _agree(self, one: tuple[PathTag, float], other: tuple[PathTag, float]) -> bool:
-        """Whether the way between two tags is as the tachometer says, within what wheels wear."""
-        parameters = self.facts.parameters
-        run_m = other[0].position_m - one[0].position_m
-        error_m = abs((other[1] - one[1]) * self.row.odometer_scale - run_m)
-        return run_m > 0.0 and error_m <= parameters.wheel_error_share * run_m + parameters.tag_accuracy_m
-
-    def _settle_doubt(self, tag: PathTag, odometer_m: float) -> None:
-        """After a position fault the bounds stay wide until the way between two tags is as the tachometer says."""
-        if self._last_tag is not None and self._agree(self._last_tag, (tag, odometer_m)):
-            self.row.bound_growth = self.facts.parameters.wheel_error_share
-
     def _position_fault(self, why: str, now_s: float) -> None:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         self._note("position_fault", why=why)
-        row, share = self.row, self.facts.parameters.doubt_error_share
-        if row.position_known:  # what has been run since the last fix may be false by as much
-            begin_m = 0.0 if self.mission is None else self.mission.targets[self.at].mark_m
-            since_m = row.position_m - (begin_m if self._last_tag is None else self._last_tag[0].position_m)
-            row.bound_ahead_m += share * max(since_m, 0.0)
-            row.bound_behind_m += share * max(since_m, 0.0)
-            self._doubting = True
-        self._last_tag = self._suspect = None
+        self._doubt.begin(0.0 if self.mission is None else self.mission.targets[self.at].mark_m)
         if self.phase in (Phase.RUNNING, Phase.STANDING):
             self.stands_at = self.at if self.phase is Phase.STANDING else None
             self.phase = Phase.RESTARTED
-        self.row.bound_growth = self.facts.parameters.doubt_error_share
         self.row.expected_tag_m = self.row.rear_trigger_m = self.row.position_trigger_m = math.inf
         self.row.position_known = 0
         self.row.restricted_mps = self.facts.parameters.restricted_mps

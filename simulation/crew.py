@@ -1,8 +1,8 @@
 """The crew of a train whose unit does not know where it is: drives on sight, stops before points, looks at them.
 
 Handling outside the system (システム外の取扱い, Sugiyama 4.4 (3)): the train is stopped before points that are not
-proven to it, the crew looks how they lie, and goes on only if they lie and are locked as the path needs them; if not, it
-has the unit command them, which only the holder of their section can.
+proven to it, the crew looks how they lie, and goes on only if they lie and are locked as the path needs them; if
+not, it has the unit command them, which only the holder of their section can.
 The crew sees the real track, so this is part of the world; what it does is in the journal.
 """
 

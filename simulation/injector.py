@@ -217,8 +217,8 @@ class Injector:
                 self._wayside.input(self._step, MANAGER_ID, AcceptPicture(act.person))
             case ActKind.ENTER_SECTION:
                 for section_id in act.sections:
-                    entry = EnterSection(section_id, act.target or None, act.person)
-                    self._wayside.input(self._step, MANAGER_ID, entry)
+                    word = EnterSection(section_id, act.target or None, act.person)
+                    self._wayside.input(self._step, MANAGER_ID, word)
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
 

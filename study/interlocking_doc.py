@@ -214,8 +214,8 @@ _RESTART_HEAD: Final = (
 _HAZARDS_INTRO: Final = """
 What must never happen is a derailment or a collision. Checkers see the true positions from SUMO and the journal, share
 no code with what they watch, and fail the run. Defects are those of `tests/system/test_defects.py`, each a behaviour
-switched off on purpose and caught; every drill of the paper's line fails, too, when what it checks is switched off
-(`tests/system/test_drill_defects.py`).
+switched off on purpose and caught; the drills of the paper's line fail, too, when what they check is switched off
+(`tests/system/test_drill_defects.py`, which names what is left out).
 """
 
 

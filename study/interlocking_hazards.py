@@ -199,8 +199,7 @@ HAZARDS: Final = (
 )
 
 REMAINING: Final = (
-    "Two persons who agree on the same wrong word about a silent unit that is on the line (`wayside.reentry`); before"
-    " the manager's restart it would have taken none.",
+    "Two persons who agree on the same wrong word about a silent unit that is on the line (`wayside.reentry`).",
     "A crew that passes points without looking, while their unit has no position: handling outside the system"
     " (section 4.4 (3) of the paper).",
     "Wheels that slide further than the bounds allow for, until the next tag or the tachometer's own check finds it.",

@@ -39,6 +39,8 @@ RESTARTS: Final = (
     RestartCase("between the stations, from tag (3) to tag (4)", f"train {TRAIN} passes tag 601"),
     RestartCase("between the stations, beyond tag (4), a tag ahead", f"train {TRAIN} passes tag 602"),
     RestartCase("between the stations, no tag before the points", f"train {TRAIN} passes tag 603"),
+)
+
 
 def run_without_failure() -> Run:
     """The paper's run from section 3 to section 8."""
@@ -203,7 +205,9 @@ def _way_in(entries: Sequence[Entry], resumed: Entry | None) -> str:
                 said.append(f"{entry['points']} proven")
             case "arrived":
                 said.append(f"stands at {entry['station']}")
-    if resumed is None:
+    if _first(entries, "arrived") is None:
+        said.append("**does not get in**")
+    elif resumed is None:
         said.append("on sight to the end")
     return ", ".join(dict.fromkeys(said))
 
@@ -220,7 +224,7 @@ def _without_radio(run: Run) -> str:
     if (arrived := _first(before, "arrived")) is not None:
         return f"gets in on sight and stands at {arrived['station']}"
     known = "position known" if _first(before, "position_found") else "position not known"
-    after = "gets in" if _first(entries, "arrived") else "has to be fetched"
+    after = "gets in" if _first(entries, "arrived") else "**does not get in**"
     return f"waits at km {_front_km(run, over_s):.2f}, {known}; {after} when it reaches again"
 
 

@@ -11,6 +11,7 @@ import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from onboard.tuning import (
@@ -147,12 +148,13 @@ def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: Tuned) -> 
         cmap="YlGnBu_r",
         norm=LogNorm(vmin=least, vmax=max(float(surface.max()), 2.0 * least)),
     )
-    figure.colorbar(image, ax=axes, label="J, (m/s²)²")
+    bar = figure.colorbar(image, ax=axes, label="J, (m/s²)²")
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     centre = tuned.learned.centre
     x0 = min(max(centre[0], REACH_X), DEAD_TIMES - 1 - REACH_X)
     y0 = min(max(centre[1], REACH_Y), OFFSETS - 1 - REACH_Y)
     six = np.array([(x0 + dx, y0 + dy - OFFSET_ZERO) for dx, dy in SIX_POINTS])
-    axes.plot(six[:, 0] * STEP_S, six[:, 1] * step_kmhps, "o", mfc="none", mec=INK, ms=6, label="six points")
+    axes.plot(six[:, 0] * STEP_S, six[:, 1] * step_kmhps, "o", mfc="white", mec=INK, ms=5.5, label="six points")
     for fit, marker, label in (
         (search(tuned.stop), "+", "least of 441 (search)"),
         (approximate(tuned.stop, centre), "x", "least of the quadratic"),

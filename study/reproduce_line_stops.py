@@ -166,8 +166,9 @@ def reproduce(options: Options) -> Reproduction:
     with_signs = execute(load_scenario(WITH_SIGNS, options.seed), Link.SIMULATED)
     remarks = [
         "Before and after are the same day: same loads, weather, brakes from leg to leg; only the learning differs.",
-        "A train stops by feedback on its position, so an untuned one is mostly near the mark too; what tuning takes"
-        " away are the far stops, of trains with weak brakes after a long braking from high speed.",
+        "How bad a fleet is untuned depends on its draw; one whose brakes are near their design is near the mark too.",
+        "Rails this wet still carry the pattern's deceleration nearly always; where they do not, wheels slide, and no"
+        " tuning can help: such stops are left out of the learning, not of the figures.",
         "Learned dead times are compared with the real dead time and the part of the lag that the unit does not know.",
     ]
     if options.quick:

@@ -33,9 +33,10 @@ class World:
             SimpleNamespace(facts=SimpleNamespace(unit_id="K1"), authority=held),
             SimpleNamespace(facts=SimpleNamespace(unit_id="K2"), authority=wishing),
         ]
+        self.wayside: Any
         trains: Any = SimpleNamespace(slot_of={"K1": 0, "K2": 1}, tag_faults={}, on_board=on_board)
         self.tag_faults = trains.tag_faults
-        self.wayside: Any = SimpleNamespace(
+        self.wayside = SimpleNamespace(
             section_ids=("PW", "3", "5"),
             input=lambda _step, device, value: self.inputs.append((device, value)),
             power_on=lambda _step, device: self.switched.append((device, True)),

@@ -80,8 +80,10 @@ def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Run, set[st
     """Run a scenario or drill with switches thrown; the run, and who objects: checkers, unmet expectations."""
 
     def run(scenario: str, *switches: str | Switch) -> tuple[Run, set[str]]:
-        for given in filter(None, switches):
-            (SWITCHES[given] if isinstance(given, str) else given)(monkeypatch)
+        for given in switches:
+            if given:
+                throw = SWITCHES[given] if isinstance(given, str) else given
+                throw(monkeypatch)
         file = FOLDER / f"{scenario}.toml"
         name = str(file) if file.is_file() else scenario
         loaded = load_scenario(find_drill(name) if name in shipped_drills() else name)

@@ -1,0 +1,80 @@
+"""How far tags and tachometer are to be believed: calibration while they agree, doubt after a position fault.
+
+Invariant: after a position fault a tag fixes the position again only if no other tag can be meant, counting all
+that the tachometer may be wrong, or if it agrees with the tag read before it. Tags that were swapped, or lie about
+themselves, would else give a false position to a unit that has none (地上子位置との照合, Sugiyama, table 5).
+The bounds stay wide until the way between two tags is as the tachometer says.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from onboard.localisation import calibrated_scale
+from onboard.mission import PathTag
+from onboard.rows import UnitRow
+from onboard.unit_records import UnitParameters
+
+
+class TagDoubt:
+    """What one unit remembers of the tags it has read; reads and sets localisation in its row."""
+
+    def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
+        self._row: Final = row
+        self._parameters: Final = parameters
+        self._tags: tuple[PathTag, ...] = ()
+        self._last: tuple[PathTag, float] | None = None  # the last tag believed, and the tachometer there, m
+        self._suspect: tuple[PathTag, float] | None = None  # one read in doubt
+        self._doubting = False
+
+    def new_path(self, tags: tuple[PathTag, ...]) -> None:
+        """Another mission: coordinates are those of its path."""
+        self._tags = tags
+        self._last = self._suspect = None
+
+    def begin(self, begun_m: float) -> None:
+        """A position fault: what was run since the last tag, or since `begun_m` without one, may be false."""
+        row, share = self._row, self._parameters.doubt_error_share
+        if row.position_known:
+            since_m = row.position_m - (begun_m if self._last is None else self._last[0].position_m)
+            row.bound_ahead_m += share * max(since_m, 0.0)
+            row.bound_behind_m += share * max(since_m, 0.0)
+            self._doubting = True
+        row.bound_growth = share
+        self._last = self._suspect = None
+
+    def believes(self, tag: PathTag, odometer_m: float) -> bool:
+        """Whether a tag read at this tachometer reading (m) may fix the position; if not, it is remembered."""
+        row, accuracy_m = self._row, self._parameters.tag_accuracy_m
+        if not self._doubting or row.position_known:
+            return True
+        estimate_m = row.position_m - (row.odometer_m - odometer_m) * row.odometer_scale
+        low_m = estimate_m - row.bound_behind_m - accuracy_m
+        high_m = estimate_m + row.bound_ahead_m + accuracy_m
+        possible = [other for other in self._tags if low_m <= other.position_m <= high_m]
+        agrees = self._suspect is not None and self._agree(self._suspect, tag, odometer_m)
+        self._doubting = not (possible == [tag] or agrees)
+        self._suspect = (tag, odometer_m) if self._doubting else None
+        return not self._doubting
+
+    def take(self, tag: PathTag, odometer_m: float) -> None:
+        """A tag is believed: calibrate the tachometer over the way since the last one."""
+        row, parameters = self._row, self._parameters
+        if self._last is not None and row.position_known:
+            row.odometer_scale = calibrated_scale(
+                row.odometer_scale,
+                tag.position_m - self._last[0].position_m,
+                odometer_m - self._last[1],
+                parameters.wheel_scale_limit,
+                parameters.tag_accuracy_m,
+            )
+        if self._last is not None and self._agree(self._last, tag, odometer_m):
+            row.bound_growth = parameters.wheel_error_share
+        self._last = (tag, odometer_m)
+
+    def _agree(self, before: tuple[PathTag, float], tag: PathTag, odometer_m: float) -> bool:
+        """Whether the way between two tags is as the tachometer says, within what wheels wear."""
+        parameters = self._parameters
+        run_m = tag.position_m - before[0].position_m
+        error_m = abs((odometer_m - before[1]) * self._row.odometer_scale - run_m)
+        return run_m > 0.0 and error_m <= parameters.wheel_error_share * run_m + parameters.tag_accuracy_m
