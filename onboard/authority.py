@@ -37,6 +37,7 @@ from onboard.authority_records import (
     Throw,
     Tick,
     TurnedBack,
+    Withdrawn,
 )
 from radio.messages import (
     AnyMessage,
@@ -81,6 +82,7 @@ __all__ = [
     "Throw",
     "Tick",
     "TurnedBack",
+    "Withdrawn",
     "step",
     "waiting_for_radio",
 ]
@@ -112,6 +114,11 @@ def _begin(state: Authority, event: BeginOnLine, now_s: float, covered: bool) ->
     # Who has just been switched on does not know what it holds, which is not the same as nothing.
     notes = () if event.section_ids is None else (_holds(begun),)
     return _due(begun, now_s, covered, notes)
+
+
+def _withdrawn(state: Authority, event: Withdrawn, _now_s: float, _covered: bool) -> Result:
+    kept = tuple(c for c in state.commands if c.needed.section_id not in event.section_ids)
+    return replace(state, commands=kept), ()
 
 
 def _checked_by_crew(state: Authority, event: CheckedByCrew, _now_s: float, _covered: bool) -> Result:
@@ -492,6 +499,7 @@ _EVENTS: Final[Mapping[type[Event], Callable[..., Result]]] = {
     Ask: _ask,
     Throw: _throw,
     CheckedByCrew: _checked_by_crew,
+    Withdrawn: _withdrawn,
     Cleared: _cleared,
     GiveBack: _give_back,
     TurnedBack: _turned_back,

@@ -122,6 +122,13 @@ class CheckedByCrew:
 
 
 @dataclass(frozen=True, slots=True)
+class Withdrawn:
+    """The front may have come onto points of these sections: they must not be asked to move any more."""
+
+    section_ids: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Cleared:
     """The safe rear has left these sections."""
 
@@ -155,7 +162,19 @@ class Tick:
     """A timer is due, or the radio reaches again."""
 
 
-Event = BeginOnLine | EndOnLine | Ask | Throw | CheckedByCrew | Cleared | GiveBack | TurnedBack | Heard | Tick
+Event = (
+    BeginOnLine
+    | EndOnLine
+    | Ask
+    | Throw
+    | Withdrawn
+    | CheckedByCrew
+    | Cleared
+    | GiveBack
+    | TurnedBack
+    | Heard
+    | Tick
+)
 
 
 @dataclass(frozen=True, slots=True)

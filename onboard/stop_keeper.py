@@ -60,7 +60,9 @@ class StopKeeper:
         """Whether the present stop is possible."""
         return Verdict(int(self.tasc.verdict))
 
-    def stopped(self, train: TrainRow, behaviour: BehaviourRow, load_share: float) -> Mapping[str, Any] | None:
+    def stopped(
+        self, train: TrainRow, behaviour: BehaviourRow, load_share: float
+    ) -> Mapping[str, Any] | None:
         """Learn from the stop just made and use it from the next one on; what the journal says of it."""
         record = self.record(load_share)
         if not self.learns or record is None:

@@ -6,6 +6,7 @@ arrival track, as grants and proofs come in.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from network.model import SectionKind
@@ -22,8 +23,12 @@ class StopLimit:
     reason: str
 
 
-def stop_limit(mission: Mission, authority: Authority) -> StopLimit:
-    """The stop limit on the mission's path; the path's beginning when nothing on it is held."""
+def stop_limit(mission: Mission, authority: Authority, entered: Collection[str] = frozenset()) -> StopLimit:
+    """The stop limit on the mission's path; the path's beginning when nothing on it is held.
+
+    Points of sections that the train has `entered` on their proof no longer hold it back: they are locked under
+    it, whatever has become of the proof since (4.4 (1), table 3).
+    """
     held = set(authority.section_ids())
     proven = set(authority.proven)
     limit_m = 0.0
@@ -34,7 +39,8 @@ def stop_limit(mission: Mission, authority: Authority) -> StopLimit:
                 return StopLimit(limit_m, span.section_id, "not held")
             continue
         begun = True
-        if any(needed not in proven for needed in points_of(span)):
+        missing = any(needed not in proven for needed in points_of(span))
+        if missing and span.section_id not in entered:
             return StopLimit(span.start_m, span.section_id, "points not proven")
         limit_m = span.end_m
     if not begun:
@@ -86,3 +92,21 @@ def next_rear_trigger_m(mission: Mission, authority: Authority) -> float:
     """Path coordinate that the safe rear passes next to free a section; infinite for the last one held."""
     ends = [span.end_m for span in mission.spans if authority.holds(span.section_id)]
     return ends[0] if len(ends) > 1 else float("inf")
+
+
+def entered_on_proof(mission: Mission, authority: Authority, front_m: float) -> frozenset[str]:
+    """Points sections that the front, surely beyond `front_m` (path coordinate), has entered with all points proven."""
+    proven = set(authority.proven)
+    return frozenset(
+        span.section_id
+        for span in mission.spans
+        if span.points and span.start_m <= front_m and all(needed in proven for needed in points_of(span))
+    )
+
+
+def points_perhaps_under(mission: Mission, authority: Authority, front_m: float) -> frozenset[str]:
+    """Sections with points still being thrown that the front, at most at `front_m`, may have come into."""
+    under_way = {command.needed.section_id for command in authority.commands}
+    return frozenset(
+        s.section_id for s in mission.spans if s.start_m <= front_m and s.section_id in under_way
+    )

@@ -24,12 +24,15 @@ from onboard.tasc import (
     reset,
     tasc_step,
 )
+from vehicle.adhesion import SLIP_FLOOR_MPS
 from vehicle.brakes import service_target_mps2
 from vehicle.compiled import compiled
 from vehicle.response import approach
 from vehicle.rows import TrainRow
 
-LIMIT_MARGIN_M: Final = 5.0  # aiming this far before the stop limit the pattern stays under supervision's curve
+LIMIT_MARGIN_M: Final = (
+    5.0  # aiming this far before the stop limit the pattern stays under supervision's curve
+)
 FAR_S: Final = 4.0  # beyond this running time and twice the braking distance there is nothing to decide yet
 WAVE_STEPS: Final = 640  # of 0.1 s: a stop from 130 km/h with half the usual deceleration
 ASKED_LEAST_MPS2: Final = 2e-3  # a lag never quite dies away: less than this counts as no brake
@@ -64,21 +67,28 @@ class WaveRow(Protocol):
 def ride_over_slide(
     unit: UnitRow, train: TrainRow, tasc: TascRow, own_mps2: float, run_m: float, step_s: float
 ) -> None:
-    """Set `unit.train_mps`: the wheel's speed, or while it slides one that falls as the brake should make it fall.
+    """Set `unit.train_mps`: the wheel's speed, or what the train may have while its wheels do not roll.
 
-    Slide protection bounds how much faster the train may be; localisation has taken that into the bound ahead.
-    The estimate moves forward within that bound, so the interval of possible positions stays the same.
+    While they slide it falls as the brake should make it fall, while they slip it holds, each within what the
+    protection allows. Localisation has taken that into its bounds: the estimate moves within them, so the interval
+    of possible positions stays the same.
     """
     rolled_mps = unit.speed_mps * unit.odometer_scale
-    if unit.wheel_slide >= 0:
+    if unit.wheel_slide == 0:
         unit.train_mps = rolled_mps
         return
     share = min(train.wheel_slide_share_max, LOST_SHARE)
     before_mps = unit.train_mps
-    falling_mps = before_mps - max(tasc.built_mps2 + own_mps2, 0.0) * step_s
-    after_mps = min(max(falling_mps, rolled_mps), rolled_mps / (1.0 - share))
+    if unit.wheel_slide < 0:
+        falling_mps = before_mps - max(tasc.built_mps2 + own_mps2, 0.0) * step_s
+        after_mps = min(max(falling_mps, rolled_mps), rolled_mps / (1.0 - share))
+    else:
+        after_mps = min(max(before_mps, (rolled_mps - SLIP_FLOOR_MPS) / (1.0 + share)), rolled_mps)
     beyond_m = (before_mps + after_mps) / 2.0 * step_s - run_m * unit.odometer_scale
-    beyond_m = min(max(beyond_m, 0.0), run_m * share / (1.0 - share))
+    if unit.wheel_slide < 0:
+        beyond_m = min(max(beyond_m, 0.0), run_m * share / (1.0 - share))
+    else:
+        beyond_m = max(min(beyond_m, 0.0), -run_m)
     unit.train_mps = after_mps
     unit.position_m += beyond_m
     unit.bound_ahead_m -= beyond_m

@@ -43,6 +43,24 @@ class TagDoubt:
         row.bound_growth = share
         self._last = self._suspect = None
 
+    def release_margin_m(self, *, standing: bool) -> float:
+        """How much a tachometer out of order may have shown too much since the last tag, m: nothing is freed on it.
+
+        None for a train that `standing` at a mark: its driver sees where it is.
+        """
+        if standing or self._last is None or not self._row.position_known:
+            return 0.0
+        return self._parameters.doubt_error_share * max(self._row.position_m - self._last[0].position_m, 0.0)
+
+    def release_trigger_m(self, end_m: float, length_m: float) -> float:
+        """Where the safe rear (m) must be for a section that ends at `end_m` to be freed, by `release_margin_m`."""
+        if self._last is None:
+            return end_m
+        row, share = self._row, self._parameters.doubt_error_share
+        front_m = end_m + length_m + row.bound_behind_m
+        beyond_m = max(front_m - self._last[0].position_m, 0.0)
+        return end_m + share * beyond_m / (1.0 - share)
+
     def believes(self, tag: PathTag, odometer_m: float) -> bool:
         """Whether a tag read at this tachometer reading (m) may fix the position; if not, it is remembered."""
         row, accuracy_m = self._row, self._parameters.tag_accuracy_m

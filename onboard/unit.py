@@ -38,14 +38,16 @@ from onboard.stop_limit import (
     arrival_points,
     cleared_sections,
     departure_points,
+    entered_on_proof,
     next_rear_trigger_m,
     points_of,
+    points_perhaps_under,
     stop_limit,
 )
 from onboard.stopping import LIMIT_MARGIN_M
 from onboard.supervision import RESERVE_M
 from onboard.tag_doubt import TagDoubt
-from onboard.tasc import Verdict, judge
+from onboard.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.timekeeping import cruise_for
 from onboard.unit_records import (
     Finished,
@@ -108,6 +110,7 @@ class Unit:
         self._tags: dict[int, PathTag] = {}
         self._doubt: Final = TagDoubt(row, facts.parameters)
         self._wanted: tuple[auth.PointsNeeded, ...] = ()  # thrown as soon as and whenever they can be
+        self._entered: frozenset[str] = frozenset()  # points sections that the train came onto by their proof
         self._ready_s = -math.inf  # not before: doors, dwell
         self._release_emergency_s = math.inf
         self._actions: list[UnitAction] = []
@@ -203,6 +206,7 @@ class Unit:
         self._tags = {tag.tag_id: tag for tag in mission.tags}
         self._doubt.new_path(mission.tags)
         self._wanted = ()
+        self._entered = frozenset()
         self._ready_s = ready_s
         self.row.mode = MODE_HOLD
         self.row.cruise_mps = math.inf
@@ -235,6 +239,7 @@ class Unit:
             correlation=opened.correlation,
         )
         asked = self.authority.asked
+        self._remember_entered()
         heard = auth.Heard(opened.source, opened.message, opened.fresh, opened.correlation)
         self._authority(heard, now_s)
         if asked is not None and self.authority.asked is None and self.mission is not None:
@@ -407,11 +412,12 @@ class Unit:
         if away_m < -ARRIVED_WITHIN_M and self.row.bound_ahead_m > self.facts.parameters.doubt_bound_max_m:
             self._position_fault("the bounds leave no room to go on", now_s)
             return
-        if away_m < -ARRIVED_WITHIN_M and self._stands_at_limit_of(target):
+        if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
             self._impossible(Verdict.SIGN_BEYOND_LIMIT)
         elif away_m < -ARRIVED_WITHIN_M:
             self._note("stopped_short", short_m=round(-away_m, 2), why=self.limit.reason)
             self.row.braking_to_stop = 0
+            self._ask_onward(now_s)
             return
         if away_m > ARRIVED_WITHIN_M:  # no train sets back here: it counts as arrived, as far as it went
             self._note("overran", beyond_m=round(away_m, 2))
@@ -426,7 +432,8 @@ class Unit:
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        if self.mission is None or target.mark_m + LIMIT_MARGIN_M + RESERVE_M < self.limit.limit_m:
+        reach_m = self.limit.limit_m - self.row.bound_ahead_m - LIMIT_MARGIN_M - RESERVE_M
+        if self.mission is None or target.mark_m < reach_m:
             return False
         return self.mission.span_at(self.row.position_m).section_id == target.section_id
 
@@ -443,6 +450,15 @@ class Unit:
         target = self.mission.targets[self.at + 1]
         why = self.keeper.verdict().name.lower().replace("_", " ")
         self._note("stop_impossible", why=why, station=target.station_id or target.section_id)
+
+    def _ask_onward(self, now_s: float) -> None:
+        """A train that stands on a track, its route from there not held (lost, or never asked), asks for it."""
+        if self.mission is None or self.authority.asked is not None:
+            return
+        span = self.mission.span_at(self.row.position_m)
+        route = self.mission.route_beyond(span.section_id)
+        if route is not None and not all(self.authority.holds(s) for s in route.section_ids):
+            self._authority(auth.Ask(route), now_s)
 
     def _ask_beyond(self, now_s: float) -> None:
         """A train that does not call at the next track asks for the route beyond it on the approach."""
@@ -475,16 +491,20 @@ class Unit:
             return
         if row.position_known:
             rear_m = float(row.position_m - row.bound_behind_m - self._train.length_m)
+            rear_m -= self._doubt.release_margin_m(standing=self.phase is Phase.STANDING)
             cleared = cleared_sections(mission, self.authority, rear_m)
             if cleared:
                 self._authority(auth.Cleared(cleared), now_s)
+            self._remember_entered()
+            self._withdraw_throws(mission, now_s)
             self._throw_wanted(mission, now_s)
         self._set_limit(mission, now_s)
         if self.phase is Phase.STANDING:
             self._stand(mission, now_s)
         if self.phase is Phase.RUNNING:
             self._aim(mission)
-        row.rear_trigger_m = next_rear_trigger_m(mission, self.authority)
+        end_m = next_rear_trigger_m(mission, self.authority)
+        row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._train.length_m)
         row.position_trigger_m = math.inf
         timer_s = self.authority.next_timer_s()
         if auth.waiting_for_radio(self.authority):
@@ -505,8 +525,11 @@ class Unit:
             return False
         span = mission.span_at(row.position_m) if row.position_known else None
         row.stop_limit_m = math.inf if span is None else span.end_m
-        row.target_stop_m = math.inf
-        row.braking_to_stop = 0
+        marks_m = [t.mark_m for t in mission.targets if t.mark_m > row.position_m + 1.0]
+        aim_m = min(marks_m, default=math.inf) if row.position_known else math.inf
+        if aim_m != row.target_stop_m:
+            row.target_stop_m = aim_m
+            row.braking_to_stop = 0
         may_run = row.intervention != EMERGENCY_INTERVENTION and now_s >= self._ready_s
         if self.stands_at is not None and self.stands_at + 1 < len(mission.targets):
             here = mission.targets[self.stands_at]
@@ -524,8 +547,10 @@ class Unit:
     def _resume(self, mission: Mission, now_s: float) -> None:
         """Everything is known again: which target comes next follows from the position."""
         row = self.row
-        passed = [i for i, t in enumerate(mission.targets) if t.mark_m <= row.position_m + ARRIVED_WITHIN_M]
-        self.at = passed[-1] if passed else 0
+        # Still moving, the mark just ahead is yet to be stopped at; one left before the fault is not.
+        within_m = ARRIVED_WITHIN_M if row.speed_mps == 0.0 else -ARRIVED_WITHIN_M
+        passed = [i for i, t in enumerate(mission.targets) if t.mark_m <= row.position_m + within_m]
+        self.at = max(self.at, passed[-1] if passed else 0)
         row.restricted_mps = math.inf
         row.target_stop_m = row.position_m
         ahead = [
@@ -535,21 +560,42 @@ class Unit:
             s for s in ahead if not any(k.kind is SectionKind.BETWEEN for k in ahead[: ahead.index(s)])
         ]
         self._wanted += tuple(needed for span in departing for needed in points_of(span))
-        stands = (
-            row.speed_mps == 0.0 and abs(mission.targets[self.at].mark_m - row.position_m) < ARRIVED_WITHIN_M
-        )
+        # Beyond the last mark there is nowhere further to go: it counts as arrived, as far as it went.
+        last_passed = self.at == len(mission.targets) - 1
+        near = abs(mission.targets[self.at].mark_m - row.position_m) < ARRIVED_WITHIN_M
+        stands = row.speed_mps == 0.0 and (near or last_passed)
+        if not stands:  # beyond the last mark, that one is still to be reached
+            self.at = min(self.at, len(mission.targets) - 2)
         self.phase = Phase.STANDING if stands else Phase.RUNNING
         row.mode = MODE_HOLD if stands else MODE_DRIVE
         self.stands_at = None
+        # It was running on proofs when it lost its memory: those under the train have done their work.
+        self._entered |= {
+            s.section_id for s in mission.spans if s.start_m < row.position_m - row.bound_behind_m
+        }
         self._note("resumed", next_target=self.at + 1)
         self._choose_cruise(now_s)
+
+    def _remember_entered(self) -> None:
+        """Points that the train has come onto by their proof, before anything can withdraw it."""
+        row, mission = self.row, self.mission
+        if mission is not None and row.position_known:
+            certain_m = row.position_m - row.bound_behind_m
+            self._entered |= entered_on_proof(mission, self.authority, certain_m)
+
+    def _withdraw_throws(self, mission: Mission, now_s: float) -> None:
+        """No points are asked to move once the front may have come onto them."""
+        perhaps_m = self.row.position_m + self.row.bound_ahead_m
+        sections = points_perhaps_under(mission, self.authority, perhaps_m)
+        if sections:
+            self._authority(auth.Withdrawn(tuple(sorted(sections))), now_s)
 
     def _throw_wanted(self, mission: Mission, now_s: float) -> None:
         """Command what is wanted and neither proven nor under way: anew, too, when a proof was withdrawn."""
         if not self._wanted:
             return
         position_m = self.row.position_m
-        ahead = {span.section_id for span in mission.spans if span.start_m > position_m}
+        ahead = {s.section_id for s in mission.spans if s.start_m > position_m + self.row.bound_ahead_m}
         self._wanted = tuple(dict.fromkeys(n for n in self._wanted if n.section_id in ahead))
         under_way = {*self.authority.proven, *(command.needed for command in self.authority.commands)}
         missing = tuple(needed for needed in self._wanted if needed not in under_way)
@@ -557,7 +603,7 @@ class Unit:
             self._authority(auth.Throw(missing), now_s)
 
     def _set_limit(self, mission: Mission, now_s: float) -> None:
-        limit = stop_limit(mission, self.authority)
+        limit = stop_limit(mission, self.authority, self._entered)
         if limit != self.limit:
             self.limit = limit
             if self.phase is Phase.RUNNING and self.row.speed_mps == 0.0:

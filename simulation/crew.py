@@ -33,7 +33,6 @@ class Seen:
     passable: PointsNeeded | None = None
     to_throw: PointsNeeded | None = None
     target: int | None = None
-    again_s: float | None = None
 
 
 class Crew:
@@ -59,12 +58,12 @@ class Crew:
             return
         front_m = float(truth.position_m)
         stops = [span.start_m for span, _ in self._unproven(mission, unit, front_m)]
-        stops += [t.mark_m + 2.0 for t in mission.targets if t.mark_m > front_m + 1.0]
+        stops += [t.mark_m + 2.0 for t in mission.targets[unit.at + 1 :] if t.mark_m > front_m + 1.0]
         stops.append(self._held_end_m(mission, unit, front_m))
         truth.sight_m = min(stops)
 
     def stand(self, slot: int, now_s: float) -> Seen:
-        """A train on sight stands: what the crew finds, and when it looks again (s)."""
+        """A train on sight stands: what the crew finds. It looks again every `LOOKS_AGAIN_S`."""
         unit = self._trains.on_board[slot]
         mission = unit.mission
         if not self.on_sight(slot) or mission is None:
@@ -74,14 +73,18 @@ class Crew:
             if index > 0 and unit.stands_at != index and abs(target.mark_m - front_m) < SEES_M / 2.0:
                 return Seen(target=index)
         for span, needed in self._unproven(mission, unit, front_m):
-            if span.start_m - front_m > SEES_M or not unit.authority.holds(span.section_id):
+            if span.start_m - front_m > SEES_M:
+                break
+            if not unit.authority.holds(span.section_id):  # it may yet learn that it does
                 break
             machine = self._machine_of(needed.points_id)
             right = machine.locked and machine.position is needed.position
             what = "crew_checked_points" if right else "crew_waits_at_points"
             lies = "no position" if machine.position is None else machine.position.value
             self._journal.write(now_s, unit.facts.unit_id, what, points=needed.points_id, lies=lies)
-            return Seen(passable=needed) if right else Seen(to_throw=needed, again_s=now_s + LOOKS_AGAIN_S)
+            if right:
+                return Seen(passable=needed)
+            return Seen(to_throw=needed if span.start_m > front_m else None)  # never under the train
         return Seen()
 
     def _unproven(
@@ -90,7 +93,7 @@ class Crew:
         return [
             (span, needed)
             for span in mission.spans
-            if span.start_m > front_m
+            if span.end_m > front_m
             for needed in points_of(span)
             if needed not in unit.authority.proven
         ]

@@ -19,7 +19,7 @@ from radio.fleet import ConfirmOutside, Fleet
 from simulation.agenda import Agenda, Due
 from simulation.carrier import Carrier
 from simulation.checkers import Checkers, PointsFacts
-from simulation.crew import Crew
+from simulation.crew import LOOKS_AGAIN_S, Crew
 from simulation.eyes import Eyes
 from simulation.injector import Injector
 from simulation.journal import Journal
@@ -92,6 +92,7 @@ class Simulation:
         self._open_stop: dict[int, StopRecord | None] = {}
         self._energy: list[EnergyRecord] = []
         self._arrived: list[str] = []
+        self._reached: set[tuple[str, int]] = set()  # train number and target
         self._spans: list[TraceSpan] = []
         self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
         self._trace_used = 0
@@ -100,6 +101,7 @@ class Simulation:
         self._timer_steps: dict[str, int] = {}
         self._broken = ""
         self._becoming: list[Duty] = []
+        self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._eyes = Eyes(self.trains, self._agenda)
         self._crew = Crew(self.trains, self.wayside.machines.__getitem__, self.journal)
         self._injector = Injector(
@@ -182,7 +184,10 @@ class Simulation:
                     del self._timer_steps[item.subject]
                     self._apply(slot, self.trains.on_board[slot].timer(now_s))
             elif item.kind is Due.SCRIPT and item.subject.startswith("crew "):
-                self._crew_stands(self.trains.slot_of[item.subject.removeprefix("crew ")])
+                slot = self.trains.slot_of[item.subject.removeprefix("crew ")]
+                self._looking.discard(slot)
+                self._crew_stands(slot)
+                self._keep_looking(slot)
             elif item.kind is Due.SCRIPT:
                 self._injector.due(self._step, item.subject)
             elif item.kind is Due.CAMERA:
@@ -228,6 +233,10 @@ class Simulation:
         )
         bits = [(slot, int(trains.truths[slot].events)) for slot in active]
         for slot, events in bits:
+            if events & EVENT_FRONT and trains.at_end_of_track(slot):
+                self._unsafe(slot, "ran off the end of the track")
+                self._broken = "a train ran off the end of the track"
+                return
             if events & EVENT_FRONT:
                 self._cross_points(slot)
         columns = [(trains.stock_ids[slot], self._speeds[:done, slot].tolist()) for slot in moving]
@@ -317,9 +326,7 @@ class Simulation:
         if events & EVENT_UNIT_BITS and slot not in trains.unpowered:
             at = unit.at
             self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))
-            if events & EVENT_STOPPED and unit.at != at:
-                self._stopped(slot, now_s)
-            elif events & EVENT_STOPPED:
+            if events & EVENT_STOPPED and unit.at == at:
                 self._crew_stands(slot)
 
     # power of units, crews ------------------------------------------------------------------------------------
@@ -333,13 +340,14 @@ class Simulation:
         if not on:
             self.trains.power_off(slot)
             return
-        stood_at = self.trains.on_board[slot].at
+        before = self.trains.on_board[slot]
+        stood_at = before.at if before.stands_at is None else before.stands_at
+        stands = before.phase is not Phase.RUNNING
+        stands = stands and (before.phase is not Phase.RESTARTED or before.stands_at is not None)
         self.trains.power_on(slot)
         duty = self.trains.duties[slot]
         if duty is None or not self.trains.truths[slot].active:
             return
-        mark_m = duty.mission.targets[stood_at].mark_m
-        stands = abs(float(self.trains.truths[slot].position_m) - mark_m) < 5.0
         unit = self.trains.on_board[slot]
         pattern = self.trains.pattern_rows(slot)
         actions = unit.restart(
@@ -365,12 +373,26 @@ class Simulation:
             self._apply(slot, unit.throw_by_crew(seen.to_throw, self.now_s))
         elif seen.target is not None:
             self._apply(slot, unit.arrived_on_sight(seen.target, self.now_s))
-            self._stopped(slot, self.now_s)
-        if seen.again_s is not None:
-            again = f"crew {self.trains.stock_ids[slot]}"
-            self._agenda.put(math.ceil(seen.again_s * STEPS_PER_S - 1e-6), Due.SCRIPT, again)
+
+    def _keep_looking(self, slot: int) -> None:
+        """The crew of a train on sight looks every now and then, whatever the tachometer shows."""
+        if slot in self._looking or not self._crew.on_sight(slot):
+            return
+        self._looking.add(slot)
+        again = f"crew {self.trains.stock_ids[slot]}"
+        self._agenda.put(self._step + round(LOOKS_AGAIN_S * STEPS_PER_S), Due.SCRIPT, again)
 
     # stops, duties, energy ---------------------------------------------------------------------------------------
+
+    def _look_for_arrival(self, slot: int) -> None:
+        """A unit that stands at a target it had not reached before has arrived there, however it came to know."""
+        unit, duty = self.trains.on_board[slot], self.trains.duties[slot]
+        if duty is None or unit.at == 0 or self.trains.plants[slot].speed_mps > 0.0:
+            return
+        stands = unit.phase in (Phase.STANDING, Phase.FINISHED) or unit.stands_at == unit.at
+        if stands and (duty.train.number, unit.at) not in self._reached:
+            self._reached.add((duty.train.number, unit.at))
+            self._stopped(slot, self.now_s)
 
     def _stopped(self, slot: int, now_s: float) -> None:
         """The train has arrived at a target: how well, by the truth."""
@@ -519,7 +541,9 @@ class Simulation:
                 self._finished(slot)
             elif isinstance(action, LeftLine):
                 self._left(slot)
+        self._look_for_arrival(slot)
         self._crew.look_ahead(slot)
+        self._keep_looking(slot)
         self._eyes.look_ahead(slot)
         if unit.wake_at_s < math.inf:
             wake_step = max(math.ceil(unit.wake_at_s / STEP_S - 1e-6), self._step + 1)

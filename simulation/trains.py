@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, UNIT
@@ -30,6 +31,8 @@ from vehicle.train_file import new_plant
 from wayside.config import MANAGER_ID
 
 AGREEMENT_M = 1e-6  # the carrier's position against the sum of speeds
+
+END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
 
 class CarrierDisagrees(RuntimeError):  # noqa: N818 - names what happened
@@ -210,7 +213,7 @@ class Trains:
         unit.position_known = 1
         unit.restricted_mps = math.inf
         unit.tag_window_m = self.setup.unit.tag_window_m
-        pieces = mission.path.piece_ids
+        pieces = self.true_path(slot).piece_ids
         step = mission.path.step_at(position_m)
         first = pieces.index(step.piece_id)
         self.carrier.insert(
@@ -232,7 +235,7 @@ class Trains:
         self._enter_path(slot, duty, mission.path.to_path_m(*rear))
         unit.position_m = mission.path.to_path_m(*rear_estimate)
         unit.bound_ahead_m, unit.bound_behind_m = unit.bound_behind_m, unit.bound_ahead_m
-        pieces = mission.path.piece_ids
+        pieces = self.true_path(slot).piece_ids
         first = pieces.index(mission.path.step_at(float(self.truths[slot].position_m) - 1e-6).piece_id)
         self.carrier.reverse(self.stock_ids[slot], pieces[first:], mission.direction)
 
@@ -244,8 +247,9 @@ class Trains:
         estimate = old.locate(float(unit.position_m))
         self._enter_path(slot, duty, path.to_path_m(*old.locate(float(truth.position_m))))
         unit.position_m = path.to_path_m(*estimate)
-        first = path.piece_ids.index(path.step_at(float(truth.position_m)).piece_id)
-        self.carrier.reroute(self.stock_ids[slot], path.piece_ids[first:], path.direction)
+        pieces = self.true_path(slot).piece_ids
+        first = pieces.index(path.step_at(float(truth.position_m)).piece_id)
+        self.carrier.reroute(self.stock_ids[slot], pieces[first:], path.direction)
 
     def remove(self, slot: int) -> None:
         """Take the stock off the line."""
@@ -257,10 +261,10 @@ class Trains:
         self.duties[slot] = duty
         truth, plant, unit = self.truths[slot], self.plants[slot], self.units[slot]
         rows = self.rows_of(slot, duty.mission.path)
-        self.paths[slot] = duty.mission.path
+        self.paths[slot] = self._onward(duty.mission.path)
         truth.position_m = position_m
         truth.offset_m = position_m - plant.travelled_m
-        self._use_rows(slot, rows, position_m)
+        self._use_rows(slot, self.rows_of(slot, self.true_path(slot)), position_m)
         unit.path_offset, unit.path_rows = rows.offset, rows.rows
         self.set_boundaries(slot)
         self.begin_leg(slot, duty.enter_s)
@@ -296,6 +300,13 @@ class Trains:
             plant.adhesion_factor = adhesion
         self._adhesion[slot] = adhesion
 
+    def _onward(self, path: Path) -> Path:
+        """The path with the track that really goes on beyond it, to the end of the line: for who overruns."""
+        pieces = list(path.piece_ids)
+        while following := next_pieces(self.setup.line, pieces[-1], path.direction):
+            pieces.append(following[0])
+        return path_of(self.setup.line, pieces, path.direction)
+
     def rows_of(self, slot: int, path: Path) -> PathRows:
         """Rows of the pool for a path of this stock."""
         stock_id = self.stock_ids[slot]
@@ -324,14 +335,12 @@ class Trains:
         path = self.true_path(slot)
         rear_m = float(truth.position_m) - float(self.kinds[slot].length_m)
         front_end_m = path.step_at(float(truth.position_m)).end_m
-        truth.front_boundary_m = front_end_m if front_end_m < path.length_m - 1e-9 else math.inf
+        truth.front_boundary_m = min(front_end_m, path.length_m - END_OF_TRACK_M)
         rear_end_m = path.step_at(rear_m).end_m
         truth.rear_boundary_m = rear_end_m if rear_end_m < path.length_m - 1e-9 else math.inf
 
     def divert(self, slot: int, onto_piece: str) -> None:
         """Points lie otherwise than the path expects: the train runs onto `onto_piece` and straight on from there."""
-        from network.graph import next_pieces
-
         path = self.true_path(slot)
         at = path.piece_ids.index(self._piece_before(slot))
         pieces = [*path.piece_ids[: at + 1], onto_piece]
@@ -341,6 +350,10 @@ class Trains:
         self.carrier.reroute(self.stock_ids[slot], pieces[at:], path.direction)
         self.paths[slot] = diverted
         self._use_rows(slot, self.rows_of(slot, diverted), float(self.truths[slot].position_m))
+
+    def at_end_of_track(self, slot: int) -> bool:
+        """Whether the front has reached the end of all track."""
+        return bool(self.truths[slot].position_m >= self.true_path(slot).length_m - END_OF_TRACK_M)
 
     def _piece_before(self, slot: int) -> str:
         """The piece whose end the front has just reached."""

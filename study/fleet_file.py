@@ -73,7 +73,9 @@ def scatter_of(file: str, table: ScatterTable, stock_ids: Iterable[str]) -> Scat
     known = sorted(stock_ids)
     for stock_id in table.stock:
         if stock_id not in known:
-            raise InputError(file, f"scatter.stock.{stock_id}", None, f"a stock id, {one_of(known, stock_id)}")
+            raise InputError(
+                file, f"scatter.stock.{stock_id}", None, f"a stock id, {one_of(known, stock_id)}"
+            )
     weather = tuple(_weather(file, f"scatter.weather[{i}]", part) for i, part in enumerate(table.weather))
     values = table.model_dump(exclude={"weather", "stock"})
     stock = {stock_id: Individual(**own.model_dump()) for stock_id, own in table.stock.items()}

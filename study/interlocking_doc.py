@@ -41,6 +41,7 @@ UNIT_EVENTS: Final[Mapping[str, str]] = {
     "Ask": "Requests the route, one at a time, with the same correlation until it is answered.",
     "Throw": "Commands points of sections held, with the capability of the grant, until they are proven.",
     "CheckedByCrew": "Counts these points as proven: the crew has seen how they lie.",
+    "Withdrawn": "throws still open are given up: the front may have come onto those points",
     "Cleared": "Drops sections with their proofs and commands, then reports what is left until that is confirmed.",
     "GiveBack": "Drops a route not entered and the request still open, then reports what is left.",
     "TurnedBack": "Turns the order of what is held; forgets proofs and commands of the old way.",

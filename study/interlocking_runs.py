@@ -39,6 +39,8 @@ RESTARTS: Final = (
     RestartCase("between the stations, from tag (3) to tag (4)", f"train {TRAIN} passes tag 601"),
     RestartCase("between the stations, beyond tag (4), a tag ahead", f"train {TRAIN} passes tag 602"),
     RestartCase("between the stations, no tag before the points", f"train {TRAIN} passes tag 603"),
+    RestartCase("beyond the arrival points, before tag (1)", f"train {TRAIN} passes tag 701"),
+    RestartCase("on the arrival track, between tags (1) and (2)", f"train {TRAIN} passes tag 801"),
 )
 
 

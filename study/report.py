@@ -72,7 +72,8 @@ def write_report(
 
     `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
-    "broken_expectations" (text). `tuned` is what each train learned of its stops, by unit. Figures of `study.summary.summarise` found in it are used as they are.
+    "broken_expectations" (text). Figures of `study.summary.summarise` found in it are used as they are.
+    `tuned` is what each train learned of its stops, by unit.
     Raises OSError when the file cannot be written.
     """
     run = Run(line, timetable, tables)
@@ -211,7 +212,14 @@ def _tuning_part(tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:
     if unit is None:
         return ()
     figure = draw_response(tuned[unit], unit)
-    header = ("unit", "stops counted", "left out", "dead time designed, s", "learned, s", "offset learned, km/h/s")
+    header = (
+        "unit",
+        "stops counted",
+        "left out",
+        "dead time designed, s",
+        "learned, s",
+        "offset learned, km/h/s",
+    )
     return (
         Part(
             "Self-tuning",

@@ -138,7 +138,12 @@ def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: Tuned) -> 
     step_kmhps = OFFSET_STEP_MPS2 * KMHPS_PER_MPS2
     half_s, half_kmhps = STEP_S / 2.0, step_kmhps / 2.0
     reach_kmhps = OFFSET_ZERO * step_kmhps
-    extent = (-half_s, (DEAD_TIMES - 1) * STEP_S + half_s, -reach_kmhps - half_kmhps, reach_kmhps + half_kmhps)
+    extent = (
+        -half_s,
+        (DEAD_TIMES - 1) * STEP_S + half_s,
+        -reach_kmhps - half_kmhps,
+        reach_kmhps + half_kmhps,
+    )
     least = max(float(surface.min()), 1e-6)
     image = axes.imshow(
         surface,
@@ -154,7 +159,9 @@ def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: Tuned) -> 
     x0 = min(max(centre[0], REACH_X), DEAD_TIMES - 1 - REACH_X)
     y0 = min(max(centre[1], REACH_Y), OFFSETS - 1 - REACH_Y)
     six = np.array([(x0 + dx, y0 + dy - OFFSET_ZERO) for dx, dy in SIX_POINTS])
-    axes.plot(six[:, 0] * STEP_S, six[:, 1] * step_kmhps, "o", mfc="white", mec=INK, ms=5.5, label="six points")
+    axes.plot(
+        six[:, 0] * STEP_S, six[:, 1] * step_kmhps, "o", mfc="white", mec=INK, ms=5.5, label="six points"
+    )
     for fit, marker, label in (
         (search(tuned.stop), "+", "least of 441 (search)"),
         (approximate(tuned.stop, centre), "x", "least of the quadratic"),

@@ -125,9 +125,7 @@ def rows_of(fleets: Sequence[Fleet], with_signs: Run) -> tuple[Row, ...]:
             signs["within_0.5_m"] == 1.0,
             "every stop within 0.5 m",
         ),
-        Row(
-            "all trains arrived and no invariant broken", None, safe, safe, "in every one of the last days"
-        ),
+        Row("all trains arrived and no invariant broken", None, safe, safe, "in every one of the last days"),
     )
 
 
@@ -146,7 +144,10 @@ def parameters(setup: Setup, fleets: int) -> tuple[Parameter, ...]:
         ),
         Parameter("brake, leg to leg", scatter.brake_leg_sigma, "share (sigma)", "assumed"),
         Parameter(
-            "dead time off its design", scatter.dead_time_spread_s, "s, evenly +-", "assumed, as in oda-tuning"
+            "dead time off its design",
+            scatter.dead_time_spread_s,
+            "s, evenly +-",
+            "assumed, as in oda-tuning",
         ),
         Parameter("lag off its design", scatter.lag_spread_s, "s, evenly +-", "assumed"),
         Parameter("adhesion in the wet parts of the day", wet, "of the dry one", "assumed: dew, drizzle"),

@@ -195,6 +195,7 @@ def _write_files(run: Run, out: Path, folder: Path) -> None:
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     """What makes a run a failure: collisions, broken invariants, trains that did not arrive and why."""
     broken = [*result.collisions]
+    broken += [f"{e['unit']} {e['text']}" for e in result.journal.entries if e["what"] == "unsafe"]
     broken += [f"{v.checker}: {v.text}" for v in result.violations if v.checker != "everyone-arrives"]
     missing = [
         n

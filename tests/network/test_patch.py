@@ -242,3 +242,31 @@ def test_timetables_of_the_line_still_load() -> None:
         InputError, match=r"calls\[4\]\.track is '2'; expected a track with a mark .*one of 1"
     ):
         parse_timetable(text, "day.toml", line)
+
+
+def test_tags_near_the_marks_are_taken_out() -> None:
+    """The paper's line: position tags lie 300, 100 and 15 m before each mark (its file)."""
+    path = shipped_line("rtri_test_line")
+    before = load_line(path)
+    patch = {"remove_tags": {"purpose": "position", "near_marks_m": 120.0}}
+    after = load_patched_line(path, patch, "what_if.toml")
+    marks_m = [m for s in before.stations.values() for t in s.tracks for m in t.marks_m.values()]
+    gone = {id_ for id_ in before.tags if id_ not in after.tags}
+    assert gone
+    for id_, tag in before.tags.items():
+        near = min(abs(tag.position_m - mark_m) for mark_m in marks_m) <= 120.0
+        on_section = tag.piece_id in before.sections
+        assert (id_ in gone) == (near and tag.purpose.value == "position" and on_section)
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ({"purpose": "position", "near_marks_m": 0.01}, "line_patch.remove_tags"),
+        ({"purpose": "beacon", "near_marks_m": 100.0}, "line_patch.remove_tags.purpose"),
+    ],
+)
+def test_tags_that_do_not_exist_cannot_be_taken_out(table: dict[str, Any], key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_patched_line(shipped_line("rtri_test_line"), {"remove_tags": table}, "what_if.toml")
+    assert (caught.value.file, caught.value.key) == ("what_if.toml", key)

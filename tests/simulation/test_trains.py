@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import pytest
@@ -85,7 +84,11 @@ def test_the_next_joints_of_front_and_rear(placed: Trains) -> None:
     assert (truth.front_boundary_m, truth.rear_boundary_m) == pytest.approx((170.0, 160.0))
     moved(placed, 500.0)
     placed.set_boundaries(0)
-    assert truth.front_boundary_m == math.inf  # on the path's last piece
+    assert truth.front_boundary_m == pytest.approx(690.0)  # the mission ends there, the track goes on
+    end_m = placed.true_path(0).length_m
+    assert end_m > 690.0 and not placed.at_end_of_track(0)
+    truth.position_m = end_m
+    assert placed.at_end_of_track(0)
 
 
 def back_duty(setup: Setup) -> Duty:

@@ -218,8 +218,13 @@ def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
     def given_back(state: Authority, event: auth.Cleared, now_s: float, covered: bool) -> auth.Result:
         return kept(state, cleared(state, event, now_s, covered))
 
+    def not_withdrawn(state: Authority, _event: auth.Withdrawn, _now_s: float, _covered: bool) -> auth.Result:
+        return state, ()
+
     patch.setitem(heard_table(), PointsProof, only_of("K1", proven, proof))
     patch.setitem(event_table(), auth.Cleared, only_of("K1", given_back, cleared))
+    withdrawn = auth._EVENTS[auth.Withdrawn]
+    patch.setitem(event_table(), auth.Withdrawn, only_of("K1", not_withdrawn, withdrawn))
 
 
 @switch
@@ -262,7 +267,7 @@ def releases_at_the_front(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
-    def held_alone(mission: Mission, authority: Authority) -> StopLimit:
+    def held_alone(mission: Mission, authority: Authority, _entered: object = ()) -> StopLimit:
         bare = replace(mission, spans=tuple(replace(span, points=()) for span in mission.spans))
         return stop_limit(bare, authority)
 
@@ -271,7 +276,7 @@ def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def runs_beyond_what_it_holds(patch: pytest.MonkeyPatch) -> None:
-    def end_of_path(mission: Mission, _authority: Authority) -> StopLimit:
+    def end_of_path(mission: Mission, _authority: Authority, _entered: object = ()) -> StopLimit:
         return StopLimit(mission.spans[-1].end_m, None, "end of the path")
 
     patch.setattr(unit_module, "stop_limit", end_of_path)

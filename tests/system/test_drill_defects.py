@@ -16,6 +16,7 @@ import pytest
 from onboard import authority as auth
 from onboard.authority_records import Authority
 from onboard.mission import Mission
+from onboard.tag_doubt import TagDoubt
 from onboard.unit import Phase, Unit, UnitAction
 from radio.messages import HoldingReport
 from simulation.crew import Crew
@@ -119,7 +120,7 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
 
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("onboard.unit.within_window", lambda *_: True)
-    patch.setattr(Unit, "_believes", lambda *_: True)
+    patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 
 # what it checks lies in compiled code that no test can patch: that slides widen the bounds (tests/onboard)

@@ -1,0 +1,118 @@
+"""Stops at the mark in line runs: impossible ones are told and stay within the authority; signs; what is learned.
+
+On the paper's test line: limit of the run at km 1.050, mark of station B at km 1.020, tags 801 to 803 before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from study.run import LEARNED_FILE, CarrierKind, Link, Run, execute, write_run
+from study.scenario import load_scenario
+
+HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'
+MARK_M, LIMIT_M = 1020.0, 1050.0
+MISSED = "".join(
+    f'[[fault]]\nkind = "miss"\ntarget = "{tag}"\nstart = "09:51:00"\n' for tag in (801, 802, 803)
+)
+FAR_MARK = """
+[line_patch]
+set = { "stations.B.tracks.1.platform_to_km" = 1.05, "stations.B.tracks.1.mark_down_km" = 1.05 }
+"""
+
+
+def run_of(tmp_path: Path, text: str) -> Run:
+    file = tmp_path / "x.toml"
+    file.write_text(HEAD + text, encoding="utf-8")
+    return execute(load_scenario(str(file)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def entries(run: Run, what: str) -> list[dict[str, Any]]:
+    return [dict(entry) for entry in run.result.journal.entries if entry["what"] == what]
+
+
+@pytest.mark.parametrize(
+    ("text", "why", "mark_m"),
+    [
+        ("[scatter.stock.K1]\nbrake_factor = 0.3\n", "brake too weak", MARK_M),
+        (MISSED, "target not seen", MARK_M),
+        (FAR_MARK, "sign beyond limit", LIMIT_M),
+    ],
+)
+def test_an_impossible_stop_is_told_and_ends_within_the_authority(
+    tmp_path: Path, text: str, why: str, mark_m: float
+) -> None:
+    run = run_of(tmp_path, text)
+    assert run.broken == ()
+    assert run.result.violations == ()
+    assert [entry["why"] for entry in entries(run, "stop_impossible")] == [why]
+    told = run.tables.events.filter(run.tables.events["kind"] == "stop")["text"].to_list()
+    assert any(why in line for line in told)
+    stop = run.result.stops[-1]
+    assert stop.error_m is not None
+    assert mark_m + stop.error_m < LIMIT_M
+    assert run.result.trains_arrived == ("T1",)
+
+
+def test_a_weak_brake_is_stopped_by_the_emergency_brake(tmp_path: Path) -> None:
+    run = run_of(tmp_path, "[scatter.stock.K1]\nbrake_factor = 0.3\n")
+    assert [entry["level"] for entry in entries(run, "intervention")] == [2]
+
+
+def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
+    text = '[line_patch]\nremove_tags = { purpose = "position", near_marks_m = 120.0 }\n[vision]\nstations = "all"\n'
+    run = run_of(tmp_path, text)
+    assert [entry["station"] for entry in entries(run, "sign_seen")] == ["B"]
+    error_m = run.result.stops[-1].error_m
+    assert error_m is not None
+    assert abs(error_m) < 0.5
+    assert run.broken == ()
+
+
+def test_a_sign_that_is_never_seen_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("simulation.camera.SightingModel.sample", lambda *_: None)
+    run = run_of(tmp_path, '[vision]\nstations = "all"\n')
+    assert [entry["why"] for entry in entries(run, "stop_impossible")] == ["target not seen"]
+    error_m = run.result.stops[-1].error_m
+    assert error_m is not None
+    assert abs(error_m) < 0.5  # the tags suffice all the same
+
+
+def test_what_is_learned_is_kept_between_days_and_left_in_the_run_directory(tmp_path: Path) -> None:
+    run = run_of(tmp_path, "[scatter.stock.K1]\nbrake_factor = 0.85\n[tuning]\ndays = 3\n")
+    learned = run.result.learned["K1"]
+    assert learned.stops == 3  # one stop a day
+    # 0.85 * (c) = 0.6 at c = 0.706: about -0.1 m/s^2 at the pattern, to a step and a half of the grid
+    assert learned.offset_mps2 == pytest.approx(-0.1, abs=0.042)
+    write_run(run, tmp_path / "out")
+    assert (tmp_path / "out" / LEARNED_FILE).is_file()
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Self-tuning" in page
+    assert "six points" not in page  # text is drawn as paths
+    assert "Stopping" in page
+
+
+def test_days_differ_in_what_passes_and_not_in_the_train(tmp_path: Path) -> None:
+    file = tmp_path / "x.toml"
+    file.write_text(HEAD + "[scatter]\nbrake_sigma = 0.1\nbrake_leg_sigma = 0.02\n", encoding="utf-8")
+    setup = load_scenario(str(file)).setup
+    from simulation.plain_track import PlainTrack
+    from simulation.setup import STEP_S
+    from simulation.trains import Trains
+
+    def factors(day: int) -> tuple[float, float]:
+        trains = Trains(replace(setup, day=day), PlainTrack({}, STEP_S), b"k" * 32)
+        trains.begin_leg(0, 0.0)
+        return float(setup.scatter.body(setup.seed, "K1", trains.kinds[0])[1]), float(
+            trains.plants[0].brake_factor
+        )
+
+    (own, first), (same, second) = factors(1), factors(2)
+    assert own == same
+    assert first != second
+    assert first / own == pytest.approx(1.0, abs=0.06)
+    assert second / own == pytest.approx(1.0, abs=0.06)
