@@ -26,19 +26,21 @@ class TagDoubt:
         self._last: tuple[PathTag, float] | None = None  # the last tag believed, and the tachometer there, m
         self._suspect: tuple[PathTag, float] | None = None  # one read in doubt
         self._doubting = False
+        self._anchor_m = 0.0  # path coordinate where the tachometer was last known to be right
 
     def new_path(self, tags: tuple[PathTag, ...]) -> None:
-        """Another mission: coordinates are those of its path."""
+        """Another mission, from where the train stands: coordinates are those of its path."""
         self._tags = tags
+        self._anchor_m = self._row.position_m
         self._last = self._suspect = None
 
-    def begin(self, begun_m: float) -> None:
-        """A position fault: what was run since the last tag, or since `begun_m` without one, may be false."""
+    def begin(self) -> None:
+        """A position fault: what was run since the last tag, or since the mission began, may be false."""
         row, share = self._row, self._parameters.doubt_error_share
         if row.position_known:
-            since_m = row.position_m - (begun_m if self._last is None else self._last[0].position_m)
-            row.bound_ahead_m += share * max(since_m, 0.0)
-            row.bound_behind_m += share * max(since_m, 0.0)
+            since_m = max(row.position_m - self._anchor_m, 0.0)
+            row.bound_ahead_m += share * since_m
+            row.bound_behind_m += share * since_m
             self._doubting = True
         row.bound_growth = share
         self._last = self._suspect = None
@@ -48,17 +50,14 @@ class TagDoubt:
 
         None for a train that `standing` at a mark: its driver sees where it is.
         """
-        if standing or self._last is None or not self._row.position_known:
-            return 0.0
-        return self._parameters.doubt_error_share * max(self._row.position_m - self._last[0].position_m, 0.0)
+        since_m = 0.0 if standing else max(self._row.position_m - self._anchor_m, 0.0)
+        return self._parameters.doubt_error_share * since_m
 
     def release_trigger_m(self, end_m: float, length_m: float) -> float:
         """Where the safe rear (m) must be for a section that ends at `end_m` to be freed, by `release_margin_m`."""
-        if self._last is None:
-            return end_m
         row, share = self._row, self._parameters.doubt_error_share
         front_m = end_m + length_m + row.bound_behind_m
-        beyond_m = max(front_m - self._last[0].position_m, 0.0)
+        beyond_m = max(front_m - self._anchor_m, 0.0)
         return end_m + share * beyond_m / (1.0 - share)
 
     def believes(self, tag: PathTag, odometer_m: float) -> bool:
@@ -89,6 +88,7 @@ class TagDoubt:
         if self._last is not None and self._agree(self._last, tag, odometer_m):
             row.bound_growth = parameters.wheel_error_share
         self._last = (tag, odometer_m)
+        self._anchor_m = tag.position_m
 
     def _agree(self, before: tuple[PathTag, float], tag: PathTag, odometer_m: float) -> bool:
         """Whether the way between two tags is as the tachometer says, within what wheels wear."""

@@ -371,7 +371,7 @@ class Unit:
     def _position_fault(self, why: str, now_s: float) -> None:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         self._note("position_fault", why=why)
-        self._doubt.begin(0.0 if self.mission is None else self.mission.targets[self.at].mark_m)
+        self._doubt.begin()
         if self.phase in (Phase.RUNNING, Phase.STANDING):
             self.stands_at = self.at if self.phase is Phase.STANDING else None
             self.phase = Phase.RESTARTED
@@ -574,6 +574,10 @@ class Unit:
             s.section_id for s in mission.spans if s.start_m < row.position_m - row.bound_behind_m
         }
         self._note("resumed", next_target=self.at + 1)
+        if stands and self.at > 0:  # it came here while it did not know
+            target = mission.targets[self.at]
+            away_m = round(float(row.position_m) - target.mark_m, 3)
+            self._note("arrived", station=target.station_id or target.section_id, error_m=away_m)
         self._choose_cruise(now_s)
 
     def _remember_entered(self) -> None:

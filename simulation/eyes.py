@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from onboard.sighting import SIGN_BEYOND_MARK_M
-from onboard.unit import Phase
+from onboard.unit_records import Phase
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.setup import STEPS_PER_S
@@ -92,8 +92,12 @@ class Eyes:
         if unit.phase is not Phase.RUNNING or unit.mission is None or slot in self._trains.unpowered:
             return None
         target = unit.mission.targets[unit.at + 1]
-        on_path = duty is not None and self._trains.paths[slot] is duty.mission.path
-        if not on_path or target.station_id not in self._stations:
+        if duty is None or target.station_id not in self._stations:
+            return None
+        planned = (
+            duty.mission.path.piece_ids
+        )  # the true path goes on beyond it, unless points have sent it elsewhere
+        if self._trains.true_path(slot).piece_ids[: len(planned)] != planned:
             return None
         if self._trains.truths[slot].position_m > target.mark_m + SIGN_BEYOND_MARK_M / 2.0:
             return None

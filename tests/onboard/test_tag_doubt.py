@@ -32,7 +32,7 @@ def doubt(unit: np.recarray) -> TagDoubt:
 
 def fault_at(doubt: TagDoubt, unit: np.recarray, position_m: float) -> None:
     unit.position_m = unit.odometer_m = position_m
-    doubt.begin(0.0)
+    doubt.begin()
     unit.position_known = 0
 
 

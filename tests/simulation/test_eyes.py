@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from onboard.unit_records import Phase
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.camera import LINE_CAMERA, LINE_SIGN, Renderer, record_table, sighted_distances
@@ -39,8 +40,6 @@ def running(setup: Setup) -> Trains:
     trains.place(0, duty)
     unit = trains.on_board[0]
     unit.begin(duty.mission, trains.pattern_rows(0), 0.0, ready_s=0.0, signing_on=True)
-    from onboard.unit import Phase
-
     unit.phase = Phase.RUNNING
     return trains
 
