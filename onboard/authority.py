@@ -118,7 +118,8 @@ def _begin(state: Authority, event: BeginOnLine, now_s: float, covered: bool) ->
 
 def _withdrawn(state: Authority, event: Withdrawn, _now_s: float, _covered: bool) -> Result:
     kept = tuple(c for c in state.commands if c.needed.section_id not in event.section_ids)
-    return replace(state, commands=kept), ()
+    gone = tuple(c for c in state.commands if c not in kept)
+    return replace(state, commands=kept, unsaid=(*state.unsaid, *gone)), ()
 
 
 def _checked_by_crew(state: Authority, event: CheckedByCrew, _now_s: float, _covered: bool) -> Result:
@@ -160,7 +161,7 @@ def _ask(state: Authority, event: Ask, now_s: float, covered: bool) -> Result:
 
 
 def _turned_back(state: Authority, _event: TurnedBack, _now_s: float, _covered: bool) -> Result:
-    turned = replace(state, held=state.held[::-1], commands=(), proven=())
+    turned = replace(state, held=state.held[::-1], commands=(), proven=(), unsaid=())
     if turned == state:
         return state, ()
     return turned, (_holds(turned),)
@@ -214,6 +215,7 @@ def _cleared(state: Authority, event: Cleared | GiveBack, now_s: float, covered:
         held=kept,
         proven=tuple(needed for needed in state.proven if needed.section_id not in section_ids),
         commands=tuple(c for c in state.commands if c.needed.section_id not in section_ids),
+        unsaid=tuple(c for c in state.unsaid if c.needed.section_id not in section_ids),
         report_due=True,
         next_report_s=now_s,
         report_correlation=state.correlation + 1,
@@ -404,7 +406,7 @@ def _proof(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Res
     if not isinstance(message, PointsProof):
         return state, ()
     good = message.locked and message.detected
-    for command in state.commands:
+    for command in (*state.commands, *state.unsaid):
         needed = command.needed
         if needed.points_id != message.points_id or event.source != needed.terminal_id:
             continue
@@ -412,7 +414,8 @@ def _proof(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Res
             return state, ()
         proven = replace(
             state,
-            commands=tuple(c for c in state.commands if c is not command),
+            commands=tuple(c for c in state.commands if c.needed != needed),
+            unsaid=tuple(c for c in state.unsaid if c.needed != needed),
             proven=(*state.proven, needed),
         )
         data = {"points": needed.points_id, "position": needed.position.value, "token": command.token}
@@ -420,7 +423,10 @@ def _proof(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Res
     lost = [n for n in state.proven if n.points_id == message.points_id and n.terminal_id == event.source]
     if not lost or (good and message.position is lost[0].position):
         return state, ()
-    dropped = replace(state, proven=tuple(n for n in state.proven if n not in lost))
+    tokens = {h.section_id: h.token for h in state.held}
+    unsaid = (Command(n, tokens[n.section_id], b"", 0, NEVER) for n in lost if n.section_id in tokens)
+    kept = tuple(n for n in state.proven if n not in lost)
+    dropped = replace(state, proven=kept, unsaid=(*state.unsaid, *unsaid))
     return dropped, (Noted("proof_dropped", {"points": message.points_id}),)
 
 

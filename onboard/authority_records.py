@@ -66,6 +66,7 @@ class Authority:
     refusal: str = ""
     commands: tuple[Command, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
+    unsaid: tuple[Command, ...] = ()  # not commanded any more, but a proof of them still counts
     report_due: bool = False
     next_report_s: float = NEVER
     correlation: int = 0  # of the newest request; each open request keeps its own

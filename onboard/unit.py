@@ -75,6 +75,7 @@ __all__ = [
     "UnitParameters",
 ]
 
+ARRIVED_ON_SIGHT_WITHIN_M: Final = 6.0  # the same by the crew's eye
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 
@@ -195,6 +196,10 @@ class Unit:
         target = None if self.mission is None else self.mission.targets[index]
         if target is not None:
             self._note("arrived", station=target.station_id or target.section_id, error_m=None)
+            rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - float(self._train.length_m)
+            cleared = cleared_sections(self.mission, self.authority, rear_m) if self.mission else ()
+            if cleared:  # the crew sees the mark, and that the whole train has arrived (到着確認)
+                self._authority(auth.Cleared(cleared), now_s)
         return self._done(now_s)
 
     def _take_up(self, mission: Mission, path: NDArray[np.void], ready_s: float) -> None:

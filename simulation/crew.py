@@ -23,6 +23,9 @@ from simulation.trains import Trains
 from wayside.point_machine import PointMachine
 
 LOOKS_AGAIN_S: Final = 20.0
+OVERRUN_MAX_M: Final = (
+    40.0  # no train sets back: this far beyond the mark on its track it has arrived all the same
+)
 SEES_M: Final = 12.0  # stood this near, the crew sees how the points lie
 
 
@@ -70,7 +73,9 @@ class Crew:
             return Seen()
         front_m = float(self._trains.truths[slot].position_m)
         for index, target in enumerate(mission.targets):
-            if index > 0 and unit.stands_at != index and abs(target.mark_m - front_m) < SEES_M / 2.0:
+            end_m = mission.spans[mission.span_index(target.section_id)].end_m
+            at_mark = target.mark_m - SEES_M / 2.0 < front_m < min(target.mark_m + OVERRUN_MAX_M, end_m)
+            if index > unit.at and unit.stands_at != index and at_mark:
                 return Seen(target=index)
         for span, needed in self._unproven(mission, unit, front_m):
             if span.start_m - front_m > SEES_M:

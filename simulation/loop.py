@@ -429,12 +429,17 @@ class Simulation:
         if not on_line and duty.enters and self._portal_busy(duty):
             self._agenda.put(self._step + round(PORTAL_RETRY_S / STEP_S), Due.DUTY, stock_id)
             return
+        turns = on_line and duty.mission.direction is not self.trains.direction(slot)
+        if turns and not self.trains.can_turn(slot, duty):
+            self._unsafe(slot, "overran its track and cannot turn back")
+            self._broken = "a train overran its track and cannot turn back"
+            return
         self._next_duty[stock_id] += 1
         unit = self.trains.on_board[slot]
         now_s = self.now_s
         actions: list[UnitAction] = []
         if on_line:
-            if duty.mission.direction is not self.trains.direction(slot):
+            if turns:
                 self._close_energy(slot)
                 self.trains.turn(slot, duty)
                 self.checkers.reversed(now_s, stock_id)

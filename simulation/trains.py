@@ -30,7 +30,9 @@ from vehicle.records import TRAIN
 from vehicle.train_file import new_plant
 from wayside.config import MANAGER_ID
 
-AGREEMENT_M = 1e-6  # the carrier's position against the sum of speeds
+AGREEMENT_M = (
+    1e-4  # the carrier's position against the sum of speeds; SUMO takes less than 1 mm/s for standing
+)
 
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
@@ -223,6 +225,11 @@ class Trains:
             position_m - step.start_m,
             float(self.kinds[slot].length_m),
         )
+
+    def can_turn(self, slot: int, duty: Duty) -> bool:
+        """Whether the whole train stands on the track from which its next duty begins: no overrun onto points."""
+        here = self.true_path(slot).step_at(float(self.truths[slot].position_m))
+        return here.piece_id in duty.mission.path.piece_ids
 
     def turn(self, slot: int, duty: Duty) -> None:
         """Change ends on the spot: what was the rear is the front, on the next duty's path."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import Direction
-from onboard.driving import power_notch, stop_demand_mps2
+from onboard.driving import power_notch
 from onboard.localisation import fix, locate, within_window
 from onboard.records import BEHAVIOUR, UNIT
 from onboard.rows import BehaviourRow, UnitRow
@@ -61,6 +61,8 @@ STOPS_PAPER: Final = 10
 STOPS_MANY: Final = 1000
 STOPS_QUICK: Final = 50
 LIMIT_M: Final = 0.1  # Oda, 3.3.2
+OVERSHOT_M: Final = 0.02  # this near the mark, full size, the pattern has no slope left to follow
+LEAST_BRAKE_MPS2: Final = 0.02
 THREE_SIGMA_M: Final = 0.033  # Oda, 3.3.4
 
 
@@ -101,6 +103,31 @@ def run_cycle(plant: PlantRow, train: TrainRow, notch: float, trace: Floats, at:
         trace[at + k, 0] = plant.travelled_m
         trace[at + k, 1] = plant.wheel_travelled_m
         trace[at + k, 2] = plant.speed_mps
+
+
+@compiled
+def stop_demand_mps2(unit: UnitRow, behaviour: BehaviourRow, reaction_s: float) -> float:
+    """Deceleration wanted of the car to stop at the target, from the state predicted over the reaction time.
+
+    Target-speed pattern and proportional control alone (2.1), without the soft end of a passenger train's stop.
+    Negative while the target-speed pattern has not been reached.
+    """
+    speed = unit.speed_mps
+    change = unit.acceleration_mps2
+    if unit.braking_to_stop == 0:
+        change = min(change, 0.0)
+    later_s = reaction_s
+    if change < 0.0:
+        later_s = min(reaction_s, speed / -change)
+    predicted = max(speed + change * later_s, 0.0)
+    distance_m = unit.target_stop_m - unit.position_m - (speed + predicted) / 2.0 * later_s
+    design = behaviour.stop_deceleration_mps2
+    if distance_m <= OVERSHOT_M:
+        return 2.0 * design if predicted > 0.05 else design
+    error = predicted - math.sqrt(2.0 * design * distance_m)
+    if unit.braking_to_stop == 0 and error < 0.0:
+        return -1.0
+    return max(design + behaviour.stop_gain_per_s * error, LEAST_BRAKE_MPS2)
 
 
 @compiled

@@ -110,8 +110,8 @@ def test_page_names_every_train_and_station(page: str, parsed: Page, weekday: Ru
 def test_parts_come_in_the_order_a_planner_reads(page: str) -> None:
     titles = [re.sub(r":.*", "", title) for title in re.findall(r"<h2>(.*?)</h2>", page)]
     assert titles[:-1] == [
-        "Train graph", "Run curve", "Run curve", "Section occupancy", "Energy by train", "Stop errors", "Delays",
-        "Trains", "Telegrams", "Events",
+        "Train graph", "Run curve", "Run curve", "Section occupancy", "Energy by train", "Stop errors", "Stopping",
+        "Delays", "Trains", "Telegrams", "Events",
     ]  # fmt: skip
     assert titles[-1] == "Assumptions"
 

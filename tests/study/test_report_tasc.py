@@ -34,7 +34,7 @@ def test_the_surface_is_least_where_the_search_finds_it() -> None:
     surface = response_surface(stop)
     assert surface is not None
     assert surface.shape == (21, 21)
-    row, column = np.unravel_index(int(surface.argmin()), surface.shape)
+    row, column = divmod(int(surface.argmin()), 21)
     assert (column, row) == (8, 8)  # 0.8 s, two steps below no offset
     fit = search(stop)
     assert fit is not None
