@@ -17,6 +17,7 @@ from onboard.unit import Finished, LeftLine, Noted, Phase, Transmit, UnitAction
 from radio.air import Air
 from radio.fleet import ConfirmOutside, Fleet
 from simulation.agenda import Agenda, Due
+from simulation.books import Books
 from simulation.carrier import Carrier
 from simulation.checkers import Checkers, PointsFacts
 from simulation.crew import LOOKS_AGAIN_S, Crew
@@ -25,10 +26,10 @@ from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.kernel import advance
 from simulation.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE
-from simulation.result import EnergyRecord, RunResult, StopRecord, TraceSpan, Waiting
+from simulation.result import RunResult
 from simulation.roster import Duty, draw_up, stabled_at_start
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
-from simulation.trains import EnergyMark, Trains
+from simulation.trains import Trains
 from simulation.wayside_world import WaysideWorld, header_of
 from sumo_cfg.truth_map import NetMap
 from wayside.config import MANAGER_ID
@@ -88,12 +89,7 @@ class Simulation:
         self.journal.watch(self.checkers.journal)
         self._link = link
         self._next_duty = dict.fromkeys(self.trains.stock_ids, 0)
-        self._stops: list[StopRecord] = []
-        self._open_stop: dict[int, StopRecord | None] = {}
-        self._energy: list[EnergyRecord] = []
-        self._arrived: list[str] = []
-        self._reached: set[tuple[str, int]] = set()  # train number and target
-        self._spans: list[TraceSpan] = []
+        self._books = Books(self.trains)
         self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
         self._trace_used = 0
         self._speeds = np.zeros((STANDING_STEPS_MAX, len(self.trains.stock_ids)))
@@ -159,7 +155,7 @@ class Simulation:
                 return "no train can move any more"
             self._advance()
             if progress is not None:
-                progress(self.now_s, end_s, len(self._arrived))
+                progress(self.now_s, end_s, len(self._books.arrived))
 
     def _handle_due(self) -> None:
         while (item := self._agenda.pop_due(self._step)) is not None:
@@ -310,10 +306,7 @@ class Simulation:
         now_s = self.now_s
         if events & (EVENT_FRONT | EVENT_REAR):
             trains.set_boundaries(slot)
-        stop = self._open_stop.get(slot)
-        if stop is not None and stop.departure_s is None and trains.plants[slot].speed_mps > 0.0:
-            stop.departure_s = now_s
-            self._open_stop[slot] = None
+        self._books.look_for_departure(slot, now_s)
         if events & EVENT_TAG:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
@@ -382,44 +375,7 @@ class Simulation:
         again = f"crew {self.trains.stock_ids[slot]}"
         self._agenda.put(self._step + round(LOOKS_AGAIN_S * STEPS_PER_S), Due.SCRIPT, again)
 
-    # stops, duties, energy ---------------------------------------------------------------------------------------
-
-    def _look_for_arrival(self, slot: int) -> None:
-        """A unit that stands at a target it had not reached before has arrived there, however it came to know."""
-        unit, duty = self.trains.on_board[slot], self.trains.duties[slot]
-        if duty is None or unit.at == 0 or self.trains.plants[slot].speed_mps > 0.0:
-            return
-        stands = unit.phase in (Phase.STANDING, Phase.FINISHED) or unit.stands_at == unit.at
-        if stands and (duty.train.number, unit.at) not in self._reached:
-            self._reached.add((duty.train.number, unit.at))
-            self._stopped(slot, self.now_s)
-
-    def _stopped(self, slot: int, now_s: float) -> None:
-        """The train has arrived at a target: how well, by the truth."""
-        self.trains.begin_leg(slot, now_s)
-        unit = self.trains.on_board[slot]
-        duty = self.trains.duties[slot]
-        if unit.mission is None or duty is None:
-            return
-        target = unit.mission.targets[unit.at]
-        if target.station_id is None:
-            return
-        record = StopRecord(
-            unit.facts.unit_id,
-            duty.train.number,
-            duty.train.revenue,
-            target.station_id,
-            target.track,
-            target.arrival_s,
-            target.departure_s,
-            arrival_s=now_s,
-            error_m=float(self.trains.truths[slot].position_m) - target.mark_m,
-        )
-        self._stops.append(record)
-        self._open_stop[slot] = record if target.departure_s is not None else None
-        calls = [t for t in unit.mission.targets if t.station_id is not None]
-        if target is calls[-1]:
-            self._arrived.append(duty.train.number)
+    # duties ---------------------------------------------------------------------------------------
 
     def _take_up_duty(self, slot: int) -> None:
         """The stock's next train: it comes onto the line, or the stock turns back."""
@@ -440,31 +396,18 @@ class Simulation:
         actions: list[UnitAction] = []
         if on_line:
             if turns:
-                self._close_energy(slot)
+                self._books.close_energy(slot)
                 self.trains.turn(slot, duty)
                 self.checkers.reversed(now_s, stock_id)
                 self.journal.write(now_s, "world", "reversed", unit=stock_id)
                 actions += unit.change_ends(now_s)
             else:
-                self._close_energy(slot)
+                self._books.close_energy(slot)
                 self.trains.continue_as(slot, duty)
         else:
             self.trains.place(slot, duty)
             self._appear(slot, duty)
-        self._spans.append(self._span(slot, duty))
-        first = duty.mission.targets[0]
-        if first.station_id is not None:
-            record = StopRecord(
-                stock_id,
-                duty.train.number,
-                duty.train.revenue,
-                first.station_id,
-                first.track,
-                None,
-                first.departure_s,
-            )
-            self._stops.append(record)
-            self._open_stop[slot] = record
+        self._books.begin_train(slot, duty, self._step)
         pattern = self.trains.pattern_rows(slot)
         actions += unit.begin(duty.mission, pattern, now_s, ready_s=now_s, signing_on=not on_line)
         self._apply(slot, actions)
@@ -493,42 +436,6 @@ class Simulation:
         self.checkers.entered(stock_id, length_m, under)
         self._observe([slot])
 
-    def _span(self, slot: int, duty: Duty) -> TraceSpan:
-        path = duty.mission.path
-        return TraceSpan(
-            slot,
-            self._step,
-            duty.train.number,
-            int(duty.mission.direction),
-            tuple(step.start_m for step in path.steps),
-            path.piece_ids,
-            tuple(step.entry_m for step in path.steps),
-        )
-
-    def _close_energy(self, slot: int) -> None:
-        """Book what the present train used."""
-        duty, mark = self.trains.duties[slot], self.trains.energy_marks[slot]
-        if duty is None:
-            return
-        plant = self.trains.plants[slot]
-        self._energy.append(
-            EnergyRecord(
-                self.trains.stock_ids[slot],
-                duty.train.number,
-                duty.train.revenue,
-                float(plant.travelled_m) - mark.travelled_m,
-                float(plant.energy_traction_j) - mark.traction_j,
-                float(plant.energy_regenerated_j) - mark.regenerated_j,
-                float(plant.energy_auxiliary_j) - mark.auxiliary_j,
-            )
-        )
-        self.trains.energy_marks[slot] = EnergyMark(
-            float(plant.energy_traction_j),
-            float(plant.energy_regenerated_j),
-            float(plant.energy_auxiliary_j),
-            float(plant.travelled_m),
-        )
-
     # actions of units ---------------------------------------------------------------------------------------------
 
     def _apply(self, slot: int, actions: list[UnitAction], sequence: int | None = None) -> None:
@@ -546,7 +453,7 @@ class Simulation:
                 self._finished(slot)
             elif isinstance(action, LeftLine):
                 self._left(slot)
-        self._look_for_arrival(slot)
+        self._books.look_for_arrival(slot, self.now_s)
         self._crew.look_ahead(slot)
         self._keep_looking(slot)
         self._eyes.look_ahead(slot)
@@ -570,11 +477,11 @@ class Simulation:
             after = self._step + round(self.setup.change_ends_s / STEP_S)
             self._agenda.put(after, Due.DUTY, stock_id)
         else:
-            self._close_energy(slot)
+            self._books.close_energy(slot)
 
     def _left(self, slot: int) -> None:
         stock_id = self.trains.stock_ids[slot]
-        self._close_energy(slot)
+        self._books.close_energy(slot)
         self.trains.remove(slot)
         self.checkers.left(stock_id)
         self.journal.write(self.now_s, "world", "left", unit=stock_id)
@@ -601,27 +508,13 @@ class Simulation:
             unit.authority.refusal for unit in self.trains.on_board if unit.authority.asked is not None
         )
 
-    def _waiting(self) -> list[Waiting]:
-        waiting: list[Waiting] = []
-        for slot, stock_id in enumerate(self.trains.stock_ids):
-            unit, duty = self.trains.on_board[slot], self.trains.duties[slot]
-            if not self.trains.truths[slot].active or duty is None or unit.mission is None:
-                continue
-            if unit.phase in (Phase.FINISHED, Phase.GONE):
-                continue
-            piece_id, at_m = self.trains.true_path(slot).locate(float(self.trains.truths[slot].position_m))
-            place = f"section {self.setup.line.pieces[piece_id].section_id} at km {at_m / 1000.0:.3f}"
-            waiting.append(Waiting(stock_id, duty.train.number, place, unit.waits_for()))
-        return waiting
-
     def _result(self, because: str, collisions: tuple[str, ...]) -> RunResult:
-        for slot in self.trains.active():
-            if self.trains.on_board[slot].phase is not Phase.FINISHED:
-                self._close_energy(slot)
+        self._books.close()
+        arrived = self._books.arrived
         trains = self.setup.timetable.trains.values()
         planned = tuple(t.number for t in trains if t.revenue)
         empty = tuple(t.number for t in trains if not t.revenue)
-        self.checkers.finish(self.now_s, {number: number in self._arrived for number in (*planned, *empty)})
+        self.checkers.finish(self.now_s, {number: number in arrived for number in (*planned, *empty)})
         trace = self._trace[: self._trace_used].copy()
         self.journal.add_to_digest(trace.tobytes())
         return RunResult(
@@ -632,17 +525,17 @@ class Simulation:
             begin_step=self._begin_step,
             end_step=self._step,
             trains_planned=planned,
-            trains_arrived=tuple(n for n in self._arrived if n in planned),
+            trains_arrived=tuple(n for n in arrived if n in planned),
             empty_planned=empty,
-            empty_arrived=tuple(n for n in self._arrived if n in empty),
-            stops=self._stops,
-            energy=self._energy,
-            waiting=self._waiting(),
+            empty_arrived=tuple(n for n in arrived if n in empty),
+            stops=self._books.stops,
+            energy=self._books.energy,
+            waiting=self._books.waiting(),
             violations=self.checkers.violations,
             collisions=collisions,
             telegrams=self.wayside.telegrams,
             trace=trace,
-            spans=self._spans,
+            spans=self._books.spans,
             journal=self.journal,
             ended_because=because,
             learned=self.trains.learned(),
