@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -12,7 +12,7 @@ import numpy as np
 from network.model import Position
 from radio.air import Delivery
 from radio.chance import generator
-from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection
+from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input
 from simulation.agenda import Agenda, Due
 from simulation.journal import Journal
 from simulation.script import Act, ActKind, Fault, FaultKind, Script, Trigger, Watch
@@ -65,6 +65,7 @@ class Injector:
         self._unit_power = unit_power
         self._give_back = give_back
         self._step = 0
+        self._words: list[Input] = []  # what people are about to enter
         self._disturbed: dict[int, Fault] = {}  # link faults in force, by number
         self._chance = [generator(seed, "fault", str(i)) for i in range(len(script.faults))]
         triggers = {i: fault.trigger for i, fault in enumerate(script.faults)}
@@ -91,6 +92,9 @@ class Injector:
         self._step = step
         what, number = subject.split()
         key = int(number)
+        if what == "word":
+            self._wayside.input(step, MANAGER_ID, self._words[key])
+            return
         if key >= len(self._script.faults):
             self._act(self._script.acts[key - len(self._script.faults)])
             return
@@ -214,7 +218,7 @@ class Injector:
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
             case ActKind.ACCEPT_PICTURE | ActKind.REENTER_ASSISTED:
-                self._wayside.input(self._step, MANAGER_ID, AcceptPicture(act.person))
+                self._enter([AcceptPicture(act.person)], act.pace_s)
             case ActKind.ENTER_SECTION:
                 for section_id in act.sections:
                     word = EnterSection(section_id, act.target or None, act.person)
@@ -230,10 +234,15 @@ class Injector:
             if unit.authority.on_line  # who has not been accepted holds nothing yet, whatever it wishes
             for section_id in unit.authority.section_ids()
         }
-        for section_id in self._wayside.section_ids:
-            entry = EnterSection(section_id, holder.get(section_id), act.person)
-            self._wayside.input(self._step, MANAGER_ID, entry)
-        self._wayside.input(self._step, MANAGER_ID, AcceptPicture(act.person))
+        entries = [EnterSection(s, holder.get(s), act.person) for s in self._wayside.section_ids]
+        self._enter([*entries, AcceptPicture(act.person)], act.pace_s)
+
+    def _enter(self, words: Sequence[Input], pace_s: float) -> None:
+        """A person enters words one after the other, `pace_s` for each."""
+        for count, word in enumerate(words, 1):
+            step = self._step + round(count * pace_s * STEPS_PER_S)
+            self._words.append(word)
+            self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
 
 
 def _flipped(delivery: Delivery, chance: np.random.Generator) -> Delivery:

@@ -159,6 +159,7 @@ class Act:
     sections: tuple[str, ...] = ()
     position: str = ""
     hold_s: float = 300.0
+    pace_s: float = 0.0  # time for each input of a re-entry
 
 
 class Property(Enum):

@@ -65,6 +65,7 @@ class ActTable(Record):
     sections: list[str] = Field(default_factory=list)
     position: str = ""
     hold_s: float = Field(default=300.0, ge=0.0)
+    pace_s: float = Field(default=0.0, ge=0.0, le=600.0)
 
 
 class ExpectTable(Record):
@@ -200,7 +201,10 @@ def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
     if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
         raise InputError(file, f"{key}.sections", table.sections, "the sections that are entered")
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
-    return Act(kind, table.target, trigger, table.person, tuple(table.sections), table.position, table.hold_s)
+    sections = tuple(table.sections)
+    return Act(
+        kind, table.target, trigger, table.person, sections, table.position, table.hold_s, table.pace_s
+    )
 
 
 def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetable: Timetable) -> Expectation:
