@@ -102,6 +102,17 @@ def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Rout
     return tuple(routes)
 
 
+def all_routes(line: Line) -> tuple[Route, ...]:
+    """Every route of the line, both directions, in the order of its sections."""
+    return tuple(
+        route
+        for section in line.sections.values()
+        if section.kind in _STOPS
+        for direction in Direction
+        for route in routes_from(line, section.id, direction)
+    )
+
+
 def find_route(line: Line, from_section: str, to_section: str, direction: Direction) -> Route | None:
     """The route from one track or portal to the next one `to_section`, or None; errors as `routes_from`."""
     for route in routes_from(line, from_section, direction):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from network.model import SectionKind, TagPurpose
 from onboard import authority as auth
+from onboard.authority_records import Noted
 from onboard.coverage import covered_at, next_coverage_m
 from onboard.localisation import fix, within_window
 from onboard.mission import Mission, PathTag, Target
@@ -52,7 +53,6 @@ from onboard.timekeeping import cruise_for
 from onboard.unit_records import (
     Finished,
     LeftLine,
-    Noted,
     Phase,
     Transmit,
     UnitAction,

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from network.model import Line
+from onboard.authority_records import Noted
 
 
 class Phase(Enum):
@@ -58,14 +57,6 @@ class Transmit:
     destination: str
     kind: str
     data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Noted:
-    """A line for the journal."""
-
-    what: str
-    data: Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

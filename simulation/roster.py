@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from network.graph import routes_from
 from network.model import Line, SectionKind, TagPurpose
 from network.timetable import AtPortal, BecomesTrain, FromTrain, Stabled, Timetable, TimetableTrain
 from onboard.mission import Mission, plan_mission
@@ -102,16 +101,3 @@ def portal_mark_m(line: Line, train: TimetableTrain, portal: str, length_m: floa
 def stabled_at_start(duties: tuple[Duty, ...]) -> bool:
     """Whether a stock stands on the line before its first train."""
     return bool(duties) and isinstance(duties[0].train.begins, Stabled)
-
-
-def all_routes(line: Line) -> tuple[str, ...]:
-    """Ids of all routes of a line, for messages."""
-    from network.model import Direction
-
-    return tuple(
-        route.id
-        for section in line.sections.values()
-        if section.kind in (SectionKind.TRACK, SectionKind.PORTAL)
-        for direction in Direction
-        for route in routes_from(line, section.id, direction)
-    )

@@ -91,7 +91,6 @@ class Setup:
     portal_lead_s: float = 210.0  # a train stands at the portal this long before its first departure
     change_ends_s: float = 60.0  # the driver walks to the other end
     reentry: ReentryMode = ReentryMode.ASSISTED  # how the block state comes back after the manager lost it
-    leave_after_s: float = 60.0  # a train that leaves for another line stands at its last call this long
     time_limit_s: float = 3600.0  # the run ends this long after the last planned time, whatever happens
     stall_limit_s: float = 3600.0  # or when no train has moved for this long although one waits for a section
 
@@ -103,10 +102,6 @@ class Setup:
     def next_day(self, learned: Mapping[str, Learned]) -> Setup:
         """The same timetable a day later, with what the trains have learned."""
         return replace(self, day=self.day + 1, tuning=replace(self.tuning, learned=learned))
-
-    def stock_of(self, number: str) -> str:
-        """Stock id of a train number."""
-        return next(d.stock_id for d in self.timetable.diagrams if number in d.train_numbers)
 
 
 def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
+from onboard.coverage import covered_at
 from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, UNIT
 from onboard.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.stopping import WAVE
@@ -176,10 +177,7 @@ class Trains:
         slot = self.slot_of.get(stock_id)
         if slot is None or not self.truths[slot].active:
             return True
-        step = self.true_path(slot).step_at(float(self.truths[slot].position_m))
-        at_m = step.kilometrage_m(float(self.truths[slot].position_m))
-        alignment = self.setup.line.alignments[self.setup.line.pieces[step.piece_id].alignment_id]
-        return any(stretch.from_m <= at_m <= stretch.to_m for stretch in alignment.coverage)
+        return covered_at(self.setup.line, self.true_path(slot), float(self.truths[slot].position_m))
 
     def compare(self, slot: int, seen: Truth) -> None:
         """Take the carrier's position as the truth; CarrierDisagrees when it is not where the speeds lead."""

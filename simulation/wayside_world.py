@@ -76,11 +76,6 @@ class WaysideWorld:
         self._frozen: dict[str, list[bytes]] = {}
         self.disturb: Disturb = lambda _step, _source, _destination, deliveries: deliveries
 
-    @property
-    def device_ids(self) -> tuple[str, ...]:
-        """The manager and all terminals."""
-        return self._device_ids
-
     def start(self, step: int) -> None:
         """Power on: every terminal sees its points."""
         for machine in self.machines.values():

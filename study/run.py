@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from network.errors import InputError
-from network.graph import routes_from
+from network.graph import all_routes
 from network.meets import meet_text, unresolvable_meets
-from network.model import Direction, Line, SectionKind
+from network.model import Line
 from radio.fleet import DeviceSpec, Fleet
 from simulation.carrier import Carrier
 from simulation.loop import Progress, Simulation
@@ -229,17 +229,11 @@ def master_key_of(setup: Setup) -> bytes:
 def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
     """What is needed to start the wayside devices of a run."""
     line = setup.line
-    stops = (SectionKind.TRACK, SectionKind.PORTAL)
-    routes = [
-        route
-        for section in line.sections.values()
-        if section.kind in stops
-        for direction in Direction
-        for route in routes_from(line, section.id, direction)
-    ]
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
     return device_specs(
-        manager_config(line, routes, unit_ids, reentry=setup.reentry), terminal_configs(line), master_key
+        manager_config(line, all_routes(line), unit_ids, reentry=setup.reentry),
+        terminal_configs(line),
+        master_key,
     )
 
 

@@ -18,7 +18,7 @@ from pydantic import Field
 from network.errors import InputError
 from network.line_file import load_line, validate_train_fits
 from network.model import Line
-from network.shipped import shipped_line, shipped_timetable
+from network.shipped import find_file, shipped_line, shipped_timetable
 from network.timetable import Timetable, load_timetable
 from network.toml_input import Record, one_of, parse_table, read_text, validate
 from onboard.unit import UnitParameters
@@ -76,7 +76,6 @@ class _Limits(Record):
 class _Operation(Record):
     portal_lead_s: float = Field(default=210.0, ge=0.0)
     change_ends_s: float = Field(default=60.0, ge=0.0)
-    leave_after_s: float = Field(default=60.0, ge=0.0)
     reentry: Literal["assisted", "by_hand"] = "assisted"
 
 
@@ -122,18 +121,7 @@ def shipped_scenarios() -> tuple[str, ...]:
 
 def find_scenario(name: str) -> Path:
     """File of a shipped scenario, or the given .toml file. InputError otherwise."""
-    given = Path(name)
-    if given.suffix == ".toml":
-        if given.is_file():
-            return given
-        raise InputError(
-            name, "", None, f"an existing file, or a shipped scenario: {one_of(shipped_scenarios())}"
-        )
-    if name in shipped_scenarios():
-        return _folder() / f"{name}.toml"
-    raise InputError(
-        name, "", None, f"a .toml file or a shipped scenario: {one_of(shipped_scenarios(), name)}"
-    )
+    return find_file(_folder(), "scenario", name)
 
 
 def load_scenario(name: str, seed: int | None = None) -> Scenario:
@@ -162,7 +150,6 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         load_share_spread=model.trains.load_share_spread,
         portal_lead_s=model.operation.portal_lead_s,
         change_ends_s=model.operation.change_ends_s,
-        leave_after_s=model.operation.leave_after_s,
         reentry=ReentryMode(model.operation.reentry),
         time_limit_s=model.limits.time_limit_s,
         stall_limit_s=model.limits.stall_limit_s,

@@ -4,9 +4,10 @@ from itertools import pairwise
 
 import pytest
 
+from network.graph import all_routes
 from network.model import SectionKind
 from network.timetable import AtPortal, BecomesTrain
-from simulation.roster import all_routes, draw_up, first_section, portal_mark_m, stabled_at_start
+from simulation.roster import draw_up, first_section, portal_mark_m, stabled_at_start
 from simulation.setup import Setup
 
 LEAD_S = 210.0
@@ -59,7 +60,7 @@ def test_a_train_enters_on_its_portal_tag(karasuyama_setup: Setup) -> None:
 
 def test_routes_for_messages(rtri_setup: Setup) -> None:
     """Two tracks at A and B: each station can be left and reached by both, from either side."""
-    routes = all_routes(rtri_setup.line)
+    routes = tuple(route.id for route in all_routes(rtri_setup.line))
     assert {"PW>3", "PW>4", "3>8", "3>9", "4>8", "4>9", "8>PE", "9>PE"} <= set(routes)
     assert len(routes) == len(set(routes)) == 16
 
