@@ -190,6 +190,7 @@ def _print_run(done: Run, report: Path) -> None:
         ("telegrams", ", ".join(f"{count} {name}" for name, count in telegrams.items())),
         ("ended because", summary["ended_because"]),
         ("journal digest", summary["digest"]),
+        ("motion digest", summary["motion_digest"]),
         ("wall time", f"{summary['wall_s']:.1f} s for {summary['simulated_s'] / 3600.0:.1f} h"),
     ]
     table = Table(title=done.scenario.name, show_header=False, title_justify="left")

@@ -25,7 +25,7 @@ from simulation.eyes import Eyes
 from simulation.injector import Injector
 from simulation.journal import Journal
 from simulation.kernel import advance
-from simulation.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE
+from simulation.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE, TRACE_EVERY_STEPS
 from simulation.result import RunResult
 from simulation.roster import Duty, draw_up, stabled_at_start
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
@@ -36,7 +36,6 @@ from wayside.config import MANAGER_ID
 
 MOVING_STEPS_MAX: Final = 50  # the kernel runs ahead of the carrier by at most this
 STANDING_STEPS_MAX: Final = 600
-TRACE_EVERY_STEPS: Final = 10
 TRACE_ROWS_FIRST: Final = 200_000
 PORTAL_RETRY_S: Final = 10.0
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned

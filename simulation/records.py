@@ -39,6 +39,7 @@ TRUTH: Final = np.dtype(
     align=True,
 )
 
+TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
 TRACE: Final = np.dtype(
     [
         ("step", "i8"),

@@ -13,6 +13,8 @@ from onboard.tuning import Learned
 from onboard.tuning import StopRecord as StopWaves
 from simulation.checkers import Violation
 from simulation.journal import Journal
+from simulation.motion_digest import motion_digest
+from simulation.records import TRACE_EVERY_STEPS
 
 
 @dataclass(slots=True)
@@ -98,3 +100,8 @@ class RunResult:
     def digest(self) -> str:
         """Digest of the journal and the trajectories."""
         return self.journal.digest()
+
+    @property
+    def motion_digest(self) -> str:
+        """Digest of the trajectories alone, independent of records and journal: `simulation.motion_digest`."""
+        return motion_digest(self.trace, self.stock_ids, TRACE_EVERY_STEPS)

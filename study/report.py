@@ -132,6 +132,7 @@ def _headline(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
         Fact("Parties", ", ".join(str(party) for party in facts.get("parties", ())) or "not recorded"),
         Fact("Seed", str(facts.get("seed", "not recorded"))),
         Fact("Journal digest", str(facts.get("digest", "not recorded"))),
+        Fact("Motion digest", str(facts.get("motion_digest", "not recorded"))),
     )
 
 

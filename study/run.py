@@ -115,6 +115,7 @@ def execute(
         "link": link.value,
         "carrier": carrier.value,
         "digest": result.digest,
+        "motion_digest": result.motion_digest,
         **summarise(tables, setup.timetable),
         "empty_workings_planned": len(result.empty_planned),
         "empty_workings_arrived": len(result.empty_arrived),
