@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
-PACKAGES := network sumo_cfg vehicle radio onboard wayside simulation study branchline
+PACKAGES := network sumo_cfg vehicle radio onboard wayside host simulation study documents branchline
 SCENARIO ?= karasuyama_weekday
 
 .PHONY: install demo test check bench nets docs format clean
@@ -31,7 +31,7 @@ bench: install
 	$(BIN)/branchline bench $(SCENARIO)
 
 docs: install
-	$(BIN)/python -m study.interlocking_doc
+	$(BIN)/python -m documents.interlocking
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from host.devices import FleetError
 from network.errors import InputError
-from radio.fleet import FleetError
 
 if TYPE_CHECKING:
-    from study.run import Run
+    from study.run.run import Run
 
 BROKEN: Final = 1
 BAD_INPUT: Final = 2
@@ -137,8 +137,8 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html."""
-    from study.run import CarrierKind, check_out, execute, link_of, write_run
-    from study.scenario import load_scenario
+    from study.run.run import CarrierKind, check_out, execute, link_of, write_run
+    from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
     if carrier not in {kind.value for kind in CarrierKind}:
@@ -211,8 +211,8 @@ def drill(
     as_json: Json = False,
 ) -> None:
     """Run a drill and print it expectation by expectation; exit code 1 if one is not met."""
-    from study.drill import run_drill, shipped_drills
-    from study.run import check_out, link_of, write_run
+    from study.run.drill import run_drill, shipped_drills
+    from study.run.run import check_out, link_of, write_run
 
     if file == "list":
         _print_json(list(shipped_drills())) if as_json else sys.stdout.write(
@@ -243,7 +243,7 @@ def bench(
     as_json: Json = False,
 ) -> None:
     """Measure the same day three ways: SUMO alone, full system, full system over Zenoh."""
-    from study.bench import bench as measure
+    from study.evaluate.bench import bench as measure
 
     figures = measure(scenario, rounds, _tell)
     if as_json:
@@ -277,8 +277,8 @@ def reproduce(
     as_json: Json = False,
 ) -> None:
     """Rebuild a published experiment and print the paper's figures beside ours."""
-    from study.reproduction import REPRODUCTIONS, Options, reproduction
-    from study.run import link_of
+    from study.papers.reproduction import REPRODUCTIONS, Options, reproduction
+    from study.run.run import link_of
 
     if name == "list":
         _print_json(sorted(REPRODUCTIONS)) if as_json else _tell("\n".join(sorted(REPRODUCTIONS)))
@@ -322,7 +322,7 @@ def check(
 ) -> None:
     """Read a scenario with all that it names and say whether its trains can meet; runs nothing."""
     from network.meets import meet_text, planned_meets, unresolvable_meets
-    from study.scenario import load_scenario
+    from study.scenario.scenario import load_scenario
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
@@ -353,7 +353,7 @@ def import_geometry_command(
     out: Annotated[Path, typer.Argument(help="TOML fragment to write.")],
 ) -> None:
     """Fit kilometrage, straights, transitions and curves to a track polyline."""
-    from network.geometry_import import import_geometry
+    from network.exchange.geometry import import_geometry
 
     import_geometry(polyline, stations, out)
     _tell(f"wrote {out}")
@@ -366,7 +366,7 @@ def import_timetable_command(
     calendar: Annotated[str, typer.Option("--calendar", help="Weekday or SaturdayHoliday.")] = "Weekday",
 ) -> None:
     """Make a timetable file of the Karasuyama line from published times."""
-    from network.timetable_import import import_timetable
+    from network.exchange.mini_tokyo import import_timetable
 
     import_timetable(source, out, calendar)
     _tell(f"wrote {out}")

@@ -231,7 +231,7 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A whole line. Built and validated by `network.line_file.load_line`; never by hand except in tests."""
+    """A whole line. Built and validated by `network.files.line_file.load_line`; never by hand except in tests."""
 
     id: str
     name: str

@@ -15,10 +15,10 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from network.errors import InputError
+from network.files.line_schema import DIRECTIONS, DirectionName, Id
+from network.files.toml_input import Record, one_of, parse_toml, read_text
 from network.graph import reachable_stops
-from network.line_schema import DIRECTIONS, DirectionName, Id
 from network.model import Direction, Line, PlatformTrack, SectionKind
-from network.toml_input import Record, one_of, parse_toml, read_text
 
 DAY_S: Final = 86_400
 _TIME: Final = re.compile(r"([01]\d|2[0-9]):([0-5]\d)(?::([0-5]\d))?")

@@ -58,7 +58,7 @@ UNIT: Final = np.dtype(
         ("target_mps", "f8"),
         ("braking_to_stop", "i8"),  # latched: the stop pattern has taken over
         ("fix_correction_m", "f8"),  # by which the last fix moved the position; taken up by the next tick
-        ("stop_verdict", "i8"),  # onboard.tasc.Verdict
+        ("stop_verdict", "i8"),  # onboard.driving.tasc.Verdict
         ("notch", "f8"),  # > 0 power, < 0 brake
         ("notch_held_s", "f8"),
         ("emergency", "i8"),

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.driving import drive, own_deceleration_mps2
-from onboard.localisation import locate
+from onboard.driving.notches import drive, own_deceleration_mps2
+from onboard.driving.stopping import WaveRow, hold, issued, ride_over_slide
+from onboard.driving.supervision import supervise
+from onboard.driving.tasc import DesignRow, TascRow
+from onboard.localisation.tachometer import locate
 from onboard.records import EVENT_MOVING, EVENT_POSITION, EVENT_STOPPED, MODE_DRIVE
 from onboard.rows import BehaviourRow, UnitRow
-from onboard.stopping import WaveRow, hold, issued, ride_over_slide
-from onboard.supervision import supervise
-from onboard.tasc import DesignRow, TascRow
 from vehicle.compiled import compiled
 from vehicle.rows import TrainRow
 

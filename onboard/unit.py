@@ -13,11 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import SectionKind, TagPurpose
-from onboard import authority as auth
-from onboard.authority_records import Noted
-from onboard.coverage import covered_at, next_coverage_m
-from onboard.localisation import fix, within_window
-from onboard.mission import Mission, PathTag, Target
+from onboard.authority import machine as auth
+from onboard.authority.coverage import covered_at, next_coverage_m
+from onboard.authority.records import Noted
+from onboard.authority.stop_limit import (
+    StopLimit,
+    arrival_points,
+    cleared_sections,
+    departure_points,
+    entered_on_proof,
+    next_rear_trigger_m,
+    points_of,
+    points_perhaps_under,
+    stop_limit,
+)
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.driving.stopping import LIMIT_MARGIN_M
+from onboard.driving.supervision import RESERVE_M
+from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
+from onboard.duty.mission import Mission, PathTag, Target
+from onboard.duty.timekeeping import cruise_for
+from onboard.localisation.sighting import NOT_SEEN_M, take_sighting
+from onboard.localisation.tachometer import fix, within_window
+from onboard.localisation.tags import TagDoubt
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_INTERVENTION,
@@ -32,24 +50,6 @@ from onboard.records import (
     NO_INTERVENTION,
 )
 from onboard.rows import BehaviourRow, UnitRow
-from onboard.sighting import NOT_SEEN_M, take_sighting
-from onboard.stop_keeper import StopKeeper
-from onboard.stop_limit import (
-    StopLimit,
-    arrival_points,
-    cleared_sections,
-    departure_points,
-    entered_on_proof,
-    next_rear_trigger_m,
-    points_of,
-    points_perhaps_under,
-    stop_limit,
-)
-from onboard.stopping import LIMIT_MARGIN_M
-from onboard.supervision import RESERVE_M
-from onboard.tag_doubt import TagDoubt
-from onboard.tasc import WEAK_TOLERANCE_M, Verdict, judge
-from onboard.timekeeping import cruise_for
 from onboard.unit_records import (
     Finished,
     LeftLine,

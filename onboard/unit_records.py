@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from network.model import Line
-from onboard.authority_records import Noted
+from onboard.authority.records import Noted
 
 
 class Phase(Enum):

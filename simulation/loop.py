@@ -11,28 +11,37 @@ from typing import Final
 
 import numpy as np
 
+from host.devices import Fleet
 from network.model import Direction, Leg
 from onboard.records import EVENT_STOPPED, MODE_DRIVE
 from onboard.unit import Finished, LeftLine, Noted, Phase, Transmit, UnitAction
 from radio.air import Air
-from radio.fleet import ConfirmOutside, Fleet
 from simulation.agenda import Agenda, Due
-from simulation.books import Books
-from simulation.carrier import Carrier
-from simulation.checkers import Checkers, PointsFacts
-from simulation.crew import LOOKS_AGAIN_S, Crew
-from simulation.eyes import Eyes
-from simulation.injector import Injector
+from simulation.carriers.carrier import Carrier
+from simulation.faults.injector import Injector
 from simulation.journal import Journal
-from simulation.kernel import advance
-from simulation.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG, EVENT_UNIT_BITS, TRACE, TRACE_EVERY_STEPS
+from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import RunResult
-from simulation.roster import Duty, draw_up, stabled_at_start
+from simulation.sensors.eyes import Eyes
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
-from simulation.trains import Trains
-from simulation.wayside_world import WaysideWorld, header_of
+from simulation.world.books import Books
+from simulation.world.crew import LOOKS_AGAIN_S, Crew
+from simulation.world.kernel import advance
+from simulation.world.points import WaysideWorld, header_of
+from simulation.world.records import (
+    EVENT_CAMERA,
+    EVENT_FRONT,
+    EVENT_REAR,
+    EVENT_TAG,
+    EVENT_UNIT_BITS,
+    TRACE,
+    TRACE_EVERY_STEPS,
+)
+from simulation.world.roster import Duty, draw_up, stabled_at_start
+from simulation.world.trains import Trains
 from sumo_cfg.truth_map import NetMap
 from wayside.config import MANAGER_ID
+from wayside.said import ConfirmOutside
 
 MOVING_STEPS_MAX: Final = 50  # the kernel runs ahead of the carrier by at most this
 STANDING_STEPS_MAX: Final = 600

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.tuning import Learned
-from onboard.tuning import StopRecord as StopWaves
-from simulation.checkers import Violation
+from onboard.driving.tuning import Learned
+from onboard.driving.tuning import StopRecord as StopWaves
 from simulation.journal import Journal
+from simulation.judge.checkers import Violation
 from simulation.motion_digest import motion_digest
-from simulation.records import TRACE_EVERY_STEPS
+from simulation.world.records import TRACE_EVERY_STEPS
 
 
 @dataclass(slots=True)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from network.model import Line
 from network.timetable import Timetable
+from onboard.driving.tuning import Learned
 from onboard.records import BEHAVIOUR
-from onboard.tuning import Learned
 from onboard.unit import UnitParameters
 from radio.air import AirParameters
-from simulation.scatter import Scatter
-from simulation.script import Script
+from simulation.faults.script import Script
+from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
 from wayside.config import ReentryMode
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from radio.fleet import NoteKind
+from wayside.said import NoteKind
 
 DEVICE_WORDS: Final = {
     NoteKind.STARTED: "restarted",

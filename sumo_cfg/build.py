@@ -148,8 +148,8 @@ def _write_aside(path: Path, content: bytes) -> None:
 
 def main() -> None:
     """Make the nets of all shipped lines anew."""
-    from network.line_file import load_line
-    from network.shipped import shipped_line, shipped_names
+    from network.files.line_file import load_line
+    from network.files.shipped import shipped_line, shipped_names
 
     nets = Path(str(resources.files("sumo_cfg"))) / "nets"
     for name in shipped_names("lines"):

@@ -15,7 +15,7 @@ from typing import Final, ParamSpec, TypeVar, cast
 from numba import njit
 from numba.core import config
 
-PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")
+PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")  # below them too
 MARKS: Final = (b"@compiled", b"numba")  # the second also takes in the records and their sizes
 
 P = ParamSpec("P")

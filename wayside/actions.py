@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from radio.fleet import Note, NoteKind, Output
 from radio.messages import AnyMessage
+from wayside.said import Note, NoteKind, Output
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,11 +15,11 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
 
-from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
 from wayside import reentry
 from wayside.actions import Show, show
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
+from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
 
 Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture
 

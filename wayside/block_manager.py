@@ -23,7 +23,6 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final, Generic, TypeVar
 
-from radio.fleet import NoteKind
 from radio.messages import (
     AnyMessage,
     Claim,
@@ -41,11 +40,12 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
+from radio.table import Row, rows
 from wayside import acts, reentry
 from wayside.actions import Action, Send, Show, show
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
-from wayside.table import Row, rows
+from wayside.said import NoteKind
 
 M = TypeVar("M")
 

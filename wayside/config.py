@@ -15,8 +15,6 @@ import msgspec
 from network.errors import InputError
 from network.model import Line, Route, SectionKind
 from radio.envelope import AGE_MAX_S
-from radio.fleet import DeviceSpec, Role
-from radio.keys import key_ring
 
 MANAGER_ID: Final = "block-manager"
 ASK_INTERVAL_S: Final = 5.0
@@ -134,16 +132,3 @@ def terminal_configs(line: Line, age_max_s: float = AGE_MAX_S) -> tuple[Terminal
         TerminalConfig(line.id, terminal_id, tuple(entries[terminal_id]), age_max_s)
         for terminal_id in sorted(entries)
     )
-
-
-def device_specs(
-    manager: ManagerConfig, terminals: Sequence[TerminalConfig], master_key: bytes
-) -> tuple[DeviceSpec, ...]:
-    """What a fleet needs to start all devices: each with the keys of its own pairs only."""
-    terminal_ids = [terminal.device_id for terminal in terminals]
-    ring = key_ring(master_key, manager.device_id, manager.unit_ids, terminal_ids)
-    specs = [DeviceSpec(manager.device_id, Role.BLOCK_MANAGER, encode_config(manager), ring)]
-    for terminal in terminals:
-        ring = key_ring(master_key, terminal.device_id, manager.unit_ids, [terminal.device_id])
-        specs.append(DeviceSpec(terminal.device_id, Role.POINT_TERMINAL, encode_config(terminal), ring))
-    return tuple(specs)

@@ -20,12 +20,12 @@ from typing import Any, Final
 import msgspec
 
 from network.model import Position
-from radio.fleet import Note, NoteKind, PointsDetected, StartThrow, StopThrow
 from radio.keys import capability_mac, mac_equal
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
+from radio.table import Row, rows
 from wayside.actions import Action, Drive, Send, Show
 from wayside.config import PointsEntry, TerminalConfig
-from wayside.table import Row, rows
+from wayside.said import Note, NoteKind, PointsDetected, StartThrow, StopThrow
 
 _TIME_TOLERANCE_S: Final = 1e-9
 

@@ -27,10 +27,10 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
-from radio.fleet import NoteKind
 from wayside.actions import Action, show
 from wayside.config import ReentryMode
 from wayside.register import Reentry, Register, Stage, Standing, Unit
+from wayside.said import NoteKind
 
 Step = tuple[Register, tuple[Action, ...]]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-import study.run
-from radio.fleet import FleetError
+import study.run.run
+from host.devices import FleetError
 
 HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
 
@@ -96,7 +96,7 @@ def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
 
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "summary.json").write_text("the run before", "utf-8")
-    monkeypatch.setattr(study.run, moment, stopped)
+    monkeypatch.setattr(study.run.run, moment, stopped)
     ended = main("run", "rtri_test_line", "--carrier", "plain", "--out", "run")
     assert (ended.code, ended.out) == (code, "")
     assert ended.err.splitlines()[-1] == "interrupted"
@@ -109,7 +109,7 @@ def test_a_failing_device_is_one_line(main: Callable[..., Any], monkeypatch: pyt
     def fail(*_: object, **__: object) -> None:
         raise FleetError("device OGN-W died")
 
-    monkeypatch.setattr(study.run, "execute", fail)
+    monkeypatch.setattr(study.run.run, "execute", fail)
     ended = main("run", "rtri_test_line")
     assert (ended.code, ended.out, ended.err) == (1, "", "error: device OGN-W died\n")
 

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.files.line_file import parse_line
 from network.graph import (
     Graph,
     find_route,
@@ -15,7 +16,6 @@ from network.graph import (
     required_positions,
     routes_from,
 )
-from network.line_file import parse_line
 from network.model import Direction, Position, SectionKind
 
 SAMPLE = Path(__file__).with_name("sample_line.toml").read_text(encoding="utf-8")

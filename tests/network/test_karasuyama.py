@@ -11,15 +11,15 @@ import pytest
 from numpy.typing import NDArray
 
 from network.alignment import positions
-from network.geometry_import import (
+from network.exchange.geometry import (
     curve_speed_kmh,
     equilibrium_cant_mm,
 )
+from network.files.line_file import load_line, validate_train_fits
+from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route
-from network.line_file import load_line, validate_train_fits
 from network.meets import planned_meets, unresolvable_meets
 from network.model import Direction, Line, Position, SectionKind, TagPurpose
-from network.shipped import shipped_line, shipped_timetable
 from network.tag_layout import TagRule, lay_tags, tags_toml
 from network.timetable import Timetable, TimetableTrain, load_timetable
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from network.line_file import load_line
+from network.files.line_file import load_line
+from network.files.patch import load_patched_line
+from network.files.shipped import shipped_line, shipped_timetable
 from network.meets import Meet, meet_text, planned_meets, unresolvable_meets
 from network.model import Line
-from network.patch import load_patched_line
-from network.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
 
 LINE = load_line(Path(__file__).with_name("sample_line.toml"))

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.files.line_file import load_line
 from network.graph import routes_from
-from network.line_file import load_line
 from network.model import Direction
 from network.path import Path, path_of
 

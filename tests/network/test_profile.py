@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from network.line_file import parse_line
+from network.files.line_file import parse_line
 from network.model import Direction, Line
 from network.path import Path, path_of
 from network.profile import PROFILE, curvature_at, gradient_permille_at, profile_of

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from network.line_file import load_line
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_timetable
 from network.meets import planned_meets, unresolvable_meets
 from network.model import Direction
-from network.shipped import shipped_line, shipped_timetable
 from network.timetable import (
     AtPortal,
     BecomesTrain,

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from network.line_file import load_line
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Direction, Line
-from network.shipped import shipped_line, shipped_timetable
 from network.timetable import AtPortal, Call, Stabled, TimetableTrain, load_timetable
-from onboard.mission import Mission, plan_mission
-from onboard.pattern import pattern_of
+from onboard.driving.pattern import pattern_of
+from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
+from onboard.driving.stopping import WAVE
+from onboard.driving.tasc import DESIGN, TASC
+from onboard.driving.tuning import Learned
+from onboard.duty.mission import Mission, plan_mission
 from onboard.records import BEHAVIOUR, MODE_DRIVE, UNIT
 from onboard.rows import BehaviourRow, UnitRow
-from onboard.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
-from onboard.stopping import WAVE
-from onboard.tasc import DESIGN, TASC
-from onboard.tuning import Learned
 from vehicle.rows import TrainRow
 from vehicle.train_file import load_train, shipped_train
 

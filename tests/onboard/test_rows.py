@@ -7,8 +7,8 @@ import pytest
 
 from onboard.records import BEHAVIOUR, PATTERN, UNIT
 from onboard.rows import BehaviourRow, PathRow, UnitRow
-from simulation.records import TRUTH
-from simulation.rows import TruthRow
+from simulation.world.records import TRUTH
+from simulation.world.rows import TruthRow
 
 
 @pytest.mark.parametrize(

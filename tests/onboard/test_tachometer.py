@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from onboard.localisation import TACHOMETER_DOUBT_S, locate
+from onboard.localisation.tachometer import TACHOMETER_DOUBT_S, locate
 from onboard.records import EVENT_TACHOMETER, UNIT
 from vehicle.train_file import load_train, shipped_train
 

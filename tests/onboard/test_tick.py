@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.driving.stopping import WaveRow
+from onboard.driving.tasc import DesignRow, TascRow
 from onboard.records import EVENT_MOVING, EVENT_POSITION, EVENT_STOPPED
 from onboard.rows import BehaviourRow, UnitRow
-from onboard.stop_keeper import StopKeeper
-from onboard.stopping import WaveRow
-from onboard.tasc import DesignRow, TascRow
 from onboard.tick import tick
 from vehicle.rows import TrainRow
 

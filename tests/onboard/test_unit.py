@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 from network.model import Coverage, Line, Position
-from onboard.mission import Mission
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.duty.mission import Mission
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_MOVING,
@@ -24,7 +25,6 @@ from onboard.records import (
     NO_INTERVENTION,
 )
 from onboard.rows import BehaviourRow, UnitRow
-from onboard.stop_keeper import StopKeeper
 from onboard.unit import (
     Finished,
     LeftLine,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from network.line_file import load_line
-from network.shipped import shipped_line, shipped_timetable
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_timetable
 from network.timetable import load_timetable
 from simulation.setup import Setup
 from vehicle.train_file import load_train, shipped_train

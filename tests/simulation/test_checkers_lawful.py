@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Position
-from simulation.checkers import Checkers, PointsFacts
+from simulation.judge.checkers import Checkers, PointsFacts
 from sumo_cfg.truth_map import NetEdge, NetMap
 
 # W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from simulation.motion_digest import motion_digest
-from simulation.records import TRACE
+from simulation.world.records import TRACE
 
 STOCKS = ("B", "A")
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route
-from network.line_file import load_line
 from network.model import Line
-from network.shipped import shipped_line, shipped_timetable
 from network.timetable import Timetable, TimetableTrain, load_timetable, platform_of
-from study.report_data import Run
-from study.run_tables import SCHEMAS, RunTables, make_table
+from study.report.data import Run
+from study.run.tables import SCHEMAS, RunTables, make_table
 
 STEP_S = 1.0
 POWER_MPS2, BRAKE_MPS2 = 0.6, 0.7

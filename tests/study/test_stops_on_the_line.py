@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from study.run import LEARNED_FILE, CarrierKind, Link, Run, execute, write_run
-from study.scenario import load_scenario
+from study.run.run import LEARNED_FILE, CarrierKind, Link, Run, execute, write_run
+from study.scenario.scenario import load_scenario
 
 HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'
 MARK_M, LIMIT_M = 1020.0, 1050.0
@@ -74,7 +74,7 @@ def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
 
 
 def test_a_sign_that_is_never_seen_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("simulation.camera.SightingModel.sample", lambda *_: None)
+    monkeypatch.setattr("simulation.sensors.camera.SightingModel.sample", lambda *_: None)
     run = run_of(tmp_path, '[vision]\nstations = "all"\n')
     assert [entry["why"] for entry in entries(run, "stop_impossible")] == ["target not seen"]
     error_m = run.result.stops[-1].error_m
@@ -99,9 +99,9 @@ def test_days_differ_in_what_passes_and_not_in_the_train(tmp_path: Path) -> None
     file = tmp_path / "x.toml"
     file.write_text(HEAD + "[scatter]\nbrake_sigma = 0.1\nbrake_leg_sigma = 0.02\n", encoding="utf-8")
     setup = load_scenario(str(file)).setup
-    from simulation.plain_track import PlainTrack
+    from simulation.carriers.plain_track import PlainTrack
     from simulation.setup import STEP_S
-    from simulation.trains import Trains
+    from simulation.world.trains import Trains
 
     def factors(day: int) -> tuple[float, float]:
         trains = Trains(replace(setup, day=day), PlainTrack({}, STEP_S), b"k" * 32)

@@ -12,9 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from network.errors import InputError
-from network.line_file import load_line
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_names
 from network.model import Alignment, Line
-from network.shipped import shipped_line, shipped_names
 from sumo_cfg import build
 from sumo_cfg.truth_map import read_net
 from sumo_cfg.writer import PlainXml, movements, write_plain

@@ -17,16 +17,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from host import device
 from network.model import Position
-from onboard import authority as auth
 from onboard import unit as unit_module
-from onboard.authority_records import Authority
-from onboard.mission import Mission
-from onboard.stop_limit import StopLimit, cleared_sections, stop_limit
+from onboard.authority import machine as auth
+from onboard.authority.records import Authority
+from onboard.authority.stop_limit import StopLimit, cleared_sections, stop_limit
+from onboard.duty.mission import Mission
 from onboard.unit import Transmit, Unit, UnitAction
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer
-from radio.fleet import Note, NoteKind
 from radio.keys import MAC_BYTES
 from radio.messages import (
     AnyMessage,
@@ -40,18 +40,19 @@ from radio.messages import (
     RouteRefused,
     RouteRequest,
 )
-from simulation.crew import Crew, Seen
-from simulation.roster import Duty
 from simulation.setup import Setup, behaviour_rows
-from simulation.trains import Trains
-from study.drill import find_drill, shipped_drills
-from study.run import Link, Run, execute
-from study.scenario import load_scenario
-from study.verdict import judge
-from wayside import block_manager, device, point_terminal, reentry, register
+from simulation.world.crew import Crew, Seen
+from simulation.world.roster import Duty
+from simulation.world.trains import Trains
+from study.run.drill import find_drill, shipped_drills
+from study.run.run import Link, Run, execute
+from study.run.verdict import judge
+from study.scenario.scenario import load_scenario
+from wayside import block_manager, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, Standing
+from wayside.said import Note, NoteKind
 
 Switch = Callable[[pytest.MonkeyPatch], None]
 Handler = Callable[..., auth.Result]
@@ -368,7 +369,7 @@ def supervision_trusts_any_brake(patch: pytest.MonkeyPatch) -> None:
         made["service_reaction_s"] = made["emergency_reaction_s"] = 0.0
         return made
 
-    patch.setattr("simulation.trains.behaviour_rows", strong)
+    patch.setattr("simulation.world.trains.behaviour_rows", strong)
 
 
 @switch

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from network.shipped import shipped_line, shipped_timetable
+from network.files.shipped import shipped_line, shipped_timetable
 from vehicle.train_file import shipped_train
 
 LINE = shipped_line("rtri_test_line").read_text("utf-8")

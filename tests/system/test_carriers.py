@@ -9,9 +9,9 @@ import polars as pl
 import pytest
 
 from network.model import Direction, Line
-from simulation.carrier import Carrier, Truth
-from study.run import CarrierKind, Link, Run, execute
-from study.scenario import load_scenario
+from simulation.carriers.carrier import Carrier, Truth
+from study.run.run import CarrierKind, Link, Run, execute
+from study.scenario.scenario import load_scenario
 
 pytestmark = pytest.mark.system
 

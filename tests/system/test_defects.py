@@ -14,8 +14,8 @@ from typing import Final
 
 import pytest
 
-from simulation.checkers import Checker
-from study.run import Run
+from simulation.judge.checkers import Checker
+from study.run.run import Run
 
 pytestmark = pytest.mark.system
 

@@ -13,18 +13,18 @@ from typing import Any, Final, cast
 import msgspec
 import pytest
 
-from onboard import authority as auth
-from onboard.authority_records import Authority
-from onboard.mission import Mission
-from onboard.tag_doubt import TagDoubt
+from onboard.authority import machine as auth
+from onboard.authority.records import Authority
+from onboard.duty.mission import Mission
+from onboard.localisation.tags import TagDoubt
 from onboard.unit import Phase, Unit, UnitAction
 from radio.messages import HoldingReport
-from simulation.crew import Crew
-from simulation.roster import Duty
-from simulation.trains import Trains
-from simulation.wayside_world import WaysideWorld
-from study.drill import shipped_drills
-from study.run import Run
+from simulation.world.crew import Crew
+from simulation.world.points import WaysideWorld
+from simulation.world.roster import Duty
+from simulation.world.trains import Trains
+from study.run.drill import shipped_drills
+from study.run.run import Run
 from wayside.config import TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
@@ -115,7 +115,7 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
             configs.append(msgspec.structs.replace(config, points=tuple(points)))
         return tuple(configs)
 
-    patch.setattr("study.run.terminal_configs", strict)
+    patch.setattr("study.run.run.terminal_configs", strict)
 
 
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:

@@ -13,9 +13,9 @@ from pathlib import Path
 import psutil
 import pytest
 
-from radio.fleet import FleetError
-from study.run import Link, execute
-from study.scenario import load_scenario
+from host.devices import FleetError
+from study.run.run import Link, execute
+from study.scenario.scenario import load_scenario
 
 pytestmark = pytest.mark.system
 

@@ -13,12 +13,12 @@ from typing import Any
 import psutil
 import pytest
 
-from network.line_file import load_line
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Line
-from network.shipped import shipped_line, shipped_timetable
 from network.timetable import AtPortal, Timetable, load_timetable
 from simulation.vocabulary import WORDS
-from study.run_tables import RunTables
+from study.run.tables import RunTables
 
 pytestmark = pytest.mark.system
 
@@ -93,7 +93,7 @@ def zenoh(command: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
         lines = [child.cmdline() for child in children]
         out, err = program.communicate()
     assert program.returncode == 0, err
-    processes = tuple(sorted((c[c.index("wayside.serve") + 1], c[c.index("--device") + 1]) for c in lines))
+    processes = tuple(sorted((c[c.index("host.serve") + 1], c[c.index("--device") + 1]) for c in lines))
     _, alive = psutil.wait_procs(children, timeout=10)
     return Day(json.loads(out), head + err, cwd / "day", processes, len(alive))
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from network.shipped import shipped_timetable
+from network.files.shipped import shipped_timetable
 
 pytestmark = pytest.mark.system
 

@@ -6,13 +6,13 @@ from itertools import product
 
 import pytest
 
-from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
 from radio.messages import Claim
 from wayside.actions import Show
 from wayside.acts import LINE_ACTS, UNIT_ACTS, Act, Phase, person_key
 from wayside.block_manager import Heard, step
 from wayside.config import ManagerConfig, SectionEntry
 from wayside.register import Register, Standing, start
+from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
 
 CONFIG = ManagerConfig(
     "line", "block-manager", ("u1", "u2"), tuple(SectionEntry(section) for section in "ABCE"), ()

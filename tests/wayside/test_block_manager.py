@@ -9,7 +9,6 @@ from itertools import product
 
 import pytest
 
-from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, NoteKind
 from radio.keys import capability_key, capability_mac
 from radio.messages import (
     AnyMessage,
@@ -34,6 +33,7 @@ from wayside.acts import Act
 from wayside.block_manager import TELEGRAMS, Ask, Heard, step, wake_at_s
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.register import Register, Standing, start
+from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, NoteKind
 
 MASTER = b"m" * 32
 KEYS = {terminal: capability_key(MASTER, terminal) for terminal in ("tA", "tD")}

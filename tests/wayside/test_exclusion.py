@@ -19,8 +19,9 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
+from host.device import DeviceHost
+from host.store import MemoryStore
 from radio.envelope import AGE_MAX_S, Endpoint, Received
-from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input, Note, NoteKind
 from radio.keys import key_ring
 from radio.messages import (
     AnyMessage,
@@ -46,8 +47,7 @@ from wayside.config import (
     SectionEntry,
     TerminalConfig,
 )
-from wayside.device import DeviceHost
-from wayside.store import MemoryStore
+from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input, Note, NoteKind
 
 MASTER = b"m" * 32
 UNITS = ("u1", "u2", "u3")

@@ -13,33 +13,17 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from host.devices import Advance, DeviceSpec, Fleet, FleetError, device_specs
+from host.local import LocalFleet
+from host.over_zenoh import ZenohFleet
 from network.model import Position
 from radio.envelope import Endpoint, Received
-from radio.fleet import (
-    Advance,
-    ConfirmOutside,
-    DeviceSpec,
-    Fleet,
-    FleetError,
-    NoteKind,
-    PointsDetected,
-    StartThrow,
-)
 from radio.keys import key_ring
 from radio.messages import PointsCommand, RouteGranted, RouteRequest, SignOn
-from radio.zenoh_link import ZenohFleet
-from wayside import point_machine
-from wayside.config import (
-    MANAGER_ID,
-    ManagerConfig,
-    PointsEntry,
-    RouteEntry,
-    SectionEntry,
-    TerminalConfig,
-    device_specs,
-)
-from wayside.local_fleet import LocalFleet
-from wayside.point_machine import PointMachine
+from simulation.world import point_machine
+from simulation.world.point_machine import PointMachine
+from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
+from wayside.said import ConfirmOutside, NoteKind, PointsDetected, StartThrow
 
 MASTER = b"m" * 32
 MANAGER = ManagerConfig(
@@ -232,7 +216,7 @@ def test_the_process_refuses_what_does_not_fit(tmp_path: Path, key: str, value: 
         "--key-file": str(tmp_path / "keys.json"),
     }
     options |= {"--connect": "tcp/127.0.0.1:1", key: value}
-    command = [sys.executable, "-m", "wayside.serve", "point-terminal"]
+    command = [sys.executable, "-m", "host.serve", "point-terminal"]
     words = [word for pair in options.items() for word in pair]
     done = subprocess.run(
         [*command, *words], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False, timeout=60
@@ -243,7 +227,7 @@ def test_the_process_refuses_what_does_not_fit(tmp_path: Path, key: str, value: 
 
 @pytest.mark.system
 def test_a_device_starts_light() -> None:
-    code = "import sys, wayside.serve; print(*sorted(sys.modules))"
+    code = "import sys, host.serve; print(*sorted(sys.modules))"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, check=True, text=True, timeout=60
     )

@@ -9,13 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Position
-from radio.fleet import PointsDetected, StartThrow, StopThrow
 from radio.keys import capability_key, capability_mac
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
-from wayside import point_machine
+from simulation.world import point_machine
+from simulation.world.point_machine import PointMachine
 from wayside.actions import Drive, Send
 from wayside.config import PointsEntry, TerminalConfig
-from wayside.point_machine import PointMachine
 from wayside.point_terminal import (
     TABLE,
     Commanded,
@@ -28,6 +27,7 @@ from wayside.point_terminal import (
     step,
     wake_at_s,
 )
+from wayside.said import PointsDetected, StartThrow, StopThrow
 
 N, R = Position.NORMAL, Position.REVERSE
 KEY = capability_key(b"m" * 32, "t")

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from network.line_file import load_line
-from radio.fleet import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Note, NoteKind
+from network.files.line_file import load_line
 from radio.keys import capability_key
 from radio.messages import (
     AnyMessage,
@@ -37,6 +36,7 @@ from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry,
 from wayside.picture import picture
 from wayside.reentry import Clash
 from wayside.register import Register, Stage, Standing, start
+from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Note, NoteKind
 
 SECTIONS = ("P0", "A", "B", "C", "D", "E", "P9")
 ROUTES = (

@@ -13,10 +13,10 @@ import pytest
 from network.model import Position
 from radio.keys import capability_key, capability_mac
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
-from wayside import point_machine
+from simulation.world import point_machine
+from simulation.world.point_machine import PointMachine, Repaired
 from wayside.actions import Action, Drive, Send
 from wayside.config import PointsEntry, TerminalConfig
-from wayside.point_machine import PointMachine, Repaired
 from wayside.point_terminal import (
     Commanded,
     Expired,

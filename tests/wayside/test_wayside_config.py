@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import msgspec
 
+from host.devices import Role, device_specs
 from network.model import Direction, Line, Points, Position, Route, Section, SectionKind
-from radio.fleet import Role
 from wayside.config import (
     MANAGER_ID,
     PointsEntry,
     RouteEntry,
     SectionEntry,
     decode_config,
-    device_specs,
     manager_config,
     terminal_configs,
 )

@@ -1,0 +1,234 @@
+"""Writes docs/interlocking.md from the code and from real runs: `python -m documents.interlocking [FILE]`.
+
+The machines' tables come from the machines, invariants from their modules, the sequence and table 3 from runs of the
+paper's test line; hazards are data here, and a test holds every name in them to what exists.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from documents.interlocking_hazards import HAZARDS, REMAINING
+from documents.interlocking_runs import restart_rows, run_without_failure, sequence, stop_limits
+from onboard.authority import machine as authority
+from radio.table import Row
+from simulation.judge.checkers import Checker
+from simulation.world import point_machine
+from wayside import block_manager, point_terminal
+
+FILE: Final = Path("docs/interlocking.md")
+
+INVARIANTS: Final = (
+    ("wayside.block_manager", "block manager (閉そく管理装置)"),
+    ("wayside.acts", "what persons may enter there"),
+    ("wayside.reentry", "re-entry after a restart"),
+    ("wayside.point_terminal", "point terminal (制御端末装置)"),
+    ("simulation.world.point_machine", "point machine (電気転てつ機)"),
+    ("onboard.authority.machine", "on-board unit (車上装置): sections and points"),
+    ("onboard.localisation.tachometer", "on-board unit: position"),
+    ("onboard.driving.supervision", "on-board unit: speed"),
+    ("onboard.localisation.reader", "tag reader (車上子)"),
+)
+
+# The handlers of the on-board unit's tables are short and carry no docstrings of their own.
+UNIT_EVENTS: Final[Mapping[str, str]] = {
+    "BeginOnLine": "Signs on with what it claims, or with 'I do not know' after a restart; not twice.",
+    "EndOnLine": "Signs off, if nothing but one section is held.",
+    "Ask": "Requests the route, one at a time, with the same correlation until it is answered.",
+    "Throw": "Commands points of sections held, with the capability of the grant, until they are proven.",
+    "CheckedByCrew": "Counts these points as proven: the crew has seen how they lie.",
+    "Withdrawn": "throws still open are given up: the front may have come onto those points",
+    "Cleared": "Drops sections with their proofs and commands, then reports what is left until that is confirmed.",
+    "GiveBack": "Drops a route not entered and the request still open, then reports what is left.",
+    "TurnedBack": "Turns the order of what is held; forgets proofs and commands of the old way.",
+    "Heard": "Whatever the next table says of the telegram; one that it does not name changes nothing.",
+    "Tick": "Sends what is due, where the radio reaches.",
+}
+UNIT_TELEGRAMS: Final[Mapping[str, str]] = {
+    "SignOnAccepted": "To its sign-on: holds what the manager says. On the line: a greater token only, never sections.",
+    "SignOnRefused": "To its sign-on: waits and asks again.",
+    "SignOffAccepted": "To its sign-off: holds nothing, is off the line.",
+    "SignOffRefused": "To its sign-off: asks again; reports first if the manager has lost sight of it.",
+    "RouteGranted": "Only to the request outstanding, of this boot, with a greater token: holds the sections.",
+    "RouteRefused": "To the request outstanding: asks again under a new correlation; reports first if lost sight of.",
+    "PointsProof": (
+        "Proven, if detected and locked in the position and under the token commanded; a proof that no longer holds"
+        " is dropped."
+    ),
+    "PointsRefused": "Commands again later.",
+    "HoldingConfirmed": "To its last report: done if the register has the same; a greater token is taken.",
+    "ClaimQuery": "Answers at once with all that it holds, or that it does not know.",
+    "Restarted": "All that is open is due again.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One printed row of a machine's table: the states in which an event has the same outcome."""
+
+    states: tuple[str, ...]
+    event: str
+    outcome: str
+
+
+def document() -> str:
+    """The whole document. Runs the paper's test line some twenty times."""
+    parts = [_HEAD, "## What always holds", _invariants(), "## The machines", _MACHINES]
+    for title, rows in (
+        ("Block manager", block_manager.table_rows()),
+        ("Point terminal", point_terminal.table_rows()),
+        ("Point machine", point_machine.table_rows()),
+    ):
+        parts += [f"### {title}", _machine(rows)]
+    parts += ["### On-board unit", _unit()]
+    run = run_without_failure()
+    parts += [
+        "## A run",
+        _RUN,
+        sequence(run),
+        _LIMITS,
+        table(("time", "stop limit", "because"), stop_limits(run)),
+    ]
+    parts += ["## After a restart of the on-board unit", _TABLE_3, table(_RESTART_HEAD, restart_rows())]
+    parts += ["## Hazards", _HAZARDS_INTRO, _hazards(), "### What remains", bullets(REMAINING)]
+    return "\n\n".join(part.strip("\n") for part in parts) + "\n"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def bullets(texts: Iterable[str]) -> str:
+    """A Markdown list."""
+    return "\n".join(f"- {text}" for text in texts)
+
+
+def merged(rows: Iterable[Row]) -> tuple[Line, ...]:
+    """Rows of one event and handler in one line, in the order of their first."""
+    states: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        states.setdefault((row.event, row.outcome), []).append(row.state)
+    return tuple(Line(tuple(found), event, outcome) for (event, outcome), found in states.items())
+
+
+def invariant_of(module: str) -> str:
+    """The first sentences of a module that states its invariant first. Raises ValueError for another."""
+    text = importlib.import_module(module).__doc__ or ""
+    start = text.find("Invariant:")
+    if start < 0:
+        raise ValueError(f"{module} does not state its invariant")
+    words = " ".join(text[start:].split("\n\n")[0].split()).removeprefix("Invariant: ")
+    return words[0].upper() + words[1:]
+
+
+def _invariants() -> str:
+    rows = [(who, invariant_of(module), f"`{module}`") for module, who in INVARIANTS]
+    return table(("party", "invariant", "module"), rows)
+
+
+def _machine(rows: Iterable[Row]) -> str:
+    lines = merged(rows)
+    return table(
+        ("event", "in state", "what happens"),
+        [(f"`{line.event}`", _states(line.states), line.outcome) for line in lines],
+    )
+
+
+def _states(states: tuple[str, ...]) -> str:
+    """States, those with a phase grouped by it."""
+    if not all(", " in state for state in states):
+        return "; ".join(states)
+    phases: dict[str, list[str]] = {}
+    for state in states:
+        phase, _, standing = state.partition(", ")
+        phases.setdefault(phase, []).append(standing)
+    return "; ".join(f"{phase}: {', '.join(found)}" for phase, found in phases.items())
+
+
+def _unit() -> str:
+    # A KeyError here means: a new event or telegram needs its words above.
+    events = [(f"`{kind.__name__}`", UNIT_EVENTS[kind.__name__]) for kind in authority._EVENTS]
+    heard = [(f"`{kind.__name__}`", UNIT_TELEGRAMS[kind.__name__]) for kind in authority._HEARD]
+    return (
+        table(("event", "what the unit does"), events)
+        + "\n\n"
+        + table(("telegram heard", "what the unit does"), heard)
+    )
+
+
+def _hazards() -> str:
+    head = ("hazard", "cause", "what prevents it", "watched by", "shown by")
+    rows = [
+        (
+            hazard.hazard,
+            hazard.cause,
+            f"{hazard.prevention} (`{'`, `'.join(hazard.modules)}`)",
+            ", ".join(f"`{Checker(name).value}`" for name in hazard.watched_by),
+            "; ".join([*(f"drill `{name}`" for name in hazard.drills), *hazard.defects]),
+        )
+        for hazard in HAZARDS
+    ]
+    return table(head, rows)
+
+
+_HEAD: Final = """
+# Interlocking
+
+Written by `make docs` from the code and from real runs; a test compares it, so change the code, not this page.
+
+Who may be where is decided by three kinds of party that talk by radio only: one block manager for the line, a point
+terminal at each end of a station, an on-board unit in each train. The frame is that of Sugiyama, Fukuda and Kitano
+(RTRI), "Evaluation of Functions of a Train Control System by Using the On-board Interlocking"; sections and tags are
+named as in its figure 3. A train asks for all sections up to its next track at once, has the points in them thrown by
+itself, and moves its stop limit (停止限界点) on as grants and proofs come in.
+"""
+_MACHINES: Final = """
+Each is a pure function of its state and one event. What a table does not name is refused and changes nothing; lines
+join the states in which an event does the same. A telegram reaches a machine only through the envelope's checks
+(`radio.envelope`): code, addressee, boot, time and sequence.
+"""
+_RUN: Final = """
+From track 1 of station A (section 3) to track 1 of station B (section 8), without any failure, as `branchline run
+rtri_test_line` gives it. Times are the run's own; tokens are written boot.number; a telegram repeated while it waits
+for its answer is drawn once.
+"""
+_LIMITS: Final = "So the stop limit moved:"
+_TABLE_3: Final = """
+What table 3 of the paper lists, as our unit does it: the unit loses its power and has it back 60 s later, standing by
+then where the first column says, with nothing known of its position or of what it holds. Each line is a pair of runs,
+with the radio reaching and with no radio until 400 s after the failure. Unlike in the paper, position tags stand before
+each mark, so that a position is found in more places (the paper's note on additional tags).
+"""
+_RESTART_HEAD: Final = (
+    "where it stands",
+    "position found",
+    "stop limit then",
+    "how it gets in",
+    "while the radio does not reach",
+)
+_HAZARDS_INTRO: Final = """
+What must never happen is a derailment or a collision. Checkers see the true positions from SUMO and the journal, share
+no code with what they watch, and fail the run. Defects are those of `tests/system/test_defects.py`, each a behaviour
+switched off on purpose and caught; the drills of the paper's line fail, too, when what they check is switched off
+(`tests/system/test_drill_defects.py`, which names what is left out).
+"""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the document, to the file given or to its place in the tree."""
+    file = Path(arguments[0]) if arguments else FILE
+    aside = file.with_suffix(".new")
+    aside.write_text(document(), encoding="utf-8")
+    aside.replace(file)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,206 @@
+"""The hazards of the interlocking as data: cause, what prevents them and where, who watches, what shows it.
+
+A test holds modules, drills and names of defects to what exists, and asks for every checker at least once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from simulation.judge.checkers import Checker
+
+
+@dataclass(frozen=True, slots=True)
+class Hazard:
+    """One hazard. `drills` are shipped ones, `defects` names in tests/system/test_defects.py."""
+
+    hazard: str
+    cause: str
+    prevention: str
+    modules: tuple[str, ...]
+    watched_by: tuple[Checker, ...]
+    drills: tuple[str, ...] = ()
+    defects: tuple[str, ...] = ()
+
+
+HAZARDS: Final = (
+    Hazard(
+        "Two trains in one section",
+        "the block manager grants what another unit holds",
+        "the register maps a section to one holder, so that two cannot be written down",
+        ("wayside.register", "wayside.block_manager"),
+        (Checker.NO_DOUBLE_GRANT, Checker.ONE_TRAIN_A_SECTION, Checker.SUMO_COLLISION),
+        ("rtri/03_block_held",),
+        ("a section is granted that another holds",),
+    ),
+    Hazard(
+        "A route is granted over a train nobody remembers",
+        "the block manager lost its register in a restart",
+        "every unit is unknown after a restart; nothing is granted before all are vouched for and a person accepts",
+        ("wayside.reentry", "wayside.register"),
+        (Checker.UNDEFINED_GRANTS_NOTHING, Checker.ONE_TRAIN_A_SECTION),
+        ("rtri/09_manager_power",),
+        ("grants in the undefined state", "a restart sets every section free"),
+    ),
+    Hazard(
+        "The restored picture lacks a train or a section",
+        "a person accepts too early or enters wrongly, or a unit claims only where it stands",
+        "a unit's own full claim outranks entries; for a silent unit two persons must say the same",
+        ("wayside.reentry", "wayside.acts", "onboard.authority.machine"),
+        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
+        ("rtri/09_manager_power", "rtri/09b_manager_power_by_hand"),
+        ("a picture accepted without a silent unit", "a claim of less than is held"),
+    ),
+    Hazard(
+        "A section is freed under a train",
+        "its unit cannot be heard for a while",
+        "only the holder's own report, its sign-off or a person frees; there are no leases",
+        ("wayside.block_manager",),
+        (Checker.INSIDE_HOLDING,),
+        ("rtri/06_unit_manager_link", "rtri/10_manager_link", "rtri/24_manager_frozen"),
+        ("silence frees what a unit holds",),
+    ),
+    Hazard(
+        "A section is given back with the rear still in it",
+        "the unit goes by its front or by its estimate",
+        "released by the safe rear: estimate less bound less length; dropped on board before it is reported",
+        ("onboard.authority.stop_limit", "onboard.authority.machine"),
+        (Checker.RELEASE_BEHIND_REAR, Checker.INSIDE_HOLDING),
+        ("rtri/01_normal", "rtri/20_route_given_back"),
+        ("sections given back by the front instead of the safe rear",),
+    ),
+    Hazard(
+        "A grant of the past takes effect",
+        "a telegram comes after the manager or the unit has started again",
+        "boot epochs in every envelope; a grant counts for the request outstanding, with a greater token only",
+        ("radio.envelope", "onboard.authority.machine"),
+        (Checker.INSIDE_HOLDING, Checker.TOKENS_GROW),
+        ("karasuyama/30_links_delayed", "karasuyama/32_links_reorder"),
+        ("an old grant obeyed after a restart", "tokens begin anew after a restart"),
+    ),
+    Hazard(
+        "A telegram acts twice",
+        "the air delivers copies",
+        "sequence numbers; requests are repeated with the same correlation, and answers count once",
+        ("radio.envelope",),
+        (Checker.TELEGRAM_ONCE,),
+        ("karasuyama/31_links_duplicate",),
+        ("a telegram takes effect twice",),
+    ),
+    Hazard(
+        "A forged or damaged telegram is obeyed",
+        "bit errors, or a stranger who sends",
+        "a keyed hash with a key for each pair of parties",
+        ("radio.envelope", "radio.keys"),
+        (Checker.INSIDE_HOLDING,),
+        ("karasuyama/33_links_flip",),
+        ("a telegram believed whatever its code",),
+    ),
+    Hazard(
+        "Points are thrown under a train",
+        "a command by a unit that does not hold them, or no longer does",
+        "a terminal checks the grant's capability by itself, and obeys the greatest token it has seen",
+        ("wayside.point_terminal",),
+        (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
+        ("rtri/12b_terminal_power_after_throw",),
+        ("points thrown without the token", "points thrown for a token that is out of date"),
+    ),
+    Hazard(
+        "A train runs onto points that lie wrong or loose",
+        "no throw, a machine that sticks, a terminal that is off or out of reach",
+        "the stop limit stays before points until position and lock are proven under the own token",
+        ("onboard.authority.stop_limit", "wayside.point_terminal"),
+        (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
+        (
+            "rtri/07_unit_terminal_link",
+            "rtri/11_terminal_link",
+            "rtri/12_terminal_power",
+            "rtri/21_points_stuck",
+            "rtri/22_points_no_detection",
+            "rtri/23_points_slow",
+        ),
+        ("no wait for the proof of points", "points proven that were not detected"),
+    ),
+    Hazard(
+        "Points lose their position after they were proven",
+        "turned by hand, forced open, detection lost",
+        "the terminal withdraws the proof unasked, the unit takes its stop limit back",
+        ("wayside.point_terminal", "onboard.authority.machine"),
+        (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
+        (),
+        ("a withdrawn proof still counts",),
+    ),
+    Hazard(
+        "A train runs past the end of what it holds",
+        "the driver or the automatic driving does not brake",
+        "supervision brakes by what the brakes are guaranteed to give, from the front that may be furthest ahead",
+        ("onboard.driving.supervision", "onboard.authority.stop_limit"),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY, Checker.SUMO_COLLISION),
+        (),
+        ("supervision leaves no room to brake", "a train runs beyond what it holds"),
+    ),
+    Hazard(
+        "The unit believes a false position",
+        "a tag that reads as another or is missing, tags swapped, a tachometer that lies, worn or sliding wheels",
+        "bounds that grow with the way; a tag counts only where it may lie, a missing one is noticed: stop, on sight",
+        ("onboard.localisation.tachometer", "onboard.unit", "onboard.localisation.reader"),
+        (Checker.WITHIN_BOUNDS,),
+        (
+            "rtri/08a_tachometer_scale",
+            "rtri/08b_tachometer_silent",
+            "rtri/08c_tachometer_silent_at_start",
+            "rtri/08d_tachometer_stuck",
+            "rtri/13_tag_not_read",
+            "rtri/25_wrong_tag_id",
+            "rtri/26_tags_swapped",
+            "rtri/27_slippery_rail",
+        ),
+        (
+            "a tag accepted outside its window",
+            "a missing tag is not noticed",
+            "the bounds of the position do not grow",
+        ),
+    ),
+    Hazard(
+        "A unit that has restarted runs as if it knew",
+        "its power failed on the way",
+        "it is stopped, then runs on sight until a tag gives the position and the manager what it holds",
+        ("onboard.unit",),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
+        ("rtri/04_unit_power_position_fixed", "rtri/05b_extra_tag"),
+        ("full speed after a restart",),
+    ),
+    Hazard(
+        "A train on sight runs onto points unseen",
+        "no tag before the points, so no position and no pattern",
+        "the crew stops before the points, looks, and passes only if they lie and are locked as needed",
+        ("simulation.world.crew",),
+        (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
+        ("rtri/05_unit_power_position_unknown",),
+        ("the crew does not look at the points",),
+    ),
+    Hazard(
+        "Everything stands for ever",
+        "safe, and of no use: refusals without end, lost telegrams that nobody repeats",
+        "whatever is open is repeated until it is answered; what a failure left behind heals with the next report",
+        ("onboard.authority.machine", "wayside.block_manager"),
+        (Checker.EVERYONE_ARRIVES,),
+        ("karasuyama/34_links_loss", "rtri/02_turn_back"),
+        ("the block manager refuses everything",),
+    ),
+    Hazard(
+        "The run itself is false",
+        "a train put where no train can have run",
+        "SUMO's position is compared with the sum of the speeds at every look",
+        ("simulation.world.trains",),
+        (Checker.NO_JUMP,),
+    ),
+)
+
+REMAINING: Final = (
+    "Two persons who agree on the same wrong word about a silent unit that is on the line (`wayside.reentry`).",
+    "A crew that passes points without looking, while their unit has no position: handling outside the system"
+    " (section 4.4 (3) of the paper).",
+    "Wheels that slide further than the bounds allow for, until the next tag or the tachometer's own check finds it.",
+)

@@ -1,0 +1,161 @@
+"""A device: envelopes around a protocol machine, its durable state, its journal. The same in any process.
+
+`advance(now_s, telegrams, inputs)` first takes the inputs, then the telegrams in order, then looks at its
+timers; what must outlive a power cut is saved before anything that follows from it leaves the device.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Protocol
+
+import msgspec
+
+from host.devices import Advance
+from host.store import Durable, Store
+from network.errors import InputError
+from radio.envelope import Dropped, DropReason, Endpoint, Received
+from radio.keys import KeyRing
+from radio.messages import PointsCommand, Restarted
+from wayside import block_manager, point_terminal
+from wayside.actions import Action, Drive, Send, Show
+from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig
+from wayside.point_terminal import Commanded, Expired, Memory
+from wayside.register import start as start_register
+from wayside.said import Input, Note, NoteKind, Output, PointsDetected
+
+
+class _Machine(Protocol):
+    """What the host needs of a protocol machine: the actions for one event, in order."""
+
+    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+        """An input, a telegram, or None: look at the timers."""
+        ...
+
+    def wake_at_s(self) -> float | None: ...
+
+    def kept(self, before: Durable) -> Durable:
+        """The durable state, given what was saved last."""
+        ...
+
+
+class _Manager:
+    def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
+        self.register = start_register(config, durable.epoch, keys.capabilities, durable.ledger)
+
+    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+        step: block_manager.Event
+        match event:
+            case None:
+                step = block_manager.Ask()
+            case Received():
+                step = block_manager.Heard(
+                    event.source, event.epoch, event.fresh, event.correlation, event.message
+                )
+            case PointsDetected():
+                return _not_for_device(event)
+            case _:
+                step = event
+        self.register, actions = block_manager.step(self.register, step, now_s)
+        return actions
+
+    def wake_at_s(self) -> float | None:
+        return block_manager.wake_at_s(self.register)
+
+    def kept(self, before: Durable) -> Durable:
+        return msgspec.structs.replace(before, ledger=tuple(sorted(self.register.ledger)))
+
+
+class _Terminal:
+    def __init__(self, config: TerminalConfig, keys: KeyRing, memory: Memory) -> None:
+        self.terminal = point_terminal.start(config, keys.capabilities[config.device_id], memory)
+
+    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+        step: point_terminal.TerminalEvent
+        match event:
+            case None:
+                step = Expired()
+            case Received(message=PointsCommand() as command):
+                step = Commanded(event.source, event.correlation, command)
+            case Received():
+                detail = type(event.message).__name__
+                return (Show(Note(NoteKind.REFUSED, event.source, detail=detail)),)
+            case PointsDetected():
+                step = event
+            case _:
+                return _not_for_device(event)
+        self.terminal, actions = point_terminal.step(self.terminal, step, now_s)
+        return actions
+
+    def wake_at_s(self) -> float | None:
+        return point_terminal.wake_at_s(self.terminal)
+
+    def kept(self, before: Durable) -> Durable:
+        return msgspec.structs.replace(before, memory=self.terminal.memory)
+
+
+def _not_for_device(given: Input) -> Sequence[Action]:
+    return (Show(Note(NoteKind.REFUSED, detail=f"input {type(given).__name__}")),)
+
+
+class DeviceHost:
+    """One running device. Making it is a boot: the epoch is raised and saved first."""
+
+    def __init__(self, config: DeviceConfig, keys: KeyRing, store: Store) -> None:
+        if keys.owner != config.device_id:
+            raise InputError("keys", "owner", keys.owner, f"the keys of {config.device_id}")
+        before = store.load()
+        self._store = store
+        self._durable = msgspec.structs.replace(before, epoch=before.epoch + 1)
+        store.save(self._durable)
+        self._endpoint = Endpoint(keys, self._durable.epoch, config.telegram_age_max_s)
+        self._machine: _Machine
+        if isinstance(config, ManagerConfig):
+            self._machine = _Manager(config, keys, self._durable)
+        else:
+            self._machine = _Terminal(config, keys, before.memory)
+        self._notes: list[Note] = [Note(NoteKind.STARTED, token=self._durable.epoch)]
+
+    @property
+    def epoch(self) -> int:
+        """Number of this boot, from 1."""
+        return self._durable.epoch
+
+    def advance(self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()) -> Advance:
+        """Act at `now_s` on inputs, telegrams and timers."""
+        sends: list[Send] = []
+        outputs: list[Output] = []
+        for given in inputs:
+            self._sort(self._machine.take(given, now_s), sends, outputs)
+        for data in telegrams:
+            opened = self._endpoint.open(data, now_s)
+            if isinstance(opened, Dropped):
+                self._note_drop(opened, sends)
+            elif not isinstance(opened.message, Restarted):
+                self._sort(self._machine.take(opened, now_s), sends, outputs)
+        self._sort(self._machine.take(None, now_s), sends, outputs)
+        if (durable := self._machine.kept(self._durable)) != self._durable:
+            self._durable = durable
+            self._store.save(durable)
+        sealed = tuple(
+            (send.destination, self._endpoint.seal(send.destination, send.message, now_s, send.correlation))
+            for send in sends
+        )
+        notes, self._notes = tuple(self._notes), []
+        return Advance(sealed, tuple(outputs), self._machine.wake_at_s(), notes)
+
+    def _sort(self, actions: Iterable[Action], sends: list[Send], outputs: list[Output]) -> None:
+        for action in actions:
+            match action:
+                case Send():
+                    sends.append(action)
+                case Show(note):
+                    self._notes.append(note)
+                case Drive(output):
+                    outputs.append(output)
+
+    def _note_drop(self, dropped: Dropped, sends: list[Send]) -> None:
+        self._notes.append(Note(NoteKind.DROPPED, dropped.source or "", detail=dropped.reason.value))
+        # Its sender still speaks to the boot before this one: tell it, so that its next telegram counts.
+        if dropped.reason is DropReason.EARLIER_BOOT and dropped.source is not None:
+            sends.append(Send(dropped.source, Restarted()))

@@ -1,0 +1,1 @@
+"""Lines and timetables from other people's formats."""

@@ -1,0 +1,1 @@
+"""Files about lines: their schema, reading, patching, and finding those that are shipped."""

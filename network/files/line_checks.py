@@ -1,0 +1,267 @@
+"""Checks of a line file that need more than one table; every one raises `InputError`, the first that fails.
+
+`key` is the key path of the table under test, such as `alignments[0]` or `points[3]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import Final
+
+from network.errors import InputError
+from network.files.line_schema import (
+    AlignmentTable,
+    PlatformTable,
+    PointsTable,
+    RangeTable,
+    SectionTable,
+    StationTable,
+    TagTable,
+)
+from network.files.toml_input import one_of
+from network.model import Alignment, Leg, Line, Piece, SectionKind
+from network.units import metres
+
+TOLERANCE_M: Final = 0.001
+
+
+def _km(position_m: float) -> str:
+    return f"{position_m / 1000:.6f}".rstrip("0").rstrip(".")
+
+
+def _differ(a_km: float, b_km: float) -> bool:
+    return abs(metres(a_km) - metres(b_km)) > TOLERANCE_M
+
+
+def check_range(file: str, key: str, entry: RangeTable) -> None:
+    """`from_km` before `to_km`."""
+    if entry.to_km <= entry.from_km:
+        raise InputError(file, f"{key}.to_km", entry.to_km, f"more than from_km = {entry.from_km}")
+
+
+def check_within(file: str, key: str, entries: Sequence[RangeTable], outer: RangeTable) -> None:
+    """Each range is one, and lies on the alignment."""
+    for i, entry in enumerate(entries):
+        check_range(file, f"{key}[{i}]", entry)
+        for name, value in (("from_km", entry.from_km), ("to_km", entry.to_km)):
+            if not outer.from_km <= value <= outer.to_km:
+                expected = f"{outer.from_km} to {outer.to_km}, the alignment's range"
+                raise InputError(file, f"{key}[{i}].{name}", value, expected)
+
+
+def check_sorted(file: str, key: str, entries: Sequence[RangeTable], outer: RangeTable) -> None:
+    """Ranges on the alignment, sorted and without overlap."""
+    check_within(file, key, entries, outer)
+    for i, (before, entry) in enumerate(pairwise(entries), start=1):
+        if metres(entry.from_km) < metres(before.to_km) - TOLERANCE_M:
+            expected = f"at least {before.to_km}, where {key}[{i - 1}] ends (sorted, without overlap)"
+            raise InputError(file, f"{key}[{i}].from_km", entry.from_km, expected)
+
+
+def check_gradients(file: str, key: str, alignment: AlignmentTable) -> None:
+    """The gradient table covers the alignment without gap or overlap."""
+    table = f"{key}.gradients"
+    expected_km, what = alignment.from_km, "where the alignment begins"
+    for i, entry in enumerate(alignment.gradients):
+        check_range(file, f"{table}[{i}]", entry)
+        if _differ(entry.from_km, expected_km):
+            fault = "a gap" if entry.from_km > expected_km else "an overlap"
+            expected = f"{expected_km}, {what} (the table has {fault})"
+            raise InputError(file, f"{table}[{i}].from_km", entry.from_km, expected)
+        expected_km, what = entry.to_km, f"where {table}[{i}] ends"
+    if _differ(expected_km, alignment.to_km):
+        last = f"{table}[{len(alignment.gradients) - 1}].to_km" if alignment.gradients else table
+        value = expected_km if alignment.gradients else "empty"
+        raise InputError(file, last, value, f"cover up to {alignment.to_km}, where the alignment ends")
+
+
+def check_curves(file: str, key: str, alignment: AlignmentTable) -> None:
+    """Curves are sorted, do not overlap, bend, and are long enough for both transitions."""
+    check_sorted(file, f"{key}.curves", alignment.curves, alignment)
+    for i, curve in enumerate(alignment.curves):
+        where = f"{key}.curves[{i}]"
+        if curve.radius_m == 0:
+            raise InputError(file, f"{where}.radius_m", curve.radius_m, "a radius other than 0")
+        length_m = metres(curve.to_km) - metres(curve.from_km)
+        if 2 * curve.transition_m > length_m + TOLERANCE_M:
+            expected = f"at most {length_m / 2:.6g}, half the curve's length"
+            raise InputError(file, f"{where}.transition_m", curve.transition_m, expected)
+
+
+def find_alignment(file: str, key: str, name: str | None, alignments: Mapping[str, Alignment]) -> Alignment:
+    """The named alignment, or the first when no name is given."""
+    if name is None:
+        return next(iter(alignments.values()))
+    if name not in alignments:
+        raise InputError(file, f"{key}.alignment", name, one_of(alignments, name))
+    return alignments[name]
+
+
+def _check_on(file: str, key: str, position_km: float, alignment: Alignment) -> None:
+    if not alignment.from_m <= metres(position_km) <= alignment.to_m:
+        bounds = f"{_km(alignment.from_m)} to {_km(alignment.to_m)}"
+        raise InputError(file, key, position_km, f"{bounds}, the range of alignment {alignment.id}")
+
+
+def check_on_line(file: str, key: str, position_km: float, alignments: Iterable[Alignment]) -> None:
+    """A kilometrage that some alignment has."""
+    every = tuple(alignments)
+    if not any(a.from_m <= metres(position_km) <= a.to_m for a in every):
+        _check_on(file, key, position_km, every[0])
+
+
+def section_range_m(file: str, key: str, section: SectionTable, alignment: Alignment) -> tuple[float, float]:
+    """Kilometrages (m) of a section that is one piece."""
+    if section.from_km is None or section.to_km is None:
+        missing = "from_km" if section.from_km is None else "to_km"
+        raise InputError(file, f"{key}.{missing}", None, "this key, which is missing")
+    if section.to_km <= section.from_km:
+        raise InputError(file, f"{key}.to_km", section.to_km, f"more than from_km = {section.from_km}")
+    _check_on(file, f"{key}.from_km", section.from_km, alignment)
+    _check_on(file, f"{key}.to_km", section.to_km, alignment)
+    return metres(section.from_km), metres(section.to_km)
+
+
+def check_points_section(file: str, key: str, section: SectionTable, points: Iterable[PointsTable]) -> None:
+    """A points section has points and no range of its own."""
+    for name, value in (("from_km", section.from_km), ("to_km", section.to_km)):
+        if value is not None:
+            raise InputError(
+                file, f"{key}.{name}", value, "no range: a points section is where its points are"
+            )
+    if all(p.section != section.id for p in points):
+        raise InputError(file, f"{key}.id", section.id, "at least one [[points]] with this section")
+
+
+def check_points_range(file: str, key: str, points: PointsTable, alignment: Alignment) -> None:
+    """The toe lies between the ends, on the alignment."""
+    if points.to_km <= points.from_km:
+        raise InputError(file, f"{key}.to_km", points.to_km, f"more than from_km = {points.from_km}")
+    if not points.from_km < points.toe_km < points.to_km:
+        expected = f"between from_km = {points.from_km} and to_km = {points.to_km}"
+        raise InputError(file, f"{key}.toe_km", points.toe_km, expected)
+    _check_on(file, f"{key}.from_km", points.from_km, alignment)
+    _check_on(file, f"{key}.to_km", points.to_km, alignment)
+
+
+def check_platform_section(
+    file: str, key: str, station: StationTable, track: PlatformTable, kinds: Mapping[str, str]
+) -> None:
+    """A station's track is a track section, a halt's lies in a section between stations."""
+    wanted = "between" if station.halt else "track"
+    if kinds.get(track.section) != wanted:
+        known = one_of((name for name, kind in kinds.items() if kind == wanted), track.section)
+        place = "a halt" if station.halt else "a station"
+        raise InputError(file, f"{key}.section", track.section, f"a {wanted!r} section for {place}, {known}")
+
+
+def check_platform(file: str, key: str, entry: PlatformTable, piece: Piece) -> None:
+    """Platform inside its section, marks along the platform, a mark for every usual direction."""
+    if entry.platform_to_km <= entry.platform_from_km:
+        expected = f"more than platform_from_km = {entry.platform_from_km}"
+        raise InputError(file, f"{key}.platform_to_km", entry.platform_to_km, expected)
+    for name, value in (
+        ("platform_from_km", entry.platform_from_km),
+        ("platform_to_km", entry.platform_to_km),
+    ):
+        if not piece.from_m <= metres(value) <= piece.to_m:
+            expected = f"{_km(piece.from_m)} to {_km(piece.to_m)}, the range of section {piece.section_id}"
+            raise InputError(file, f"{key}.{name}", value, expected)
+    marks = {"down": entry.mark_down_km, "up": entry.mark_up_km}
+    if all(mark is None for mark in marks.values()):
+        raise InputError(file, f"{key}.mark_down_km", None, "this key or mark_up_km")
+    for direction, mark_km in marks.items():
+        if mark_km is not None and not entry.platform_from_km <= mark_km <= entry.platform_to_km:
+            expected = f"{entry.platform_from_km} to {entry.platform_to_km}, along the platform"
+            raise InputError(file, f"{key}.mark_{direction}_km", mark_km, expected)
+        if mark_km is None and entry.directions is not None and direction in entry.directions:
+            raise InputError(
+                file, f"{key}.mark_{direction}_km", None, f"a mark: {direction} trains call here"
+            )
+
+
+def tag_piece(
+    file: str, key: str, tag: TagTable, pieces: Mapping[str, Piece], kinds: Mapping[str, str]
+) -> Piece:
+    """The piece a tag lies on, with the tag inside it."""
+    if (tag.section is None) == (tag.piece is None):
+        raise InputError(file, f"{key}.section", tag.section, "either section or piece")
+    name, used = (tag.piece, "piece") if tag.piece is not None else (tag.section, "section")
+    assert name is not None
+    if used == "section" and kinds.get(name) == "points":
+        own = one_of(piece.id for piece in pieces.values() if piece.section_id == name)
+        raise InputError(file, f"{key}.section", name, f"piece = {own}: a points section has several")
+    if name not in pieces:
+        raise InputError(file, f"{key}.{used}", name, one_of(pieces, name))
+    piece = pieces[name]
+    if not piece.from_m <= metres(tag.km) <= piece.to_m:
+        expected = f"{_km(piece.from_m)} to {_km(piece.to_m)}, the range of {piece.id}"
+        raise InputError(file, f"{key}.km", tag.km, expected)
+    return piece
+
+
+def check_overlaps(file: str, line: Line, keys: Mapping[str, str]) -> None:
+    """No two pieces lie on the same rails; `keys` gives the table of each piece.
+
+    Rails are the same at the same alignment and lateral offset. Legs that run across to another offset lie
+    between tracks and are left out, as are the two legs of the same points, which part at the toe.
+    """
+    tracks: dict[tuple[str, float], list[Piece]] = {}
+    for piece in line.pieces.values():
+        across = False
+        if piece.points_id is not None and piece.leg is not Leg.STEM:
+            stem = line.pieces[line.points[piece.points_id].stem_piece]
+            across = piece.leg is Leg.REVERSE or piece.offset_m != stem.offset_m
+        if not across:
+            tracks.setdefault((piece.alignment_id, piece.offset_m), []).append(piece)
+    for pieces in tracks.values():
+        pieces.sort(key=lambda piece: piece.from_m)
+        furthest = pieces[0]
+        for piece in pieces[1:]:
+            if piece.from_m < furthest.to_m - TOLERANCE_M:
+                expected = f"at least {_km(furthest.to_m)}, where {furthest.id} ends on the same track"
+                hint = "or another offset_m if it is another track"
+                where = f"{keys[piece.id]}.from_km"
+                raise InputError(file, where, piece.from_m / 1000, f"{expected}, {hint}")
+            if piece.to_m > furthest.to_m:
+                furthest = piece
+
+
+def check_ends(file: str, line: Line, keys: Mapping[str, str]) -> None:
+    """A section between stations is joined at both ends; a portal at exactly one."""
+    uses: dict[str, int] = {}
+    for piece in line.pieces.values():
+        for node in (piece.low_node, piece.high_node):
+            uses[node] = uses.get(node, 0) + 1
+    for section in line.sections.values():
+        piece = line.pieces[section.piece_ids[0]]
+        joined = (uses[piece.low_node] > 1) + (uses[piece.high_node] > 1)
+        if section.kind is SectionKind.PORTAL and joined != 1:
+            expected = f"a portal with one end joined to the line; {joined} of its ends are"
+            raise InputError(file, f"{keys[section.id]}.id", section.id, expected)
+        if section.kind is SectionKind.BETWEEN and joined == 1:
+            end = "high" if uses[piece.high_node] == 1 else "low"
+            expected = f"a section joined at both ends; nothing meets its {end} end"
+            raise InputError(file, f"{keys[section.id]}.id", section.id, expected)
+
+
+def check_reachable(file: str, line: Line, keys: Mapping[str, str]) -> None:
+    """Every section hangs together with the first."""
+    at_node: dict[str, list[Piece]] = {}
+    for piece in line.pieces.values():
+        at_node.setdefault(piece.low_node, []).append(piece)
+        at_node.setdefault(piece.high_node, []).append(piece)
+    first = next(iter(line.sections.values()))
+    waiting = [line.pieces[first.piece_ids[0]]]
+    reached = {piece.id for piece in waiting}
+    while waiting:
+        piece = waiting.pop()
+        for other in at_node[piece.low_node] + at_node[piece.high_node]:
+            if other.id not in reached:
+                reached.add(other.id)
+                waiting.append(other)
+    for section in line.sections.values():
+        if not reached.intersection(section.piece_ids):
+            expected = f"a section joined to the rest of the line; it cannot be reached from {first.id}"
+            raise InputError(file, f"{keys[section.id]}.id", section.id, expected)

@@ -1,0 +1,324 @@
+"""Read a line file (TOML, schema in `network.files.line_schema`) into a validated `network.model.Line`.
+
+Lateral offsets: a section has its own; the stem of points lies at the points' offset (by default that of the
+section before the stem), and a leg has at its outer end the offset of what it leads to, so that a leg whose
+offset is not that of its points runs across from one track to the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Final
+
+from network.errors import InputError
+from network.files import line_checks as check
+from network.files import line_schema as schema
+from network.files.joints import Draft, Joiner
+from network.files.line_schema import DIRECTIONS, LineFile
+from network.files.toml_input import one_of, parse_toml, read_text
+from network.model import (
+    Alignment,
+    Coverage,
+    Curve,
+    Direction,
+    Gradient,
+    Leg,
+    Line,
+    Piece,
+    PlatformTrack,
+    Points,
+    Position,
+    Section,
+    SectionKind,
+    SpeedLimit,
+    Station,
+    Tag,
+    TagPurpose,
+)
+from network.timetable import Timetable, platform_of
+from network.units import metres, mps
+
+TRACK_MARGIN_M: Final = (
+    5.0  # between a standing train's rear and the section's end; assumed, for the stop error
+)
+
+
+def load_line(path: Path) -> Line:
+    """Read and validate a line file. Raises InputError for the first thing that is wrong with it."""
+    return parse_line(read_text(path), str(path))
+
+
+def parse_line(text: str, file: str) -> Line:
+    """Parse and validate the text of a line file; `file` names it in errors. Raises InputError."""
+    return line_of(parse_toml(text, file, LineFile), file)
+
+
+def line_of(entry: LineFile, file: str) -> Line:
+    """The line that the tables of a line file describe; `file` names it in errors. Raises InputError."""
+    _unique(file, "alignments", [a.id for a in entry.alignments])
+    alignments = {a.id: _alignment(file, i, a) for i, a in enumerate(entry.alignments)}
+    drafts = _drafts(file, entry, alignments)
+    joiner = Joiner(file, drafts, {s.id for s in entry.sections if s.kind == "points"})
+    for i, joint in enumerate(entry.joints):
+        joiner.add_joint(f"joints[{i}]", joint.low, joint.high)
+    for i, points in enumerate(entry.points):
+        joiner.add_points(f"points[{i}]", points)
+    pieces = {draft.id: _piece(draft, joiner) for draft in drafts.values()}
+    stations = _stations(file, entry, alignments, pieces)
+    sections = _sections(entry, pieces, stations)
+    line = Line(
+        id=entry.line.id,
+        name=entry.line.name,
+        name_ja=entry.line.name_ja,
+        max_speed_mps=mps(entry.line.max_speed_kmh),
+        stations=stations,
+        alignments=alignments,
+        sections=sections,
+        pieces=pieces,
+        points={p.id: _points(p) for p in entry.points},
+        tags=_tags(file, entry, pieces),
+        assumed=tuple(entry.line.assumed),
+    )
+    keys = {s.id: f"sections[{i}]" for i, s in enumerate(entry.sections)}
+    check.check_overlaps(file, line, {draft.id: draft.key for draft in drafts.values()})
+    check.check_ends(file, line, keys)
+    check.check_reachable(file, line, keys)
+    return line
+
+
+def validate_train_fits(
+    line: Line, stock_length_m: Mapping[str, float], timetable: Timetable, file: str
+) -> None:
+    """Check that each train fits wherever it calls; `stock_length_m` is by the stock ids of the diagrams.
+
+    On a platform track the train must clear the rear end of its section by `TRACK_MARGIN_M` when its front
+    is at the mark, or it would stand on the points; at a halt it must not be longer than the platform.
+    Raises InputError naming track, usable length and train length, or a stock of unknown length.
+    """
+    for i, diagram in enumerate(timetable.diagrams):
+        if diagram.stock_id not in stock_length_m:
+            raise InputError(file, f"diagrams[{i}].stock", diagram.stock_id, one_of(stock_length_m))
+        length_m = stock_length_m[diagram.stock_id]
+        for number in diagram.train_numbers:
+            train = timetable.trains[number]
+            for call in train.calls:
+                platform = platform_of(line, call, train.direction)
+                usable_m = usable_length_m(line, platform, train.direction)
+                if length_m > usable_m:
+                    where = f"train {number} at {call.station_id} track {platform.name}: length"
+                    expected = f"at most {usable_m:.1f} m, what track {platform.name} can hold"
+                    raise InputError(file, where, f"{length_m:.1f} m", expected)
+
+
+def usable_length_m(line: Line, platform: PlatformTrack, direction: Direction) -> float:
+    """Longest train (m) that can call at `platform` in `direction`, see `validate_train_fits`."""
+    if line.stations[platform.station_id].is_halt:
+        return platform.platform_to_m - platform.platform_from_m
+    piece = line.pieces[platform.piece_id]
+    mark_m = platform.marks_m[direction]
+    behind_m = mark_m - piece.from_m if direction is Direction.DOWN else piece.to_m - mark_m
+    return behind_m - TRACK_MARGIN_M
+
+
+def _unique(file: str, table: str, ids: Iterable[object], key: str = "id") -> None:
+    seen: dict[object, int] = {}
+    for i, name in enumerate(ids):
+        if name in seen:
+            expected = f"an id of its own; {table}[{seen[name]}] has this one"
+            raise InputError(file, f"{table}[{i}].{key}", name, expected)
+        seen[name] = i
+
+
+def _directions(names: Iterable[str]) -> tuple[Direction, ...]:
+    return tuple(DIRECTIONS[name] for name in names)
+
+
+def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment:
+    key = f"alignments[{index}]"
+    check.check_range(file, key, entry)
+    check.check_gradients(file, key, entry)
+    check.check_curves(file, key, entry)
+    check.check_within(file, f"{key}.limits", entry.limits, entry)
+    check.check_sorted(file, f"{key}.coverage", entry.coverage, entry)
+    limits = (
+        SpeedLimit(metres(i.from_km), metres(i.to_km), mps(i.speed_kmh), _directions(i.directions))
+        for i in sorted(entry.limits, key=lambda limit: limit.from_km)
+    )
+    return Alignment(
+        id=entry.id,
+        from_m=metres(entry.from_km),
+        to_m=metres(entry.to_km),
+        x_m=entry.x_m,
+        y_m=entry.y_m,
+        bearing_deg=entry.bearing_deg,
+        elevation_m=entry.elevation_m,
+        gradients=tuple(Gradient(metres(g.from_km), metres(g.to_km), g.permille) for g in entry.gradients),
+        curves=tuple(
+            Curve(metres(c.from_km), metres(c.to_km), c.radius_m, c.transition_m, c.cant_mm)
+            for c in entry.curves
+        ),
+        limits=tuple(limits),
+        coverage=tuple(Coverage(metres(c.from_km), metres(c.to_km)) for c in entry.coverage),
+    )
+
+
+def _drafts(file: str, entry: LineFile, alignments: Mapping[str, Alignment]) -> dict[str, Draft]:
+    """Pieces without their nodes, by id."""
+    _unique(file, "sections", [s.id for s in entry.sections])
+    _unique(file, "points", [p.id for p in entry.points])
+    points_sections = [s.id for s in entry.sections if s.kind == "points"]
+    for i, points in enumerate(entry.points):
+        if points.section not in points_sections:
+            expected = f"a points section, {one_of(points_sections, points.section)}"
+            raise InputError(file, f"points[{i}].section", points.section, expected)
+    drafts: list[Draft] = []
+    for i, section in enumerate(entry.sections):
+        key = f"sections[{i}]"
+        if section.kind == "points":
+            check.check_points_section(file, key, section, entry.points)
+            continue
+        alignment = check.find_alignment(file, key, section.alignment, alignments)
+        from_m, to_m = check.section_range_m(file, key, section, alignment)
+        drafts.append(Draft(section.id, key, section.id, alignment.id, from_m, to_m, section.offset_m))
+    for i, points in enumerate(entry.points):
+        key = f"points[{i}]"
+        alignment = check.find_alignment(file, key, points.alignment, alignments)
+        check.check_points_range(file, key, points, alignment)
+        drafts.extend(_points_drafts(key, points, alignment.id))
+    by_id: dict[str, Draft] = {}
+    for draft in drafts:
+        if draft.id in by_id:
+            raise InputError(file, f"{draft.key}.id", draft.id, f"no clash with {by_id[draft.id].key}")
+        by_id[draft.id] = draft
+    return by_id
+
+
+def _points_drafts(key: str, points: schema.PointsTable, alignment_id: str) -> list[Draft]:
+    faces = DIRECTIONS[points.faces]
+    low = (metres(points.from_km), metres(points.toe_km))
+    high = (metres(points.toe_km), metres(points.to_km))
+    drafts = []
+    for leg in Leg:
+        from_m, to_m = low if (leg is Leg.STEM) == (faces is Direction.DOWN) else high
+        name = f"{points.id}.{leg.value}"
+        drafts.append(
+            Draft(
+                name, key, points.section, alignment_id, from_m, to_m, points.offset_m, points.id, leg, faces
+            )
+        )
+    return drafts
+
+
+def _piece(draft: Draft, joiner: Joiner) -> Piece:
+    return Piece(
+        id=draft.id,
+        section_id=draft.section_id,
+        alignment_id=draft.alignment_id,
+        from_m=draft.from_m,
+        to_m=draft.to_m,
+        low_node=joiner.node_of(draft, Direction.UP),
+        high_node=joiner.node_of(draft, Direction.DOWN),
+        offset_m=joiner.offset_of(draft),
+        points_id=draft.points_id,
+        leg=draft.leg,
+    )
+
+
+def _points(entry: schema.PointsTable) -> Points:
+    return Points(
+        id=entry.id,
+        section_id=entry.section,
+        terminal_id=entry.terminal,
+        node_id=entry.id,
+        faces=DIRECTIONS[entry.faces],
+        stem_piece=f"{entry.id}.stem",
+        normal_piece=f"{entry.id}.normal",
+        reverse_piece=f"{entry.id}.reverse",
+        throw_time_s=entry.throw_time_s,
+        diverging_limit_mps=mps(entry.diverging_limit_kmh),
+        initial=Position(entry.initial),
+    )
+
+
+def _stations(
+    file: str, entry: LineFile, alignments: Mapping[str, Alignment], pieces: Mapping[str, Piece]
+) -> dict[str, Station]:
+    _unique(file, "stations", [s.id for s in entry.stations])
+    kinds = {s.id: s.kind for s in entry.sections}
+    owner: dict[str, str] = {}
+    stations = {}
+    for i, station in enumerate(entry.stations):
+        key = f"stations[{i}]"
+        check.check_on_line(file, f"{key}.km", station.km, alignments.values())
+        _unique(file, f"{key}.tracks", [t.name for t in station.tracks], "name")
+        tracks = []
+        for j, track in enumerate(station.tracks):
+            where = f"{key}.tracks[{j}]"
+            check.check_platform_section(file, where, station, track, kinds)
+            if not station.halt and owner.setdefault(track.section, where) != where:
+                expected = f"a section of its own; {owner[track.section]} has this one"
+                raise InputError(file, f"{where}.section", track.section, expected)
+            tracks.append(_platform(file, where, station.id, track, pieces[track.section]))
+        position_m = metres(station.km)
+        stations[station.id] = Station(
+            station.id, station.name, station.name_ja, position_m, tuple(tracks), station.halt
+        )
+    for i, section in enumerate(entry.sections):
+        if section.kind == "track" and section.id not in owner:
+            raise InputError(
+                file, f"sections[{i}].id", section.id, "a section that a [[stations]] track names"
+            )
+    return stations
+
+
+def _platform(
+    file: str, key: str, station_id: str, entry: schema.PlatformTable, piece: Piece
+) -> PlatformTrack:
+    check.check_platform(file, key, entry, piece)
+    marks_km = {Direction.DOWN: entry.mark_down_km, Direction.UP: entry.mark_up_km}
+    marks_m = {direction: metres(km) for direction, km in marks_km.items() if km is not None}
+    return PlatformTrack(
+        station_id=station_id,
+        name=entry.name,
+        section_id=entry.section,
+        piece_id=piece.id,
+        platform_from_m=metres(entry.platform_from_km),
+        platform_to_m=metres(entry.platform_to_km),
+        marks_m=marks_m,
+        directions=tuple(marks_m) if entry.directions is None else _directions(entry.directions),
+    )
+
+
+def _sections(
+    entry: LineFile, pieces: Mapping[str, Piece], stations: Mapping[str, Station]
+) -> dict[str, Section]:
+    owner = {
+        track.section_id: (station.id, track.name)
+        for station in stations.values()
+        for track in station.tracks
+        if not station.is_halt
+    }
+    sections = {}
+    for item in entry.sections:
+        own = tuple(piece for piece in pieces.values() if piece.section_id == item.id)
+        station_id, track = owner.get(item.id, (None, None))
+        if item.kind == "points":
+            nodes = {node for piece in own for node in (piece.low_node, piece.high_node)}
+            near = (p.section_id for p in pieces.values() if {p.low_node, p.high_node} & nodes)
+            station_id = next((owner[section_id][0] for section_id in near if section_id in owner), None)
+        sections[item.id] = Section(
+            item.id, SectionKind(item.kind), tuple(piece.id for piece in own), station_id, track
+        )
+    return sections
+
+
+def _tags(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, Tag]:
+    _unique(file, "tags", [t.id for t in entry.tags])
+    kinds = {s.id: s.kind for s in entry.sections}
+    tags = {}
+    for i, tag in enumerate(entry.tags):
+        piece = check.tag_piece(file, f"tags[{i}]", tag, pieces, kinds)
+        directions = _directions(tag.directions)
+        tags[tag.id] = Tag(tag.id, piece.id, metres(tag.km), TagPurpose(tag.purpose), directions)
+    return tags

@@ -1,0 +1,1 @@
+"""What the train may occupy, and where it must stop."""

@@ -1,0 +1,1 @@
+"""How the train drives: supervision, patterns, notches, stopping at the mark."""

@@ -1,0 +1,119 @@
+"""The speed that may not be passed (速度制御機能, Sugiyama table 1); it may only brake harder than the driver.
+
+Invariant: with the guaranteed brakes, a train supervised here never brings its front past `stop_limit_m`, because
+the permitted speed leaves room for the reaction time, for what the train gains in it while the motors pull on as
+they do now, and for the position's bound ahead. (Motors that only begin to pull are within the reaction's reserve.)
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard.localisation.tachometer import ACCELERATION_SMOOTHING_S
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_INTERVENTION,
+    NO_INTERVENTION,
+    SERVICE_INTERVENTION,
+)
+from onboard.rows import BehaviourRow, UnitRow
+from vehicle.compiled import compiled
+from vehicle.mass import GRAVITY_MPS2
+from vehicle.rows import TrainRow
+
+RESERVE_M: Final = (
+    1.0  # assumed: a descent adds at most g*i*t^2/2 in the reaction time, 0.3 m at 30 permille and 1.4 s
+)
+
+SMOOTHED_S: Final = 2.0 * ACCELERATION_SMOOTHING_S
+
+
+@compiled
+def path_index(unit: UnitRow, position_m: float) -> int:
+    """Row of the path database at a path coordinate, clamped to the path."""
+    index = int(position_m)
+    return int(unit.path_offset + min(max(index, 0), unit.path_rows - 1))
+
+
+@compiled
+def body_elevation_m(unit: UnitRow, path: NDArray[np.void], position_m: float) -> float:
+    """Mean elevation under the train with its front at a path coordinate, between the rows by proportion, m."""
+    low = path_index(unit, position_m)
+    high = path_index(unit, position_m + 1.0)
+    share = min(max(position_m - int(position_m), 0.0), 1.0)
+    below = path[low].body_elevation_m
+    return float(below + share * (path[high].body_elevation_m - below))
+
+
+@compiled
+def slope_at(unit: UnitRow, path: NDArray[np.void], position_m: float) -> float:
+    """Mean slope (m per m) under the train with its front at a path coordinate, m."""
+    return body_elevation_m(unit, path, position_m) - body_elevation_m(unit, path, position_m - 1.0)
+
+
+@compiled
+def stop_curve_mps(
+    distance_m: float, climb_m: float, deceleration_mps2: float, reaction_s: float, gravity_share_mps2: float
+) -> float:
+    """Speed from which the train stops within `distance_m`, reaction time included; a climb of `climb_m` helps.
+
+    Solves v*reaction + v^2/(2b) = distance + g*climb/(b*(1 + rotating mass)).
+    """
+    if distance_m <= 0.0:
+        return 0.0
+    room = distance_m + gravity_share_mps2 * climb_m / deceleration_mps2
+    if room <= 0.0:
+        return 0.0
+    loss = deceleration_mps2 * reaction_s
+    return float(np.sqrt(loss * loss + 2.0 * deceleration_mps2 * room) - loss)
+
+
+@compiled
+def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
+    """Set the permitted speed and the intervention of this step; returns event bits."""
+    front_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
+    gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
+    distance_m = unit.stop_limit_m - front_m
+    climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, front_m)
+    ceiling = min(path[path_index(unit, np.ceil(front_m))].permitted_mps, unit.restricted_mps)
+    service_stop = stop_curve_mps(
+        distance_m,
+        climb_m,
+        behaviour.service_guaranteed_mps2,
+        behaviour.service_reaction_s,
+        gravity_share,
+    )
+    emergency_stop = stop_curve_mps(
+        distance_m,
+        climb_m,
+        behaviour.emergency_guaranteed_mps2,
+        behaviour.emergency_reaction_s,
+        gravity_share,
+    )
+    before = unit.intervention
+    speed = unit.speed_mps
+    # What the motors give, gravity apart, which is in `climb_m`; the smoothed acceleration may still be that of
+    # the gradient a second ago.
+    slope = max(slope_at(unit, path, front_m), slope_at(unit, path, front_m - speed * SMOOTHED_S))
+    gain = max(unit.acceleration_mps2 + gravity_share * slope, 0.0)
+    service = min(ceiling, service_stop)
+    unit.permitted_mps = service
+    emergency = min(
+        ceiling + behaviour.emergency_margin_mps,
+        emergency_stop - gain * behaviour.emergency_reaction_s,
+    )
+    if before == EMERGENCY_INTERVENTION:
+        after = EMERGENCY_INTERVENTION  # kept until the event-driven part releases it at a stand
+    elif speed > emergency and speed > 0.0:
+        after = EMERGENCY_INTERVENTION
+    elif speed > service + behaviour.service_margin_mps or (
+        before == SERVICE_INTERVENTION and speed > max(service - behaviour.release_margin_mps, 0.0)
+    ):
+        after = SERVICE_INTERVENTION
+    else:
+        after = NO_INTERVENTION
+    unit.intervention = after
+    return EVENT_INTERVENTION if after != before else 0

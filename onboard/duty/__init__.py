@@ -1,0 +1,1 @@
+"""What the train is to do: its mission and its times."""

@@ -1,0 +1,1 @@
+"""Where the train is, and within what bounds."""

@@ -1,0 +1,1 @@
+"""What carries the trains: SUMO, or plain track."""

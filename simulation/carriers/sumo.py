@@ -1,0 +1,135 @@
+"""SUMO as the carrier: it integrates the speeds we set and tells where the trains are; its position is the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import libsumo
+
+from network.model import Direction
+from simulation.carriers.carrier import Truth
+from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, add_train_type, sumo_command
+
+SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}
+DIRECTION: Final = {"+": Direction.DOWN, "-": Direction.UP}
+
+
+def edge_id(piece_id: str, direction: Direction) -> str:
+    """Name of the SUMO edge of a piece in one direction."""
+    return piece_id + SIGN[direction]
+
+
+class SumoCarrier:
+    """One SUMO simulation; libsumo allows one a process."""
+
+    def __init__(self, net: Path, begin_s: float) -> None:
+        libsumo.start([*sumo_command(net), "--begin", f"{begin_s:.1f}"])
+        self._collisions: dict[tuple[str, str], str] = {}
+        self._lengths_m: dict[str, float] = {}
+        self._set_speed = libsumo.vehicle.setSpeed
+        self._step = libsumo.simulationStep
+        self._colliding = libsumo.simulation.getCollidingVehiclesNumber
+        self._routes = 0
+        self._step_s = float(libsumo.simulation.getDeltaT())
+        self._reversing: list[tuple[str, str, float]] = []
+
+    def insert(
+        self, unit_id: str, pieces: Sequence[str], direction: Direction, offset_m: float, length_m: float
+    ) -> None:
+        """Put a standing train on the net. SUMO inserts it at once: no step is taken for it."""
+        kind = f"train-{length_m:g}"
+        if kind not in libsumo.vehicletype.getIDList():
+            add_train_type(kind, length_m)
+        self._lengths_m[unit_id] = length_m
+        self._routes += 1
+        route = f"route-{self._routes}"
+        libsumo.route.add(route, [edge_id(piece, direction) for piece in pieces])
+        libsumo.vehicle.add(unit_id, route, typeID=kind, departPos="0", departSpeed="0")
+        libsumo.vehicle.moveTo(unit_id, edge_id(pieces[0], direction) + "_0", offset_m)
+        libsumo.vehicle.setSpeedMode(unit_id, SPEED_MODE)
+        libsumo.vehicle.setLaneChangeMode(unit_id, LANE_CHANGE_MODE)
+        libsumo.vehicle.setSpeed(unit_id, 0.0)
+
+    def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
+        """Execute the speeds step by step, watching for collisions."""
+        if self._reversing and steps > 0:
+            hit = self._run_steps(columns, 0, 1)
+            for unit_id, lane, offset_m in self._reversing:
+                libsumo.vehicle.moveTo(unit_id, lane, offset_m)
+            self._reversing.clear()
+            return hit or self._run_steps(columns, 1, steps)
+        return self._run_steps(columns, 0, steps)
+
+    def _run_steps(self, columns: Sequence[tuple[str, Sequence[float]]], first: int, last: int) -> int:
+        """Execute rows `first` to `last` - 1; returns the number of steps after which a collision was seen, or 0."""
+        set_speed, step, colliding = self._set_speed, self._step, self._colliding
+        if not columns:
+            if last > first:
+                step(libsumo.simulation.getTime() + (last - first) * self._step_s)
+            return last if self._note_collisions() else 0
+        if len(columns) == 1:
+            unit_id, speeds = columns[0]
+            for k in range(first, last):
+                set_speed(unit_id, speeds[k])
+                step()
+                if colliding() and self._note_collisions():
+                    return k + 1
+            return 0
+        for k in range(first, last):
+            for unit_id, speeds in columns:
+                set_speed(unit_id, speeds[k])
+            step()
+            if colliding() and self._note_collisions():
+                return k + 1
+        return 0
+
+    def _note_collisions(self) -> int:
+        """Write down collisions not seen before; returns their number."""
+        new = 0
+        for collision in libsumo.simulation.getCollisions():
+            pair = (collision.collider, collision.victim)
+            if pair not in self._collisions:
+                new += 1
+                self._collisions[pair] = (
+                    f"{collision.type} collision of {collision.collider} with {collision.victim}"
+                    f" on {collision.lane} at {collision.pos:.1f} m"
+                )
+        return new
+
+    def truth(self, unit_id: str) -> Truth:
+        """Where the front is, as SUMO has it."""
+        edge = libsumo.vehicle.getRoadID(unit_id)
+        return Truth(
+            edge[:-1],
+            DIRECTION[edge[-1]],
+            libsumo.vehicle.getLanePosition(unit_id),
+            libsumo.vehicle.getSpeed(unit_id),
+        )
+
+    def reroute(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
+        """Change what lies ahead."""
+        libsumo.vehicle.setRoute(unit_id, [edge_id(piece, direction) for piece in pieces])
+
+    def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
+        """Change ends: SUMO turns the train in its next step; its own millimetre of overrun is then put back."""
+        here = libsumo.vehicle.getRoadID(unit_id)
+        piece_length_m = libsumo.lane.getLength(here + "_0")
+        offset_m = piece_length_m - libsumo.vehicle.getLanePosition(unit_id) + self._lengths_m[unit_id]
+        edges = [edge_id(piece, direction) for piece in pieces]
+        libsumo.vehicle.setRoute(unit_id, [here, *edges])
+        libsumo.vehicle.setSpeed(unit_id, 0.0)
+        self._reversing.append((unit_id, edges[0] + "_0", offset_m))
+
+    def remove(self, unit_id: str) -> None:
+        """Take a train off the line."""
+        libsumo.vehicle.remove(unit_id)
+
+    def collisions(self) -> tuple[str, ...]:
+        """What SUMO's own check found."""
+        return tuple(self._collisions.values())
+
+    def close(self) -> None:
+        """End the simulation."""
+        libsumo.close()

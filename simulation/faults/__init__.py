@@ -1,0 +1,1 @@
+"""What fails, heals and is done by people."""

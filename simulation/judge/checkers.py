@@ -1,0 +1,331 @@
+"""The independent checkers: they see the truth and the journal, and share nothing with what they check.
+
+`observe` is SUMO's truth, `journal` what the parties did; the one estimate let in is what `bounds` is told, to
+be held against the truth. Call `observe` for every train before the journal entries of the same moment: a release
+is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
+
+A train may occupy a section if the block manager gave it to its unit and the unit counts it as held. Two
+exceptions: where a train is put on the line, until its sign-on is accepted and its unit says what it holds; and
+a portal it stands in after the manager has it as outside, until it leaves. A unit that has restarted knows
+nothing: until it says anew what it holds, the manager's word alone counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Any, Final
+
+from network.model import Position
+from simulation.judge.body import RESOLUTION_M, Body, Track
+from simulation.judge.log import Checker, Log, Violation
+from simulation.judge.points import PointsFacts, PointsWatch, Proof
+from simulation.judge.register import RegisterWatch
+from sumo_cfg.truth_map import NetMap
+
+__all__ = ["Checker", "Checkers", "PointsFacts", "Violation"]
+
+Entry = Mapping[str, Any]
+
+MANAGER: Final = "block-manager"
+WORLD: Final = "world"
+
+
+class Checkers:
+    """All checkers of one run. Every method but `violations` and `counts` only takes in what happened."""
+
+    def __init__(self, net: NetMap, points: Mapping[str, PointsFacts], portals: Collection[str]) -> None:
+        self._log = Log()
+        self._track = Track(net)
+        self._points = PointsWatch(points, self._log)
+        self._register = RegisterWatch(self._log)
+        self._portals = frozenset(portals)
+        self._bodies: dict[str, Body] = {}
+        self._occupants: dict[str, set[str]] = {}
+        self._own: dict[str, frozenset[str]] = {}  # what each unit counts as held
+        self._forgetful: set[str] = set()  # units that have restarted and not yet said what they hold
+        self._proofs: dict[str, dict[str, Proof]] = {}
+        self._changed: set[str] = set()  # units whose holdings changed at `_changed_s`, not yet judged
+        self._changed_s = 0.0
+        self._effects: dict[tuple[str, str, int], set[int]] = {}
+        self._handlers: dict[str, dict[str, Callable[[float, Entry], None]]] = {
+            MANAGER: {
+                "granted": self._granted,
+                "freed": self._freed,
+                "signed_on": self._accepted,
+                "claimed": self._accepted,
+                "confirmed_by_hand": self._accepted,
+                "outside": self._outside,
+                "restarted": self._manager_restarted,
+            },
+            WORLD: {
+                "points_moving": self._points_moving,
+                "points_locked": self._points_locked,
+                "points_unlocked": self._points_unlocked,
+                "points_lost": self._points_lost,
+                "points_forced": self._points_lost,
+                "collision": self._collision,
+            },
+        }
+        self._unit_handlers: dict[str, Callable[[float, Entry], None]] = {
+            "holds": self._holds,
+            "reported": self._reported,
+            "proven": self._proven,
+            "proof_dropped": self._proof_dropped,
+            "restarted": self._unit_restarted,
+        }
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """The first breach of each rule by each subject, in order of time."""
+        return self._log.violations
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """All breaches by name of the checker, repeated ones too."""
+        return self._log.counts
+
+    # truth --------------------------------------------------------------------------------------------------
+
+    def entered(self, unit_id: str, length_m: float, edges_under: Sequence[str]) -> None:
+        """A train appears; `edges_under` run from the one under its rear to the one under its front.
+
+        Its rear may lie outside the net. Raises ValueError without an edge, KeyError for one not in the net.
+        """
+        if not edges_under:
+            raise ValueError(f"{unit_id} entered on no edge")
+        for edge_id in edges_under:
+            self._track.piece_of(edge_id)
+        self.left(unit_id)
+        self._bodies[unit_id] = Body(unit_id, length_m, list(edges_under))
+
+    def left(self, unit_id: str) -> None:
+        """A train is off the line; what its unit held and had proven is over with it."""
+        body = self._bodies.pop(unit_id, None)
+        if body is None:
+            return
+        for section_id in body.sections:
+            self._occupants[section_id].discard(unit_id)
+        self._own.pop(unit_id, None)
+        self._proofs.pop(unit_id, None)
+        self._forgetful.discard(unit_id)
+
+    def reversed(self, t_s: float, unit_id: str) -> None:
+        """A train changed ends in place: what was proven was proven for the way it no longer goes.
+
+        Raises KeyError for a train that has not entered.
+        """
+        body = self._bodies[unit_id]
+        self._proofs.pop(unit_id, None)
+        if body.speed_mps > 0.0:
+            text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
+            self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
+        self._track.turn(body)
+
+    def observe(
+        self, t_s: float, unit_id: str, edge_id: str, lane_position_m: float, speed_mps: float
+    ) -> None:
+        """Where SUMO has a train's front now. Raises KeyError for a train that has not entered."""
+        body = self._bodies[unit_id]
+        body.speed_mps = speed_mps
+        if edge_id == body.edge_id and body.front_m <= lane_position_m < body.still_to_m:
+            body.front_m = lane_position_m
+            return
+        if edge_id != body.turned_from:
+            self._settle(t_s, body, edge_id, lane_position_m)
+
+    def bounds(
+        self,
+        t_s: float,
+        unit_id: str,
+        true_position_m: float,
+        position_m: float,
+        bound_behind_m: float,
+        bound_ahead_m: float,
+    ) -> None:
+        """`within-bounds`: the true front lies within what the unit states, to 1 mm; NaN is outside."""
+        low_m = position_m - bound_behind_m - RESOLUTION_M
+        if not low_m <= true_position_m <= position_m + bound_ahead_m + RESOLUTION_M:
+            text = (
+                f"{unit_id} is {true_position_m - position_m:+.3f} m from where it believes,"
+                f" stated bounds -{bound_behind_m:.3f} to +{bound_ahead_m:.3f} m"
+            )
+            self._log.note(t_s, Checker.WITHIN_BOUNDS, unit_id, text)
+
+    def finish(self, t_s: float, arrived: Mapping[str, bool]) -> None:
+        """`everyone-arrives`: `arrived` has every train expected to arrive, and whether it has."""
+        self._judge_changes()
+        for train, has_arrived in arrived.items():
+            if not has_arrived:
+                self._log.note(t_s, Checker.EVERYONE_ARRIVES, train, f"{train} has not arrived")
+
+    def _settle(self, t_s: float, body: Body, edge_id: str, front_m: float) -> None:
+        """The front came onto another edge, or the rear may have left one."""
+        if not self._track.has(edge_id):
+            text = f"{body.unit_id} is on {edge_id!r}, which is no edge of the net"
+            self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
+            return
+        was, pieces, sections = body.path[-1], body.pieces, body.sections
+        if not self._track.follow(body, edge_id, front_m):
+            text = f"{body.unit_id} was on {was} and is at {front_m:.3f} m of {edge_id}: no train runs so"
+            self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
+        if body.excepted is None:
+            body.excepted = body.sections
+        for piece_id in self._track.touched(body):
+            self._check_entry(t_s, body.unit_id, piece_id)
+        if body.pieces != pieces:
+            self._points.check(t_s, body)
+        if body.sections != sections:
+            self._check_alone(t_s, body, sections)
+        self._check_held(t_s, body)
+
+    def _check_entry(self, t_s: float, unit_id: str, piece_id: str) -> None:
+        """`proven-before-entry`: the unit has a proof, no older than its grant, for the position."""
+        need = self._points.needs(piece_id)
+        if need is not None:
+            proof = self._proofs.get(unit_id, {}).get(need[0])
+            token = self._register.token_of(unit_id, self._points.section_of(need[0]))
+            self._points.check_entry(t_s, unit_id, piece_id, proof, token)
+
+    def _check_alone(self, t_s: float, body: Body, before: frozenset[str]) -> None:
+        """`one-train-a-section`: no other train has any part in a section that this one came into."""
+        for section_id in before - body.sections:
+            self._occupants[section_id].discard(body.unit_id)
+        for section_id in sorted(body.sections - before):
+            occupants = self._occupants.setdefault(section_id, set())
+            for other in sorted(occupants - {body.unit_id}):
+                text = f"{body.unit_id} came into section {section_id} while {other} is in it"
+                pair = " ".join(sorted((body.unit_id, other)))
+                self._log.note(t_s, Checker.ONE_TRAIN_A_SECTION, f"{section_id} {pair}", text)
+            occupants.add(body.unit_id)
+
+    def _check_held(self, t_s: float, body: Body) -> None:
+        """`inside-holding`: manager and unit both have the unit as holder of all that its train occupies."""
+        unit_id, own = body.unit_id, self._own.get(body.unit_id, frozenset())
+        for section_id in sorted(body.sections.difference(body.excepted or ())):
+            missing = (
+                [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
+            )
+            if section_id not in own and unit_id not in self._forgetful:
+                missing.append("its unit does not hold it")
+            if missing:
+                text = f"{unit_id} is in section {section_id}: {' and '.join(missing)}"
+                self._log.note(t_s, Checker.INSIDE_HOLDING, f"{section_id} {unit_id}", text)
+
+    # journal ------------------------------------------------------------------------------------------------
+
+    def journal(self, entry: Entry) -> None:
+        """One journal entry, in order. Entries that say nothing to a checker are passed over."""
+        if self._changed and entry["t"] > self._changed_s:
+            self._judge_changes()
+        what = entry["what"]
+        if what == "took_effect":
+            self._took_effect(entry["t"], entry)
+            return
+        handler = self._handlers.get(entry["who"], self._unit_handlers).get(what)
+        if handler is not None:
+            handler(entry["t"], entry)
+
+    def _granted(self, t_s: float, entry: Entry) -> None:
+        unit_id = entry["unit"]
+        self._register.granted(t_s, unit_id, entry["route"], entry["sections"], entry["token"])
+
+    def _freed(self, t_s: float, entry: Entry) -> None:
+        self._register.freed(entry["unit"], entry.get("sections", ()))
+        self._note_change(t_s, entry["unit"])
+
+    def _accepted(self, t_s: float, entry: Entry) -> None:
+        unit_id = entry["unit"]
+        self._register.accepted(t_s, unit_id, entry.get("sections", ()))
+        if unit_id in self._own or unit_id in self._forgetful:
+            self._except(t_s, unit_id, frozenset())
+
+    def _outside(self, t_s: float, entry: Entry) -> None:
+        self._register.outside(entry["unit"])
+        self._except(t_s, entry["unit"], self._portals)
+
+    def _manager_restarted(self, _t_s: float, entry: Entry) -> None:
+        self._register.restarted(entry["registered"])
+
+    def _holds(self, t_s: float, entry: Entry) -> None:
+        """`release-behind-rear`, first half: a unit drops no section that its train still occupies."""
+        unit_id, sections = entry["who"], frozenset(entry["sections"])
+        before = self._own.get(unit_id, sections)
+        self._own[unit_id] = sections
+        self._forgetful.discard(unit_id)
+        if self._register.knows(unit_id):
+            self._except(t_s, unit_id, frozenset())
+        proofs = self._proofs.get(unit_id, {})
+        for points_id in [p for p in proofs if self._points.section_of(p) not in sections]:
+            del proofs[points_id]
+        self._check_release(t_s, unit_id, before - sections, "drops")
+        self._note_change(t_s, unit_id)
+
+    def _reported(self, t_s: float, entry: Entry) -> None:
+        """`release-behind-rear`, second half: a report lists every section that the train still occupies."""
+        body = self._bodies.get(entry["who"])
+        if body is not None:
+            self._check_release(t_s, body.unit_id, body.sections - frozenset(entry["sections"]), "gives back")
+
+    def _check_release(self, t_s: float, unit_id: str, gone: Iterable[str], verb: str) -> None:
+        body = self._bodies.get(unit_id)
+        if body is None:
+            return
+        for section_id in sorted(body.sections.difference(body.excepted or ()).intersection(gone)):
+            text = f"{unit_id} {verb} section {section_id} while its train is in it"
+            self._log.note(t_s, Checker.RELEASE_BEHIND_REAR, f"{section_id} {unit_id}", text)
+
+    def _proven(self, _t_s: float, entry: Entry) -> None:
+        proof = Proof(Position(entry["position"]), entry["token"])
+        self._proofs.setdefault(entry["who"], {})[entry["points"]] = proof
+
+    def _proof_dropped(self, _t_s: float, entry: Entry) -> None:
+        self._proofs.get(entry["who"], {}).pop(entry["points"], None)
+
+    def _unit_restarted(self, _t_s: float, entry: Entry) -> None:
+        self._forgetful.add(entry["who"])
+        self._own.pop(entry["who"], None)
+        self._proofs.pop(entry["who"], None)
+
+    def _points_moving(self, t_s: float, entry: Entry) -> None:
+        self._points.moving(t_s, entry["points"], self._bodies.values())
+
+    def _points_locked(self, t_s: float, entry: Entry) -> None:
+        self._points.locked(t_s, entry["points"], Position(entry["position"]), self._bodies.values())
+
+    def _points_unlocked(self, t_s: float, entry: Entry) -> None:
+        self._points.unlocked(t_s, entry["points"], self._bodies.values())
+
+    def _points_lost(self, t_s: float, entry: Entry) -> None:
+        self._points.lost(t_s, entry["points"], self._bodies.values())
+
+    def _collision(self, t_s: float, entry: Entry) -> None:
+        """`sumo-collision`: SUMO's own check found two trains in one place."""
+        self._log.note(t_s, Checker.SUMO_COLLISION, entry["text"], entry["text"])
+
+    def _took_effect(self, t_s: float, entry: Entry) -> None:
+        """`telegram-once`: no telegram of one boot of its source takes effect twice at a receiver."""
+        receiver, source, epoch = entry.get("receiver", entry["who"]), entry["source"], entry["epoch"]
+        done = self._effects.setdefault((receiver, source, epoch), set())
+        sequence = entry["sequence"]
+        if sequence in done:
+            text = f"telegram {sequence} of {source}, boot {epoch}, took effect again at {receiver}"
+            self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{receiver} {source} {epoch} {sequence}", text)
+        done.add(sequence)
+
+    def _except(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
+        body = self._bodies.get(unit_id)
+        if body is not None:
+            body.excepted = body.sections & sections
+            self._note_change(t_s, unit_id)
+
+    def _note_change(self, t_s: float, unit_id: str) -> None:
+        """A standing train is judged too, but once all entries of this moment are in."""
+        self._changed.add(unit_id)
+        self._changed_s = t_s
+
+    def _judge_changes(self) -> None:
+        for unit_id in sorted(self._changed):
+            body = self._bodies.get(unit_id)
+            if body is not None:
+                self._check_held(self._changed_s, body)
+        self._changed.clear()

@@ -1,0 +1,1 @@
+"""The world: trains, track, points, crews, and the compiled kernel that moves them."""

@@ -1,0 +1,68 @@
+"""The path databases of a run in contiguous arrays, so that compiled code finds every train's path by offset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Direction, Line
+from network.path import Path
+from network.profile import PROFILE, profile_of
+from onboard.driving.pattern import pattern_of
+from onboard.records import PATTERN
+from onboard.rows import BehaviourRow
+from vehicle.rows import TrainRow
+
+
+@dataclass(frozen=True, slots=True)
+class PathRows:
+    """Where one path's rows and tags lie in the pool."""
+
+    offset: int
+    rows: int
+    tag_first: int
+    tag_end: int
+
+
+class PathPool:
+    """Grows by one entry for each path and kind of train; entries never move."""
+
+    def __init__(self, line: Line) -> None:
+        self._line = line
+        self._known: dict[tuple[tuple[str, ...], Direction, str], PathRows] = {}
+        self.profile: NDArray[np.void] = np.zeros(0, dtype=PROFILE)
+        self.pattern: NDArray[np.void] = np.zeros(0, dtype=PATTERN)
+        self.tag_positions_m: NDArray[np.float64] = np.zeros(0)
+        self.tag_ids: list[int] = []
+
+    def rows_for(self, path: Path, train_id: str, train: TrainRow, behaviour: BehaviourRow) -> PathRows:
+        """The rows of a path for a kind of train; computed once."""
+        key = (path.piece_ids, path.direction, train_id)
+        known = self._known.get(key)
+        if known is not None:
+            return known
+        profile = profile_of(self._line, path)
+        pattern = pattern_of(
+            np.ascontiguousarray(profile["elevation_m"]),
+            np.ascontiguousarray(profile["limit_mps"]),
+            train,
+            behaviour,
+        )
+        tags = sorted(
+            (path.to_path_m(tag.piece_id, tag.position_m), tag.id)
+            for tag in self._line.tags.values()
+            if tag.piece_id in path and path.direction in tag.directions
+        )
+        rows = PathRows(self.profile.size, profile.size, len(self.tag_ids), len(self.tag_ids) + len(tags))
+        self.profile = np.concatenate([self.profile, profile])
+        self.pattern = np.concatenate([self.pattern, pattern])
+        self.tag_positions_m = np.concatenate([self.tag_positions_m, [position for position, _ in tags]])
+        self.tag_ids.extend(tag_id for _, tag_id in tags)
+        self._known[key] = rows
+        return rows
+
+    def pattern_of(self, rows: PathRows) -> NDArray[np.void]:
+        """The unit's path database of one path."""
+        return self.pattern[rows.offset : rows.offset + rows.rows]

@@ -1,0 +1,103 @@
+"""Which train set runs which train from where: missions drawn up from the timetable before the run (運用)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from network.model import Line, SectionKind, TagPurpose
+from network.timetable import AtPortal, BecomesTrain, FromTrain, Stabled, Timetable, TimetableTrain
+from onboard.duty.mission import Mission, plan_mission
+
+PORTAL_STAND_M = 40.0  # a train enters with its rear this far inside the portal's outer end, at most
+
+
+@dataclass(frozen=True, slots=True)
+class Duty:
+    """One train of one stock: how it comes to be there and what becomes of it."""
+
+    stock_id: str
+    train: TimetableTrain
+    mission: Mission
+    enters: bool  # comes in by a portal, `enter_s` is when it stands there
+    enter_s: float
+    leaves: bool
+    becomes: str | None
+
+
+def draw_up(
+    line: Line, timetable: Timetable, train_lengths_m: dict[str, float], portal_lead_s: float
+) -> dict[str, tuple[Duty, ...]]:
+    """Duties of each stock id in order. Raises `onboard.duty.mission.NoWay` where the line has no route for a train."""
+    duties: dict[str, tuple[Duty, ...]] = {}
+    for diagram in timetable.diagrams:
+        drawn: list[Duty] = []
+        for number in diagram.train_numbers:
+            stands_in = drawn[-1].mission.spans[-1].section_id if drawn else None
+            train = timetable.trains[number]
+            length_m = train_lengths_m[diagram.stock_id]
+            drawn.append(_duty(line, train, diagram.stock_id, length_m, portal_lead_s, stands_in))
+        duties[diagram.stock_id] = tuple(drawn)
+    return duties
+
+
+def _duty(
+    line: Line,
+    train: TimetableTrain,
+    stock_id: str,
+    length_m: float,
+    portal_lead_s: float,
+    stands_in: str | None,
+) -> Duty:
+    """One duty; a train that another has become starts where that one ended, `stands_in`."""
+    enters = isinstance(train.begins, AtPortal)
+    if isinstance(train.begins, AtPortal):
+        start = train.begins.section_id
+    elif isinstance(train.begins, FromTrain) and stands_in is not None:
+        start = stands_in
+    else:
+        start = first_section(line, train)
+    leave_by = train.ends.section_id if isinstance(train.ends, AtPortal) else None
+    enter_mark_m = portal_mark_m(line, train, start, length_m) if enters else None
+    return Duty(
+        stock_id=stock_id,
+        train=train,
+        mission=plan_mission(line, train, start, leave_by, enter_mark_m),
+        enters=enters,
+        enter_s=train.calls[0].first_s - portal_lead_s if enters else train.calls[0].first_s,
+        leaves=leave_by is not None,
+        becomes=train.ends.number if isinstance(train.ends, BecomesTrain) else None,
+    )
+
+
+def first_section(line: Line, train: TimetableTrain) -> str:
+    """Section in which a train's stock stands before it begins: its first call's usual track."""
+    call = train.calls[0]
+    tracks = [
+        track
+        for track in line.stations[call.station_id].tracks
+        if train.direction in track.marks_m and call.track in (None, track.name)
+    ]
+    own = [track for track in tracks if line.sections[track.section_id].kind is SectionKind.TRACK]
+    usual = [track for track in own if train.direction in track.directions]
+    chosen = usual or own or tracks
+    if not chosen:
+        raise ValueError(f"train {train.number} has no track at {call.station_id}")
+    return chosen[0].section_id
+
+
+def portal_mark_m(line: Line, train: TimetableTrain, portal: str, length_m: float) -> float:
+    """Kilometrage (m) of the front of a train that has come in by a portal: on its portal tag.
+
+    Where the portal has none, as far in as needed for the whole train.
+    """
+    piece = line.pieces[line.sections[portal].piece_ids[0]]
+    for tag in line.tags.values():
+        if tag.piece_id == piece.id and tag.purpose is TagPurpose.PORTAL:
+            return tag.position_m
+    inside_m = length_m + PORTAL_STAND_M
+    return piece.from_m + inside_m if train.direction > 0 else piece.to_m - inside_m
+
+
+def stabled_at_start(duties: tuple[Duty, ...]) -> bool:
+    """Whether a stock stands on the line before its first train."""
+    return bool(duties) and isinstance(duties[0].train.begins, Stabled)

@@ -1,0 +1,387 @@
+"""The trains of a run: one slot a stock, with its rows of truth, body, unit and kind, and its place on the carrier."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.graph import next_pieces
+from network.model import Direction
+from network.path import Path, path_of
+from onboard.authority.coverage import covered_at
+from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
+from onboard.driving.stopping import WAVE
+from onboard.driving.tasc import DESIGN, TASC
+from onboard.driving.tuning import Learned
+from onboard.driving.tuning import StopRecord as StopWaves
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, UNIT
+from onboard.unit import Unit, UnitFacts
+from radio.chance import generator
+from radio.envelope import Endpoint
+from radio.keys import key_ring
+from simulation.carriers.carrier import Carrier, Truth
+from simulation.setup import Setup, behaviour_rows
+from simulation.world.path_pool import PathPool, PathRows
+from simulation.world.records import TRUTH
+from simulation.world.roster import Duty
+from vehicle.records import TRAIN
+from vehicle.train_file import new_plant
+from wayside.config import MANAGER_ID
+
+AGREEMENT_M = (
+    1e-4  # the carrier's position against the sum of speeds; SUMO takes less than 1 mm/s for standing
+)
+
+END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
+
+
+class CarrierDisagrees(RuntimeError):  # noqa: N818 - names what happened
+    """The carrier put a train elsewhere than its speeds say: nothing after this would be true."""
+
+
+@dataclass(slots=True)
+class EnergyMark:
+    """Energy counters (J) and distance (m) of a stock when its present train began."""
+
+    traction_j: float = 0.0
+    regenerated_j: float = 0.0
+    auxiliary_j: float = 0.0
+    travelled_m: float = 0.0
+
+
+class Trains:
+    """All stocks; arrays are indexed by slot, one slot a stock in the order of the diagrams."""
+
+    def __init__(self, setup: Setup, carrier: Carrier, master_key: bytes) -> None:
+        self.setup = setup
+        self.carrier = carrier
+        self.stock_ids = tuple(d.stock_id for d in setup.timetable.diagrams)
+        self.slot_of = {stock_id: slot for slot, stock_id in enumerate(self.stock_ids)}
+        n = len(self.stock_ids)
+        self.truths = np.zeros(n, dtype=TRUTH).view(np.recarray)
+        self.plants = new_plant(n).view(np.recarray)
+        self.units = np.zeros(n, dtype=UNIT).view(np.recarray)
+        self.kinds = np.zeros(n, dtype=TRAIN).view(np.recarray)
+        self.bodies = np.zeros(n, dtype=TRAIN).view(
+            np.recarray
+        )  # the trains as they are; `kinds`: as believed
+        self.tascs = np.zeros(n, dtype=TASC).view(np.recarray)
+        self.designs = np.zeros(n, dtype=DESIGN).view(np.recarray)
+        self.waves = np.zeros(n, dtype=WAVE).view(np.recarray)
+        self.behaviours = behaviour_rows(setup, self.stock_ids).view(np.recarray)
+        self.pool = PathPool(setup.line)
+        self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
+        self.duties: list[Duty | None] = [None] * n
+        self.on_board: list[Unit] = []
+        self.energy_marks = [EnergyMark() for _ in range(n)]
+        self.unpowered: set[int] = set()
+        self.boots = [1] * n
+        self.tachometer_faults: dict[
+            int, bool
+        ] = {}  # slot: whether it still lies, until the position is sound
+        self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
+        self._keepers: list[StopKeeper] = []
+        self._brake_factors = np.ones(n)
+        self._adhesion = np.ones(n)  # as the weather has it
+        self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
+        self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
+        terminals = sorted({points.terminal_id for points in setup.line.points.values()})
+        self._rings = [
+            key_ring(master_key, stock_id, (MANAGER_ID, *terminals)) for stock_id in self.stock_ids
+        ]
+        for slot, stock_id in enumerate(self.stock_ids):
+            self.kinds[slot] = setup.trains[stock_id].row[0]
+            body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, self.kinds[slot])
+            self.bodies[slot] = body[0]
+            self._keepers.append(self._new_keeper(slot))
+            self.on_board.append(self._new_unit(slot))
+            sigma = setup.sensors.wheel_factor_sigma
+            factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
+            self.truths[slot].wheel_factor = factor
+            self.truths[slot].tachometer_gain = 1.0
+            self.truths[slot].tachometer_frozen_mps = -1.0
+            self.truths[slot].sight_m = self.truths[slot].camera_m = math.inf
+
+    def _new_keeper(self, slot: int) -> StopKeeper:
+        """The train's memory of its stops, with what it has learned on days before."""
+        train, tuning = self.kinds[slot], self.setup.tuning
+        stock_id = self.stock_ids[slot]
+        learned = tuning.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
+        fill_design(self.designs[slot], train, self.behaviours[slot], learned)
+        return StopKeeper(self.tascs[slot], self.designs[slot], self.waves[slot], learned, tuning.learn)
+
+    def _new_unit(self, slot: int) -> Unit:
+        """An on-board unit that has just been switched on: fixed data and the number of its boot, nothing else."""
+        facts = UnitFacts(self.stock_ids[slot], self.setup.line, MANAGER_ID, self.setup.unit)
+        endpoint = Endpoint(self._rings[slot], epoch=self.boots[slot])
+        return Unit(
+            facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint, self._keepers[slot]
+        )
+
+    def power_off(self, slot: int) -> None:
+        """The unit dies: its outputs fall to the safe side, the emergency brake applies itself."""
+        unit = self.units[slot]
+        self.unpowered.add(slot)
+        unit.mode = MODE_HOLD
+        unit.intervention = EMERGENCY_INTERVENTION
+        unit.position_known = 0
+        unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = math.inf
+        self.truths[slot].sight_m = math.inf
+
+    def power_on(self, slot: int) -> None:
+        """The unit boots: where it is and what it holds are forgotten."""
+        self.unpowered.discard(slot)
+        self.boots[slot] += 1
+        load_share = self.on_board[slot].load_share
+        self.on_board[slot] = self._new_unit(slot)
+        self.on_board[slot].load_share = load_share
+        unit = self.units[slot]
+        unit.odometer_m = self.truths[slot].odometer_m
+        unit.odometer_scale = 1.0
+
+    def misled(self, slot: int) -> bool:
+        """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""
+        if slot not in self.tachometer_faults:
+            return False
+        if not self.tachometer_faults[slot] and not self.units[slot].position_known:
+            del self.tachometer_faults[slot]
+        return True
+
+    def position_fixed(self, slot: int) -> None:
+        """A tag has fixed the position; a tachometer that is sound again has falsified nothing since."""
+        if self.tachometer_faults.get(slot) is False:
+            del self.tachometer_faults[slot]
+
+    # where trains are ------------------------------------------------------------------------------------------
+
+    def active(self) -> list[int]:
+        """Slots of the trains on the line."""
+        return [slot for slot in range(len(self.stock_ids)) if self.truths[slot].active]
+
+    def true_path(self, slot: int) -> Path:
+        """The path that the train is really on. RuntimeError before it is on the line."""
+        path = self.paths[slot]
+        if path is None:
+            raise RuntimeError(f"{self.stock_ids[slot]} is not on the line")
+        return path
+
+    def kilometrage_m(self, slot: int) -> float:
+        """True kilometrage of the front, m."""
+        return self.true_path(slot).kilometrage_m(float(self.truths[slot].position_m))
+
+    def covered(self, stock_id: str) -> bool:
+        """Whether the radio truly reaches the train."""
+        slot = self.slot_of.get(stock_id)
+        if slot is None or not self.truths[slot].active:
+            return True
+        return covered_at(self.setup.line, self.true_path(slot), float(self.truths[slot].position_m))
+
+    def compare(self, slot: int, seen: Truth) -> None:
+        """Take the carrier's position as the truth; CarrierDisagrees when it is not where the speeds lead."""
+        truth = self.truths[slot]
+        step = self.true_path(slot).step_of(seen.piece_id)
+        position_m = step.start_m + seen.offset_m
+        if abs(position_m - truth.position_m) > AGREEMENT_M:
+            message = (
+                f"{self.stock_ids[slot]}: carrier has it at {position_m:.6f} m of its path on {seen.piece_id},"
+                f" its speeds at {float(truth.position_m):.6f} m"
+            )
+            raise CarrierDisagrees(message)
+        truth.position_m = position_m
+        truth.offset_m = position_m - self.plants[slot].travelled_m
+
+    # coming, going, turning --------------------------------------------------------------------------------------
+
+    def place(self, slot: int, duty: Duty) -> None:
+        """Put the stock on the line where its duty begins."""
+        mission = duty.mission
+        stock_id = self.stock_ids[slot]
+        position_m = mission.targets[0].mark_m
+        self.truths[slot].active = 1
+        self._enter_path(slot, duty, position_m)
+        unit = self.units[slot]
+        accuracy_m = self.setup.unit.tag_accuracy_m
+        unit.odometer_m = self.truths[slot].odometer_m
+        if not unit.odometer_scale:
+            unit.odometer_scale = 1.0
+        unit.bound_growth = self.setup.unit.wheel_error_share
+        unit.position_m = position_m
+        unit.bound_ahead_m = unit.bound_behind_m = accuracy_m
+        unit.position_known = 1
+        unit.restricted_mps = math.inf
+        unit.tag_window_m = self.setup.unit.tag_window_m
+        pieces = self.true_path(slot).piece_ids
+        step = mission.path.step_at(position_m)
+        first = pieces.index(step.piece_id)
+        self.carrier.insert(
+            stock_id,
+            pieces[first:],
+            mission.direction,
+            position_m - step.start_m,
+            float(self.kinds[slot].length_m),
+        )
+
+    def can_turn(self, slot: int, duty: Duty) -> bool:
+        """Whether the whole train stands on the track from which its next duty begins: no overrun onto points."""
+        here = self.true_path(slot).step_at(float(self.truths[slot].position_m))
+        return here.piece_id in duty.mission.path.piece_ids
+
+    def turn(self, slot: int, duty: Duty) -> None:
+        """Change ends on the spot: what was the rear is the front, on the next duty's path."""
+        mission = duty.mission
+        old = self.true_path(slot)
+        length_m = float(self.kinds[slot].length_m)
+        unit = self.units[slot]
+        rear = old.locate(float(self.truths[slot].position_m) - length_m)
+        rear_estimate = old.locate(float(unit.position_m) - length_m)
+        self._enter_path(slot, duty, mission.path.to_path_m(*rear))
+        unit.position_m = mission.path.to_path_m(*rear_estimate)
+        unit.bound_ahead_m, unit.bound_behind_m = unit.bound_behind_m, unit.bound_ahead_m
+        pieces = self.true_path(slot).piece_ids
+        first = pieces.index(mission.path.step_at(float(self.truths[slot].position_m) - 1e-6).piece_id)
+        self.carrier.reverse(self.stock_ids[slot], pieces[first:], mission.direction)
+
+    def continue_as(self, slot: int, duty: Duty) -> None:
+        """Go on in the same direction as another train."""
+        old = self.true_path(slot)
+        path = duty.mission.path
+        truth, unit = self.truths[slot], self.units[slot]
+        estimate = old.locate(float(unit.position_m))
+        self._enter_path(slot, duty, path.to_path_m(*old.locate(float(truth.position_m))))
+        unit.position_m = path.to_path_m(*estimate)
+        pieces = self.true_path(slot).piece_ids
+        first = pieces.index(path.step_at(float(truth.position_m)).piece_id)
+        self.carrier.reroute(self.stock_ids[slot], pieces[first:], path.direction)
+
+    def remove(self, slot: int) -> None:
+        """Take the stock off the line."""
+        self.carrier.remove(self.stock_ids[slot])
+        self.truths[slot].active = 0
+        self.paths[slot] = None
+
+    def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
+        self.duties[slot] = duty
+        truth, plant, unit = self.truths[slot], self.plants[slot], self.units[slot]
+        rows = self.rows_of(slot, duty.mission.path)
+        self.paths[slot] = self._onward(duty.mission.path)
+        truth.position_m = position_m
+        truth.offset_m = position_m - plant.travelled_m
+        self._use_rows(slot, self.rows_of(slot, self.true_path(slot)), position_m)
+        unit.path_offset, unit.path_rows = rows.offset, rows.rows
+        self.set_boundaries(slot)
+        self.begin_leg(slot, duty.enter_s)
+        chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
+        spread = self.setup.load_share_spread
+        plant.load_share = float(
+            np.clip(self.setup.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
+        )
+        self.on_board[slot].load_share = float(plant.load_share)
+        self.energy_marks[slot] = EnergyMark(
+            float(plant.energy_traction_j),
+            float(plant.energy_regenerated_j),
+            float(plant.energy_auxiliary_j),
+            float(plant.travelled_m),
+        )
+
+    def learned(self) -> dict[str, Learned]:
+        """What the trains know of their brakes, by stock id; empty where none learns."""
+        if not self.setup.tuning.learn:
+            return {}
+        return {keeper.learned.train_id: keeper.learned for keeper in self._keepers}
+
+    def learned_from(self) -> dict[str, StopWaves]:
+        """Waves of the last stop that each train counted."""
+        return {k.learned.train_id: k.last for k in self._keepers if k.learns and k.last is not None}
+
+    def begin_leg(self, slot: int, now_s: float) -> None:
+        """Draw what passes, for the run to the next stop: the brake's factor, the rail's adhesion."""
+        scatter, plant, chance = self.setup.scatter, self.plants[slot], self._legs[slot]
+        plant.brake_factor = self._brake_factors[slot] * scatter.brake_of_leg(chance)
+        adhesion = scatter.adhesion_of_leg(chance, now_s)
+        if plant.adhesion_factor in (1.0, self._adhesion[slot]):  # else a fault has made the rail slippery
+            plant.adhesion_factor = adhesion
+        self._adhesion[slot] = adhesion
+
+    def _onward(self, path: Path) -> Path:
+        """The path with the track that really goes on beyond it, to the end of the line: for who overruns."""
+        pieces = list(path.piece_ids)
+        while following := next_pieces(self.setup.line, pieces[-1], path.direction):
+            pieces.append(following[0])
+        return path_of(self.setup.line, pieces, path.direction)
+
+    def rows_of(self, slot: int, path: Path) -> PathRows:
+        """Rows of the pool for a path of this stock."""
+        stock_id = self.stock_ids[slot]
+        return self.pool.rows_for(
+            path, self.setup.trains[stock_id].id, self.kinds[slot], self.behaviours[slot]
+        )
+
+    def pattern_rows(self, slot: int) -> NDArray[np.void]:
+        """The unit's path database on its present mission."""
+        duty = self.duties[slot]
+        if duty is None:
+            raise RuntimeError(f"{self.stock_ids[slot]} has no duty")
+        return self.pool.pattern_of(self.rows_of(slot, duty.mission.path))
+
+    def _use_rows(self, slot: int, rows: PathRows, position_m: float) -> None:
+        truth = self.truths[slot]
+        truth.profile_offset, truth.profile_rows = rows.offset, rows.rows
+        ahead = rows.tag_first
+        while ahead < rows.tag_end and self.pool.tag_positions_m[ahead] <= position_m:
+            ahead += 1
+        truth.tag_next, truth.tag_end = ahead, rows.tag_end
+
+    def set_boundaries(self, slot: int) -> None:
+        """The next ends of pieces that the front and the rear pass."""
+        truth = self.truths[slot]
+        path = self.true_path(slot)
+        rear_m = float(truth.position_m) - float(self.kinds[slot].length_m)
+        front_end_m = path.step_at(float(truth.position_m)).end_m
+        truth.front_boundary_m = min(front_end_m, path.length_m - END_OF_TRACK_M)
+        rear_end_m = path.step_at(rear_m).end_m
+        truth.rear_boundary_m = rear_end_m if rear_end_m < path.length_m - 1e-9 else math.inf
+
+    def divert(self, slot: int, onto_piece: str) -> None:
+        """Points lie otherwise than the path expects: the train runs onto `onto_piece` and straight on from there."""
+        path = self.true_path(slot)
+        at = path.piece_ids.index(self._piece_before(slot))
+        pieces = [*path.piece_ids[: at + 1], onto_piece]
+        while following := next_pieces(self.setup.line, pieces[-1], path.direction):
+            pieces.append(following[0])
+        diverted = path_of(self.setup.line, pieces, path.direction)
+        self.carrier.reroute(self.stock_ids[slot], pieces[at:], path.direction)
+        self.paths[slot] = diverted
+        self._use_rows(slot, self.rows_of(slot, diverted), float(self.truths[slot].position_m))
+
+    def at_end_of_track(self, slot: int) -> bool:
+        """Whether the front has reached the end of all track."""
+        return bool(self.truths[slot].position_m >= self.true_path(slot).length_m - END_OF_TRACK_M)
+
+    def _piece_before(self, slot: int) -> str:
+        """The piece whose end the front has just reached."""
+        return self.true_path(slot).step_at(float(self.truths[slot].front_boundary_m) - 1e-6).piece_id
+
+    def crossing(self, slot: int) -> tuple[str, str]:
+        """The piece that the front leaves and the one that its path expects next."""
+        path = self.true_path(slot)
+        before = self._piece_before(slot)
+        return before, path.piece_ids[path.piece_ids.index(before) + 1]
+
+    # sensors -------------------------------------------------------------------------------------------------------
+
+    def read_tag(self, slot: int) -> tuple[int, int | None, float]:
+        """The tag just passed: its id, the id read (None: not read), the tachometer reading latched with it."""
+        truth = self.truths[slot]
+        tag_id = self.pool.tag_ids[int(truth.tag_next)]
+        truth.tag_next += 1
+        sensors = self.setup.sensors
+        error_m = float(self._sensors[slot].normal(0.0, sensors.tag_read_sigma_m))
+        error_m = min(max(error_m, -sensors.tag_read_max_m), sensors.tag_read_max_m)
+        return tag_id, self.tag_faults.get(tag_id, tag_id), float(truth.odometer_at_tag_m) + error_m
+
+    def direction(self, slot: int) -> Direction:
+        """Direction of travel of the present path."""
+        return self.true_path(slot).direction

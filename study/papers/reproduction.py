@@ -1,0 +1,101 @@
+"""The common form of a reproduction: parameters with their origin, and the paper's figures beside ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Final
+
+from network.errors import InputError
+
+# name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
+REPRODUCTIONS: Final[Mapping[str, str]] = {
+    "line-stops": "study.papers.line_stops",
+    "oda-scale-track": "study.papers.oda_scale_track",
+    "oda-vision": "study.papers.oda_vision",
+    "oda-table4": "study.papers.oda_table4",
+    "oda-tuning": "study.papers.oda_tuning",
+    "stop-statistics": "study.papers.stop_statistics",
+    "sugiyama-table5": "study.papers.sugiyama_table5",
+    "sugiyama-tags": "study.papers.sugiyama_tags",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of an experiment; `origin` is the paper's section or table, a data file, or 'assumed: why'."""
+
+    name: str
+    value: float | int | str | bool
+    unit: str
+    origin: str
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One case: what the paper says, what we found, and whether ours passes the stated criterion."""
+
+    case: str
+    paper: object
+    ours: object
+    passed: bool
+    criterion: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reproduction:
+    """The result of `branchline reproduce NAME`."""
+
+    name: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    rows: tuple[Row, ...]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether every row passed."""
+        return all(row.passed for row in self.rows)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What `--json` prints."""
+        return {
+            "name": self.name,
+            "title": self.title,
+            "passed": self.passed,
+            "parameters": [
+                {"name": p.name, "value": p.value, "unit": p.unit, "origin": p.origin}
+                for p in self.parameters
+            ],
+            "rows": [
+                {
+                    "case": r.case,
+                    "paper": r.paper,
+                    "ours": r.ours,
+                    "passed": r.passed,
+                    "criterion": r.criterion,
+                }
+                for r in self.rows
+            ],
+            "remarks": list(self.remarks),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What the command line hands to a reproduction."""
+
+    seed: int = 1
+    link: str = "simulated"
+    out: str | None = None
+    quick: bool = False  # a short slice for CI; says so in its remarks
+
+
+def reproduction(name: str) -> Callable[[Options], Reproduction]:
+    """The function that runs a reproduction; InputError with the known names otherwise."""
+    module = REPRODUCTIONS.get(name)
+    if module is None:
+        raise InputError("reproduce", "name", name, "one of " + ", ".join(sorted(REPRODUCTIONS)))
+    function: Callable[[Options], Reproduction] = import_module(module).reproduce
+    return function

@@ -1,0 +1,175 @@
+"""The smaller charts: energy by train, stop errors, delays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
+from matplotlib.figure import Figure
+
+from network.model import Direction
+from study.report.data import Run
+from study.report.graph import station_label
+from study.report.style import AUXILIARY, INK, PALE, RED, REGENERATED, RULE, TRACTION, WIDTH_IN
+
+# Fixed, so that the delays of two runs compare by eye.
+_EARLY_S, _LATE_S = -60.0, 300.0
+_DELAY_COLOURS: Final = LinearSegmentedColormap.from_list(
+    "delay", [(0.0, "#9cc3e0"), (0.5, "#ffffff"), (0.75, "#f0b49e"), (1.0, "#b3261e")]
+)
+
+
+def draw_energy(run: Run) -> Figure | None:
+    """Energy at the wire by train, kWh: traction and auxiliary up, regenerated down. None: no rows."""
+    order = {train: i for i, train in enumerate(run.trains)}
+    rows = sorted(
+        run.tables.energy.iter_rows(named=True), key=lambda row: order.get(row["train"], len(order))
+    )
+    if not rows:
+        return None
+    figure = Figure(figsize=(WIDTH_IN, 3.2), layout="constrained")
+    axes = figure.subplots()
+    at = np.arange(len(rows))
+    traction, auxiliary, regenerated = (
+        np.array([row[f"{name}_kwh"] for row in rows]) for name in ("traction", "auxiliary", "regenerated")
+    )
+    width = 0.72
+    axes.bar(at, traction, width, color=TRACTION, label="traction")
+    axes.bar(at, auxiliary, width, bottom=traction, color=AUXILIARY, label="auxiliary")
+    axes.bar(at, -regenerated, width, color=REGENERATED, label="regenerated")
+    top_kwh = max(float((traction + auxiliary).max()), 1e-3)
+    upright = len(rows) > 24
+    for i, row in enumerate(rows):
+        net_kwh = traction[i] + auxiliary[i] - regenerated[i]
+        text = f"{net_kwh / row['distance_km']:.2f}" if row["distance_km"] > 0 else "–"
+        axes.text(
+            i, traction[i] + auxiliary[i] + 0.02 * top_kwh, text,
+            ha="center", va="bottom", fontsize=6.5, rotation=90 if upright else 0,
+        )  # fmt: skip
+    axes.axhline(0, color=PALE, lw=0.6)
+    axes.set_xticks(at, [row["train"] if row["revenue"] else f"({row['train']})" for row in rows])
+    axes.tick_params(axis="x", length=0, labelrotation=90 if upright else 0, labelsize=7)
+    middle, half = (len(rows) - 1) / 2, max(len(rows) / 2 + 0.3, 5.0)
+    axes.set_xlim(middle - half, middle + half)
+    axes.set_ylim(-max(float(regenerated.max()) * 1.15, 0.05 * top_kwh), top_kwh * 1.22)
+    axes.set_ylabel("energy at the wire, kWh")
+    axes.legend(loc="lower right", ncols=3, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    axes.grid(axis="y")
+    axes.spines[:].set_color(RULE)
+    return figure
+
+
+def draw_stop_errors(run: Run, summary: Mapping[str, Any]) -> Figure | None:
+    """Histogram of the stop errors (停止誤差, m), and the errors by station. None: no stops."""
+    stops = run.tables.stops.filter(pl.col("stop_error_m").is_not_null())
+    if not len(stops):
+        return None
+    errors_m = stops["stop_error_m"].to_numpy()
+    figure = Figure(figsize=(WIDTH_IN, 3.0), layout="constrained")
+    histogram, strips = figure.subplots(1, 2, gridspec_kw={"width_ratios": [1, 1.6]})
+    reach_m = max(float(np.abs(errors_m).max()) * 1.1, 0.05)
+    histogram.hist(errors_m, bins=np.linspace(-reach_m, reach_m, 32), color="#8fa9c0", ec="white", lw=0.4)
+    mean_m, sigma_m = float(summary["stop_error_m_mean"]), summary["stop_error_m_sigma"]
+    histogram.axvline(mean_m, color=INK, lw=1.2, label=f"mean {mean_m:+.3f} m".replace("-", "−"))
+    if sigma_m is not None:
+        label = f"mean ± σ, σ = {sigma_m:.3f} m"
+        histogram.axvspan(mean_m - sigma_m, mean_m + sigma_m, color=PALE, alpha=0.15, lw=0, label=label)
+    histogram.set_xlabel("front beyond the mark, m")
+    histogram.set_ylabel("stops")
+    histogram.yaxis.get_major_locator().set_params(integer=True)
+    histogram.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+    _draw_strips(strips, run, stops)
+    return figure
+
+
+def _draw_strips(axes: Axes, run: Run, stops: pl.DataFrame) -> None:
+    """A dot a stop, moved aside by its rank so that equal ones stay apart; a bar at the mean."""
+    for column, station in enumerate(run.stations):
+        errors_m = stops.filter(pl.col("station") == station.id)["stop_error_m"].to_numpy()
+        if not len(errors_m):
+            continue
+        aside = np.linspace(-0.25, 0.25, len(errors_m)) if len(errors_m) > 1 else np.zeros(1)
+        axes.plot(column + aside, errors_m, ls="", marker="o", ms=2.2, mew=0, color="#5e81a3")
+        axes.hlines(errors_m.mean(), column - 0.32, column + 0.32, color=INK, lw=1.2)
+    axes.axhline(0, color=PALE, lw=0.6)
+    labels = [station_label(station).replace(" ", "\n") for station in run.stations]
+    axes.set_xticks(range(len(labels)), labels, fontsize=6.5 if len(labels) < 12 else 5.5)
+    axes.set_xlim(-0.6, len(labels) - 0.4)
+    axes.tick_params(axis="x", length=0)
+    axes.set_ylabel("front beyond the mark, m")
+    axes.grid(axis="y")
+    axes.spines[:].set_color(RULE)
+
+
+def draw_delays(run: Run) -> Figure | None:
+    """Lateness in s, a row a train and a column a station; the first call shows the departure."""
+    groups = [
+        (direction, [t for t in run.trains if run.directions[t] == direction]) for direction in Direction
+    ]
+    groups = [(direction, trains) for direction, trains in groups if trains]
+    if not groups:
+        return None
+    late = {
+        (train, station): late_arrival_s if late_arrival_s is not None else late_departure_s
+        for train, station, late_arrival_s, late_departure_s in run.tables.stops.select(
+            "train", "station", "late_arrival_s", "late_departure_s"
+        ).iter_rows()
+    }
+    height_in = 0.75 + 0.19 * max(len(trains) for _, trains in groups)
+    figure = Figure(figsize=(WIDTH_IN, max(height_in, 1.6)), layout="constrained")
+    panels = figure.subplots(1, 2, squeeze=False)[0]
+    for axes, (direction, trains) in zip(panels, groups, strict=False):
+        _draw_heat_map(axes, run, direction, trains, late)
+    for axes in panels[len(groups) :]:
+        axes.set_axis_off()
+    return figure
+
+
+def _draw_heat_map(
+    axes: Axes,
+    run: Run,
+    direction: Direction,
+    trains: list[str],
+    late: Mapping[tuple[str, str], float | None],
+) -> None:
+    stations = list(run.stations) if direction is Direction.DOWN else list(reversed(run.stations))
+    values_s = np.full((len(trains), len(stations)), np.nan)
+    for row, train in enumerate(trains):
+        for column, station in enumerate(stations):
+            value_s = late.get((train, station.id))
+            if value_s is not None:
+                values_s[row, column] = value_s
+    edges_x, edges_y = np.arange(len(stations) + 1) - 0.5, np.arange(len(trains) + 1) - 0.5
+    axes.pcolormesh(
+        edges_x,
+        edges_y,
+        np.ma.masked_invalid(values_s),
+        cmap=_DELAY_COLOURS,
+        norm=TwoSlopeNorm(0.0, _EARLY_S, _LATE_S),
+        ec=RULE,
+        lw=0.4,
+    )
+    for (row, column), value_s in np.ndenumerate(values_s):
+        if np.isfinite(value_s):
+            colour = "white" if value_s > 0.8 * _LATE_S else RED if value_s < _EARLY_S else INK
+            axes.text(column, row, _lateness(value_s), ha="center", va="center", fontsize=6.5, color=colour)
+    axes.set_ylim(len(trains) - 0.5, -0.5)
+    axes.set_yticks(range(len(trains)), trains, fontsize=6.5)
+    axes.set_xticks(range(len(stations)), [station.name for station in stations], fontsize=6.5)
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    if len(stations) > 6:
+        axes.tick_params(axis="x", labelrotation=25)
+        for label in axes.get_xticklabels():
+            label.set_horizontalalignment("left")
+    axes.set_title(f"{direction.name.lower()} trains", pad=4)
+    axes.spines[:].set_color(RULE)
+
+
+def _lateness(value_s: float) -> str:
+    """+42 in s; from ten minutes on in whole minutes."""
+    rounded = round(value_s)
+    return f"{rounded / 60:+.0f} min" if abs(rounded) >= 600 else "0" if rounded == 0 else f"{rounded:+d}"

@@ -1,0 +1,202 @@
+"""The run curve (運転曲線) of one train: speed over distance, with gradients, curves and notches."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+from numpy.typing import NDArray
+
+from network.model import Alignment, Direction, Line
+from study.report.data import Run
+from study.report.graph import spread, station_label
+from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, TRACTION, WIDTH_IN
+
+Floats = NDArray[np.float64]
+
+KMH_PER_MPS: Final = 3.6
+_LEFT_OUT_SHARE: Final = 0.035  # least distance of station names, share of the width
+_LABEL_WIDTH_SHARE: Final = 0.022  # a gradient or curve narrower than this carries no figure
+
+
+def chosen_trains(run: Run) -> tuple[tuple[str, str], ...]:
+    """(unit, train) of each direction worth a curve: most calls made, then latest, then first."""
+    made = run.tables.stops.group_by("train").agg(
+        pl.col("arrival_s").count().alias("calls"), pl.col("late_arrival_s").max().alias("late_s")
+    )
+    rank = {train: (calls, late_s or 0.0) for train, calls, late_s in made.iter_rows()}
+    chosen: list[tuple[str, str]] = []
+    for direction in Direction:
+        ran = [key for key in run.courses if run.directions[key[1]] == direction]
+        moved = [key for key in ran if run.courses[key]["kilometrage_m"].n_unique() > 1]
+        if moved:
+            chosen.append(max(moved, key=lambda key: rank.get(key[1], (0, 0.0))))
+    return tuple(chosen)
+
+
+def draw_run_curve(run: Run, unit: str, train: str) -> Figure:
+    """Speed, permitted and target speed over distance; below gradient, curvature and notch. Km and km/h."""
+    alignment = _alignment_of(run.line, run.courses[unit, train])
+    course = run.courses[unit, train].filter(
+        pl.col("piece").is_in([p.id for p in run.line.pieces.values() if p.alignment_id == alignment.id])
+    )
+    direction = run.directions[train]
+    figure = Figure(figsize=(WIDTH_IN, 5.6), layout="constrained")
+    speed, gradient, curve, notch = figure.subplots(
+        4, 1, sharex=True, gridspec_kw={"height_ratios": [5.2, 1.0, 1.0, 1.0]}
+    )
+    at_m = course["kilometrage_m"].to_numpy()
+    stops = run.tables.stops.filter(pl.col("train") == train)["station"]
+    called_m = [run.line.stations[station].position_m for station in stops]
+    low_m, high_m = min([float(at_m.min()), *called_m]), max([float(at_m.max()), *called_m])
+    margin_m = max(0.01 * (high_m - low_m), 1.0)
+    low_m, high_m = low_m - margin_m, high_m + margin_m
+    # The train always runs from left to right, so the axis of an UP train is turned.
+    speed.set_xlim(*((low_m, high_m) if direction is Direction.DOWN else (high_m, low_m)))
+    _draw_speeds(speed, run.line, alignment, course, direction)
+    _draw_gradients(gradient, alignment, direction, high_m - low_m)
+    _draw_curves(curve, alignment, direction, high_m - low_m)
+    _draw_notches(notch, course)
+    _mark_stations(run, (speed, gradient, curve, notch), low_m, high_m)
+    notch.xaxis.set_major_locator(MaxNLocator(24, steps=[1, 2, 5, 10]))
+    notch.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 1000:g}"))
+    notch.set_xlabel("kilometrage, km")
+    figure.align_ylabels()
+    return figure
+
+
+def _alignment_of(line: Line, course: pl.DataFrame) -> Alignment:
+    """The axis of kilometrage on which most of the run lies."""
+    samples: dict[str, int] = {}
+    for piece, count in course.group_by("piece", maintain_order=True).len().iter_rows():
+        alignment_id = line.pieces[piece].alignment_id
+        samples[alignment_id] = samples.get(alignment_id, 0) + count
+    return line.alignments[max(samples, key=lambda key: samples[key])]
+
+
+def _limits_kmh(line: Line, alignment: Alignment, direction: Direction) -> tuple[Floats, Floats]:
+    """Steps of the speed limit in `direction`: breaks in m and the limit from each to the next, km/h.
+
+    Line maximum and limits of the alignment; those of points' diverging legs depend on the route.
+    """
+    limits = [limit for limit in alignment.limits if direction in limit.directions]
+    ends = [end_m for limit in limits for end_m in (limit.from_m, limit.to_m)]
+    breaks_m = np.unique([alignment.from_m, alignment.to_m, *ends])
+    speed_mps = np.full(len(breaks_m), line.max_speed_mps)
+    for limit in limits:
+        within = (breaks_m >= limit.from_m) & (breaks_m < limit.to_m)
+        speed_mps[within] = np.minimum(speed_mps[within], limit.speed_mps)
+    return breaks_m, speed_mps * KMH_PER_MPS
+
+
+def _draw_speeds(
+    axes: Axes, line: Line, alignment: Alignment, course: pl.DataFrame, direction: Direction
+) -> None:
+    breaks_m, limit_kmh = _limits_kmh(line, alignment, direction)
+    top_kmh = max(float(limit_kmh.max()), float(course["speed_mps"].to_numpy().max()) * KMH_PER_MPS) * 1.08
+    at_m = course["kilometrage_m"].to_numpy()
+    axes.step(breaks_m, limit_kmh, where="post", color=INK, lw=0.9, label="speed limit of the line")
+    for column, label, colour, style, width_pt in (
+        ("permitted_mps", "permitted by supervision", RED, "-", 0.8),
+        ("target_mps", "target", PALE, (0, (4, 2)), 0.9),
+        ("speed_mps", "speed", DIRECTION_COLOUR[direction], "-", 1.6),
+    ):
+        values_kmh = course[column].to_numpy() * KMH_PER_MPS
+        values_kmh = np.where(np.isfinite(values_kmh), np.minimum(values_kmh, 2 * top_kmh), np.nan)
+        axes.plot(at_m, values_kmh, color=colour, ls=style, lw=width_pt, label=label)
+    braked = course.filter(pl.col("intervention") != 0)
+    if len(braked):
+        axes.plot(
+            braked["kilometrage_m"].to_numpy(),
+            braked["speed_mps"].to_numpy() * KMH_PER_MPS,
+            ls="",
+            marker="x",
+            ms=4,
+            color=RED,
+            label="supervision brakes",
+        )
+    axes.set_ylim(0, top_kmh)
+    axes.set_ylabel("speed, km/h")
+    axes.grid(axis="y")
+    axes.legend(loc="lower center", ncols=5, bbox_to_anchor=(0.5, 1.09), borderaxespad=0.0)
+
+
+def _draw_gradients(axes: Axes, alignment: Alignment, direction: Direction, span_m: float) -> None:
+    """Gradient as the train meets it: positive climbs in its own direction of travel."""
+    breaks_m = [g.from_m for g in alignment.gradients] + [g.to_m for g in alignment.gradients[-1:]]
+    permille = [g.permille * direction for g in alignment.gradients]
+    if permille:
+        axes.stairs(permille, breaks_m, fill=True, color="#c9d3dc", lw=0)
+        axes.stairs(permille, breaks_m, color=PALE, lw=0.6, baseline=None)
+        steepest = max(1.0, *(abs(value) for value in permille))
+        axes.set_ylim(-1.9 * steepest, 1.9 * steepest)
+    axes.axhline(0, color=PALE, lw=0.5)
+    for g, value in zip(alignment.gradients, permille, strict=True):
+        if g.to_m - g.from_m > _LABEL_WIDTH_SHARE * span_m and value != 0:
+            _figure(axes, (g.from_m + g.to_m) / 2, value, f"{abs(value):.3g}")
+    axes.set_ylabel("gradient\n‰")
+
+
+def _draw_curves(axes: Axes, alignment: Alignment, direction: Direction, span_m: float) -> None:
+    """Curvature as the train meets it, right above and left below, with radii in m."""
+    sharpest = max((1.0 / abs(c.radius_m) for c in alignment.curves), default=1.0)
+    axes.axhline(0, color=PALE, lw=0.5)
+    for c in alignment.curves:
+        height = direction / c.radius_m / sharpest
+        inner_m = min(c.transition_m, (c.to_m - c.from_m) / 2)
+        corners_m = [c.from_m, c.from_m + inner_m, c.to_m - inner_m, c.to_m]
+        axes.fill(corners_m, [0, height, height, 0], color="#d8cdb8", ec=PALE, lw=0.4)
+        if c.to_m - c.from_m > _LABEL_WIDTH_SHARE * span_m:
+            _figure(axes, (c.from_m + c.to_m) / 2, height, f"{abs(c.radius_m):.0f}")
+    axes.set_ylim(-1.8, 1.8)
+    axes.set_yticks([])
+    axes.set_ylabel("curve\nradius m")
+
+
+def _figure(axes: Axes, at_m: float, value: float, text: str) -> None:
+    """A small figure beyond the end of a bar."""
+    axes.annotate(
+        text,
+        (at_m, value),
+        xytext=(0, 1.5 if value > 0 else -1.5),
+        textcoords="offset points",
+        ha="center",
+        va="bottom" if value > 0 else "top",
+        fontsize=5.5,
+        color=INK,
+        annotation_clip=True,
+    )
+
+
+def _draw_notches(axes: Axes, course: pl.DataFrame) -> None:
+    at_m = course["kilometrage_m"].to_numpy()
+    notch = np.nan_to_num(course["notch"].to_numpy())
+    axes.fill_between(at_m, np.maximum(notch, 0), step="post", color=TRACTION, lw=0)
+    axes.fill_between(at_m, np.minimum(notch, 0), step="post", color=RED, alpha=0.75, lw=0)
+    axes.axhline(0, color=PALE, lw=0.5)
+    axes.yaxis.set_major_locator(MaxNLocator(4, integer=True))
+    axes.set_ylabel("notch")
+
+
+def _mark_stations(run: Run, panels: tuple[Axes, ...], low_m: float, high_m: float) -> None:
+    shown = [station for station in run.stations if low_m <= station.position_m <= high_m]
+    for axes in panels:
+        axes.spines[:].set_color(RULE)
+        for station in shown:
+            axes.axvline(station.position_m, color=RULE, lw=0.8, zorder=0.5)
+    labels_m = spread([station.position_m for station in shown], _LEFT_OUT_SHARE * (high_m - low_m))
+    for station, label_m in zip(shown, labels_m, strict=True):
+        panels[0].annotate(
+            station_label(station).replace(" ", "\n"),
+            (label_m, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, 2),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=7,
+        )

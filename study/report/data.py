@@ -1,0 +1,86 @@
+"""One run as the report's figures need it: line, timetable and tables, with the questions they share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import polars as pl
+
+from network.model import Direction, Line, Station
+from network.timetable import Timetable
+from study.run.tables import RunTables
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run to report on. The answers below are computed once, when first asked for."""
+
+    line: Line
+    timetable: Timetable
+    tables: RunTables
+
+    @cached_property
+    def trajectory(self) -> pl.DataFrame:
+        """Samples on the line with a finite time, place and speed, by time."""
+        known = (
+            pl.col("t_s").is_finite() & pl.col("kilometrage_m").is_finite() & pl.col("speed_mps").is_finite()
+        )
+        return self.tables.trajectory.filter(known, pl.col("piece").is_in(list(self.line.pieces))).sort(
+            "t_s", maintain_order=True
+        )
+
+    @cached_property
+    def courses(self) -> Mapping[tuple[str, str], pl.DataFrame]:
+        """Samples of each (unit, train), in the order in which they began to run."""
+        parts = self.trajectory.partition_by("unit", "train", maintain_order=True)
+        return {(str(part["unit"][0]), str(part["train"][0])): part for part in parts}
+
+    @cached_property
+    def directions(self) -> Mapping[str, Direction]:
+        """Direction of each train by the timetable, or of its first sample for trains that are not in it."""
+        planned = {number: train.direction for number, train in self.timetable.trains.items()}
+        ran = {train: Direction(int(part["direction"][0])) for (_, train), part in self.courses.items()}
+        return {**ran, **planned}
+
+    @cached_property
+    def trains(self) -> tuple[str, ...]:
+        """Every train planned or run, by the time at which it begins."""
+        begins_s: dict[str, float] = {
+            number: float(train.calls[0].first_s) for number, train in self.timetable.trains.items()
+        }
+        for (_, train), part in self.courses.items():
+            begins_s.setdefault(train, float(part["t_s"][0]))
+        return tuple(sorted(begins_s, key=lambda number: (begins_s[number], number)))
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """Every unit that ran or held a section, by name."""
+        return tuple(sorted({*self.tables.trajectory["unit"], *self.tables.blocks["unit"]}))
+
+    @cached_property
+    def stations(self) -> tuple[Station, ...]:
+        """Stations and halts by kilometrage."""
+        return tuple(sorted(self.line.stations.values(), key=lambda station: station.position_m))
+
+    @cached_property
+    def extent_m(self) -> tuple[float, float]:
+        """Lowest and highest kilometrage of stations and stopping marks, m."""
+        marks_m = [m for station in self.stations for track in station.tracks for m in track.marks_m.values()]
+        at_m = [*marks_m, *(station.position_m for station in self.stations)]
+        return min(at_m), max(at_m)
+
+    @cached_property
+    def window_s(self) -> tuple[float, float]:
+        """First and last time planned for trains that ran, or sampled, s; (0, 60) for an empty run."""
+        ran = {train for _, train in self.courses}
+        times = [
+            float(time_s)
+            for number, train in self.timetable.trains.items()
+            if number in ran or not ran
+            for time_s in (train.calls[0].first_s, train.calls[-1].last_s)
+        ]
+        if len(self.trajectory):
+            times += [float(self.trajectory["t_s"][0]), float(self.trajectory["t_s"][-1])]
+        return (min(times), max(times)) if times else (0.0, 60.0)

@@ -1,0 +1,180 @@
+"""The train graph (列車ダイヤ): time across, stations down at true distances, plan thin and truth thick."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from network.model import Station
+from network.timetable import TimetableTrain
+from study.report.data import Run
+from study.report.style import (
+    DIRECTION_COLOUR,
+    INK,
+    PALE,
+    PLAN_COLOUR,
+    RED,
+    RULE,
+    WIDTH_IN,
+    TimeBand,
+    TimeGrid,
+    can_write_japanese,
+    draw_clock_axis,
+    time_bands,
+)
+
+Floats = NDArray[np.float64]
+
+_PANEL_IN: Final = 3.7
+_TURN_S_MAX: Final = 3 * 3600  # a set that stands longer than this is stabled, not turning round
+_NUMBER_ROOM_SHARE: Final = 0.008  # a run seen for less of the panel than this carries no number
+_LABEL_GAP_MIN: Final = 0.055  # least distance of station labels, share of the panel's height
+
+
+def draw_train_graph(run: Run) -> tuple[Figure, dict[str, str]]:
+    """The train graph in panels of at most 6.5 h, and a tip for the line of each train (see `svg_of`)."""
+    bands, grid = time_bands(*run.window_s)
+    figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(bands) + 0.2), layout="constrained")
+    panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+    tips: dict[str, str] = {}
+    for index, (axes, band) in enumerate(zip(panels, bands, strict=True)):
+        _frame(axes, run, band, grid)
+        for train in run.timetable.trains.values():
+            _draw_plan(axes, run, train, band)
+        for (unit, number), course in run.courses.items():
+            gid = f"run-{index}-{len(tips)}"
+            if _draw_run(axes, run, number, course, band, gid):
+                tips[gid] = f"{number}, unit {unit}"
+        _draw_turns(axes, run, band)
+    return figure, tips
+
+
+def _frame(axes: Axes, run: Run, band: TimeBand, grid: TimeGrid) -> None:
+    """Axes with a line for every station; DOWN trains run downwards, as the Japanese graph is drawn."""
+    draw_clock_axis(axes, band, grid)
+    low_m, high_m = run.extent_m
+    margin_m = max(0.03 * (high_m - low_m), 20.0)
+    axes.set_ylim(high_m + margin_m, low_m - margin_m)
+    for station in run.stations:
+        axes.axhline(station.position_m, color=PALE, lw=0.4 if station.is_halt else 0.9, zorder=0.6)
+    labels_m = spread([station.position_m for station in run.stations], _LABEL_GAP_MIN * (high_m - low_m))
+    axes.set_yticks([])
+    for station, label_m in zip(run.stations, labels_m, strict=True):
+        axes.annotate(
+            f"{station_label(station)}  {station.position_m / 1000:.1f} km",
+            xy=(0.0, label_m),
+            xycoords=("axes fraction", "data"),
+            xytext=(-4, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            fontsize=7.5,
+            color="#666666" if station.is_halt else INK,
+        )
+    axes.spines[:].set_color(RULE)
+
+
+def station_label(station: Station) -> str:
+    """Romanised name, with the Japanese one where a font has it."""
+    japanese = f" {station.name_ja}" if station.name_ja and can_write_japanese() else ""
+    return f"{station.name}{japanese}"
+
+
+def spread(positions: Sequence[float], gap_min: float) -> list[float]:
+    """Positions moved apart, in their order, to at least gap_min; clusters stay about where they are."""
+    placed = list(positions)
+    for _ in range(20):
+        moved = False
+        for i, (low, high) in enumerate(pairwise(placed)):
+            lack = gap_min - (high - low)
+            if lack > 1e-9 * max(1.0, gap_min):
+                placed[i] -= lack / 2
+                placed[i + 1] += lack / 2
+                moved = True
+        if not moved:
+            break
+    return placed
+
+
+def _draw_plan(axes: Axes, run: Run, train: TimetableTrain, band: TimeBand) -> None:
+    if not band.meets(train.calls[0].first_s, train.calls[-1].last_s):
+        return
+    t_s = np.array([t for call in train.calls for t in (call.first_s, call.last_s)], dtype=np.float64)
+    at_m = np.repeat([run.line.stations[call.station_id].position_m for call in train.calls], 2)
+    colour = DIRECTION_COLOUR[train.direction]
+    axes.plot(
+        t_s,
+        at_m,
+        color=PLAN_COLOUR[train.direction],
+        lw=0.6,
+        ls="-" if train.revenue else (0, (5, 3)),
+        zorder=3.5,
+    )
+    _draw_number(axes, run, train.number, colour, t_s, at_m, band)
+
+
+def _draw_run(axes: Axes, run: Run, number: str, course: pl.DataFrame, band: TimeBand, gid: str) -> bool:
+    """Draw what of the run falls in the panel; whether there was anything."""
+    t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
+    if not band.meets(t_s[0], t_s[-1]):
+        return False
+    colour = DIRECTION_COLOUR[run.directions[number]]
+    axes.plot(t_s, at_m, color=colour, lw=2.2, alpha=0.6, zorder=3, gid=gid)
+    braked = course["intervention"].to_numpy() != 0
+    began = np.flatnonzero(braked & ~np.concatenate(([False], braked[:-1])))
+    axes.plot(t_s[began], at_m[began], ls="", marker="x", ms=5, mew=1.2, color=RED, zorder=4)
+    if number not in run.timetable.trains:
+        _draw_number(axes, run, number, colour, t_s, at_m, band)
+    return True
+
+
+def _draw_turns(axes: Axes, run: Run, band: TimeBand) -> None:
+    """Thin dotted links from a unit's train to its next one at the same place (折返し)."""
+    last: dict[str, tuple[float, float]] = {}
+    for (unit, _), course in run.courses.items():
+        begins_s, begins_m = float(course["t_s"][0]), float(course["kilometrage_m"][0])
+        ended_s, ended_m = last.get(unit, (-np.inf, np.inf))
+        turns = 0 <= begins_s - ended_s < _TURN_S_MAX and abs(begins_m - ended_m) < 500
+        if turns and band.meets(ended_s, begins_s):
+            axes.plot([ended_s, begins_s], [ended_m, begins_m], color=PALE, lw=1.0, ls=":", zorder=2)
+        last[unit] = float(course["t_s"][-1]), float(course["kilometrage_m"][-1])
+
+
+def _draw_number(
+    axes: Axes, run: Run, number: str, colour: str, t_s: Floats, at_m: Floats, band: TimeBand
+) -> None:
+    """The train's number along its longest run between calls within the panel; none where none is seen."""
+    inside = [
+        (min(t1, band.to_s) - max(t0, band.from_s), t0, t1, y0, y1)
+        for (t0, y0), (t1, y1) in pairwise(zip(t_s, at_m, strict=True))
+        if y0 != y1
+    ]
+    if not inside or max(inside)[0] <= _NUMBER_ROOM_SHARE * (band.to_s - band.from_s):
+        return
+    _, t0, t1, y0, y1 = max(inside)
+    slope = (y1 - y0) / (t1 - t0)
+    # Trains meet at stations: the number stands on the side away from the train met at the lower end.
+    meets_below = any(not s.is_halt and abs(s.position_m - max(y0, y1)) < 1.0 for s in run.stations)
+    middle_s = (max(t0, band.from_s) + min(t1, band.to_s)) / 2
+    axes.text(
+        middle_s,
+        y0 + slope * (middle_s - t0),
+        number,
+        color=colour,
+        fontsize=6.5,
+        rotation=float(np.degrees(np.arctan(slope))),
+        rotation_mode="anchor",
+        transform_rotates_text=True,
+        ha="center",
+        va="top" if meets_below else "bottom",
+        clip_on=True,
+        zorder=5,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3},
+    )

@@ -1,0 +1,295 @@
+"""The run report: one HTML file with every figure inside it, which opens offline and prints.
+
+Figures come from `study.report.graph`, `_curve`, `_occupancy` and `_charts`; this module gathers them with
+the tables of the page and fills `templates/report.html.j2`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import polars as pl
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from network.model import Line
+from network.timetable import Timetable
+from study.report.charts import draw_delays, draw_energy, draw_stop_errors
+from study.report.curve import chosen_trains, draw_run_curve
+from study.report.data import Run
+from study.report.graph import draw_train_graph
+from study.report.occupancy import draw_occupancy
+from study.report.style import clock, drawing, svg_of
+from study.report.tasc import Tuned, draw_approaches, draw_response, learned_rows, most_telling
+from study.run.summary import TELEGRAM_COUNTS, summarise
+from study.run.tables import RunTables
+
+REPORT_FILE: Final = "report.html"
+EVENTS_SHOWN: Final = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One line of the headline; `bad` is set in red."""
+
+    name: str
+    value: str
+    bad: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table of text: numbers stand to the right from column `numbers_from` on."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numbers_from: int = 99
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of the report: what it shows, how to read it, its figures, its tables (folded when long)."""
+
+    title: str
+    caption: str
+    figures: tuple[str, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    folded: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+
+def write_report(
+    directory: Path,
+    line: Line,
+    timetable: Timetable,
+    tables: RunTables,
+    summary: Mapping[str, Any],
+    tuned: Mapping[str, Tuned] | None = None,
+) -> Path:
+    """Write `report.html` into `directory` and return its path; written aside, then renamed.
+
+    `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
+    "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
+    "broken_expectations" (text). Figures of `study.run.summary.summarise` found in it are used as they are.
+    `tuned` is what each train learned of its stops, by unit.
+    Raises OSError when the file cannot be written.
+    """
+    run = Run(line, timetable, tables)
+    facts = {**summarise(tables, timetable), **summary}
+    with drawing():
+        parts = _parts(run, facts, tuned or {})
+    environment = Environment(
+        loader=PackageLoader("study", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    page = environment.get_template("report.html.j2").render(
+        line=line,
+        subtitle=_subtitle(timetable, facts),
+        headline=_headline(facts),
+        broken=_broken(facts),
+        parts=parts,
+        assumed=(*line.assumed, *timetable.assumed),
+    )
+    directory.mkdir(parents=True, exist_ok=True)
+    aside, path = directory / f".{REPORT_FILE}.part", directory / REPORT_FILE
+    aside.write_text(page, encoding="utf-8")
+    return aside.replace(path)
+
+
+def _subtitle(timetable: Timetable, facts: Mapping[str, Any]) -> str:
+    words = [timetable.name or timetable.id, facts.get("day"), facts.get("scenario")]
+    return " · ".join(str(word) for word in dict.fromkeys(words) if word)
+
+
+def _headline(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+    """The figures a planner looks for first."""
+    planned, arrived = facts["trains_planned"], facts["trains_arrived"]
+    energy, telegrams = facts["energy_kwh"], facts["telegrams"]
+    net_kwh = energy["traction"] + energy["auxiliary"] - energy["regenerated"]
+    violations = len(facts.get("violations", ()))
+    early_s = float(facts["early_departure_s_max"])
+    return (
+        Fact("Trains arrived", f"{arrived} of {planned} planned", arrived < planned),
+        Fact("Invariants broken", str(violations) if violations else "none", violations > 0),
+        Fact("Worst lateness", f"{facts['late_s_max']:.0f} s"),
+        Fact(
+            "Earliest departure",
+            f"{early_s:.0f} s before plan" if early_s else "none before plan",
+            early_s >= 1,
+        ),
+        Fact("Stops", _stops(facts)),
+        Fact(
+            "Energy at the wire",
+            f"{net_kwh:.1f} kWh net: traction {energy['traction']:.1f}, auxiliary {energy['auxiliary']:.1f}, "
+            f"regenerated {energy['regenerated']:.1f}",
+        ),
+        Fact("Telegrams", ", ".join(f"{telegrams[name]:,} {name}" for name in TELEGRAM_COUNTS)),
+        Fact("Parties", ", ".join(str(party) for party in facts.get("parties", ())) or "not recorded"),
+        Fact("Seed", str(facts.get("seed", "not recorded"))),
+        Fact("Journal digest", str(facts.get("digest", "not recorded"))),
+        Fact("Motion digest", str(facts.get("motion_digest", "not recorded"))),
+    )
+
+
+def _stops(facts: Mapping[str, Any]) -> str:
+    mean_m, sigma_m, worst_m = (facts[f"stop_error_m_{name}"] for name in ("mean", "sigma", "max_abs"))
+    if mean_m is None:
+        return "none measured"
+    sigma = "" if sigma_m is None else f", σ {sigma_m:.3f} m"
+    return f"{facts['stops']}: mean {mean_m:+.3f} m{sigma}, worst {worst_m:.3f} m from the mark".replace(
+        "-", "−"
+    )
+
+
+def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
+    """Broken invariants and expectations as lines of text."""
+    lines = []
+    for item in facts.get("violations", ()):
+        if isinstance(item, Mapping):
+            at = f"{clock(item['t_s'], seconds=True)} " if item.get("t_s") is not None else ""
+            lines.append(f"{at}{item.get('checker', '')}: {item.get('text', '')}")
+        else:
+            lines.append(str(item))
+    return (*lines, *(f"Expected: {text}" for text in facts.get("broken_expectations", ())))
+
+
+def _parts(run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:
+    """Every part of the report, in the order in which a planner reads them."""
+    graph, tips = draw_train_graph(run)
+    parts = [
+        Part(
+            "Train graph",
+            "Plan thin, run thick; blue runs down, orange up, dashed carries no passengers; dotted links are"
+            " turn-rounds, red crosses are interventions of supervision.",
+            (svg_of(graph, "graph", tips),),
+        )
+    ]
+    for index, (unit, train) in enumerate(chosen_trains(run)):
+        parts.append(
+            Part(
+                f"Run curve: {train}, unit {unit}, {run.directions[train].name.lower()}",
+                "The latest of the most complete trains of its direction, running from left to right;"
+                " gradient and curves as the train meets them (climbing and right-hand above the line).",
+                (svg_of(draw_run_curve(run, unit, train), f"curve{index}"),),
+            )
+        )
+    occupancy = svg_of(draw_occupancy(run), "occupancy")
+    parts.append(
+        Part(
+            "Section occupancy",
+            "By the manager's register (pale) and in truth (solid), by unit.",
+            (occupancy,),
+        )
+    )
+    for title, caption, figure in (
+        (
+            "Energy by train",
+            "Figures above the bars: net kWh per train-km. Numbers in brackets carry no passengers.",
+            draw_energy(run),
+        ),
+        ("Stop errors", "Bars by station are means.", draw_stop_errors(run, facts)),
+        (
+            "Stopping",
+            "The last 400 m of every stop at a mark: what the train ran and what its target-speed pattern asked for.",
+            draw_approaches(run),
+        ),
+        ("Delays", "Seconds after plan on arrival, and on departure where a train begins.", draw_delays(run)),
+    ):
+        svg = () if figure is None else (svg_of(figure, title.split()[0].lower()),)
+        parts.append(Part(title, caption if svg else "Nothing to show: the run has none.", svg))
+    parts.extend(_tuning_part(tuned))
+    parts.append(Part("Trains", "", grids=(_train_grid(run),), folded="Plan and run of every train"))
+    return (*parts, _telegram_part(run.tables.telegrams), _event_part(run.tables.events))
+
+
+def _tuning_part(tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:
+    """What the trains have learned of their brakes; nothing where none learned."""
+    unit = most_telling(tuned)
+    if unit is None:
+        return ()
+    figure = draw_response(tuned[unit], unit)
+    header = (
+        "unit",
+        "stops counted",
+        "left out",
+        "dead time designed, s",
+        "learned, s",
+        "offset learned, km/h/s",
+    )
+    return (
+        Part(
+            "Self-tuning",
+            "What each train has learned of its brake from its own stops, and the response surface of the one that"
+            " differs most from its design.",
+            () if figure is None else (svg_of(figure, "tuning"),),
+            (Grid(header, learned_rows(tuned), numbers_from=1),),
+        ),
+    )
+
+
+def _train_grid(run: Run) -> Grid:
+    """One row a train: unit, plan and truth of its first departure and last arrival."""
+    first_last = {
+        train: (rows["unit"][0], rows["departure_s"][0], rows["arrival_s"][-1])
+        for (train,), rows in run.tables.stops.group_by("train", maintain_order=True)
+    }
+    rows = []
+    for number in run.trains:
+        planned = run.timetable.trains.get(number)
+        unit, left_s, came_s = first_last.get(number, ("did not run", None, None))
+        calls = planned.calls if planned else ()
+        names = [run.line.stations[call.station_id].name for call in calls]
+        rows.append(
+            (
+                number,
+                str(unit),
+                run.directions[number].name.lower(),
+                f"{names[0]} – {names[-1]}" if names else "not in the timetable",
+                _time(calls[0].last_s if calls else None),
+                _time(left_s),
+                _time(calls[-1].first_s if calls else None),
+                _time(came_s),
+            )
+        )
+    header = ("train", "unit", "direction", "from – to", "planned", "departed", "planned", "arrived")
+    return Grid(header, tuple(rows), numbers_from=4)
+
+
+def _time(time_s: float | None) -> str:
+    return "–" if time_s is None else clock(time_s, seconds=True)
+
+
+def _telegram_part(telegrams: pl.DataFrame) -> Part:
+    counts = [*TELEGRAM_COUNTS, "bytes"]
+
+    def grid(key: str, title: str) -> Grid:
+        sums = telegrams.group_by(key).agg(pl.col(counts).sum()).sort(key)
+        rows = tuple((str(row[0]), *(f"{value:,}" for value in row[1:])) for row in sums.iter_rows())
+        return Grid((title, *counts), rows, numbers_from=1)
+
+    return Part(
+        "Telegrams",
+        "Lost by the air, dropped by the receiver's checks.",
+        grids=(grid("kind", "kind"), grid("source", "sent by"), grid("destination", "sent to")),
+    )
+
+
+def _event_part(events: pl.DataFrame) -> Part:
+    shown = events.sort("t_s", maintain_order=True).head(EVENTS_SHOWN)
+    rows = tuple(
+        (clock(t_s, seconds=True), source, kind, text)
+        for t_s, source, kind, text in shown.select("t_s", "source", "kind", "text").iter_rows()
+    )
+    kinds = events.group_by("kind").len().sort("len", "kind", descending=[True, False]).iter_rows()
+    caption = (
+        ", ".join(f"{count:,} {kind}" for kind, count in kinds) or "None: no intervention, refusal or fault."
+    )
+    rest = len(events) - len(shown)
+    notes: Sequence[str] = (f"and {rest:,} more in events.parquet",) if rest else ()
+    grids = (Grid(("time", "source", "kind", "text"), rows),) if rows else ()
+    return Part("Events", caption, grids=grids, notes=tuple(notes))

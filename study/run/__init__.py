@@ -1,0 +1,1 @@
+"""Runs and drills: executed, collected into tables, judged."""

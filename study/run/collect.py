@@ -1,0 +1,323 @@
+"""From what a run leaves behind to its tables: trajectories, stops, blocks, telegrams, energy, events."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from network.model import Line
+from simulation.result import RunResult, StopRecord, TraceSpan
+from simulation.setup import STEPS_PER_S
+from study.run.tables import RunTables, make_table
+
+JOULE_PER_KWH: Final = 3.6e6
+# journal entries that a person should hear of: kind of the report, and how the text is made
+TOLD: Final[Mapping[str, str]] = {
+    "intervention": "intervention",
+    "refused": "refusal",
+    "points_refused": "refusal",
+    "sign_on_refused": "refusal",
+    "contradiction": "contradiction",
+    "position_fault": "fault",
+    "emergency_released": "intervention",
+    "stopped_short": "stop",
+    "stop_impossible": "stop",
+    "overran": "stop",
+    "unsafe": "unsafe",
+    "collision": "unsafe",
+    "points_forced": "unsafe",
+    "telegram_dropped": "telegram",
+    "dropped": "telegram",
+    "points_unproven": "points",
+    "reversed": "reversal",
+    "entered": "train",
+    "left": "train",
+}
+_LEVELS: Final = {0: "ended", 1: "service brake", 2: "emergency brake"}
+
+
+def tables_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> RunTables:
+    """All tables of a run; `lengths_m` gives the train length of each stock id."""
+    spans = [(span, rows) for span, rows in _by_span(result) if rows.size]
+    return RunTables(
+        trajectory=_trajectory(result, spans),
+        stops=_stops(result.stops),
+        blocks=_blocks(result, spans, line, lengths_m),
+        telegrams=_telegrams(result),
+        energy=_energy(result),
+        events=_events(result),
+    )
+
+
+def _by_span(result: RunResult) -> Iterator[tuple[TraceSpan, NDArray[np.void]]]:
+    """Trace rows of each train: those of its slot from its first step to the next train of the same slot."""
+    last: dict[int, TraceSpan] = {}
+    until: dict[int, int] = {}
+    for index, span in enumerate(result.spans):
+        before = last.get(span.slot)
+        if before is not None:
+            until[result.spans.index(before)] = span.from_step
+        last[span.slot] = result.spans[index]
+    for index, span in enumerate(result.spans):
+        mine = (result.trace["slot"] == span.slot) & (result.trace["step"] > span.from_step)
+        if index in until:
+            mine &= result.trace["step"] <= until[index]
+        yield span, result.trace[mine]
+
+
+def _trajectory(result: RunResult, spans: list[tuple[TraceSpan, NDArray[np.void]]]) -> pl.DataFrame:
+    frames: list[dict[str, Any]] = []
+    for span, rows in spans:
+        starts = np.asarray(span.starts_m)
+        step_index = np.clip(np.searchsorted(starts, rows["position_m"], side="right") - 1, 0, None)
+        entries = np.asarray(span.entries_m)[step_index]
+        kilometrage = entries + span.direction * (rows["position_m"] - starts[step_index])
+        frames.append(
+            {
+                "t_s": rows["step"] / STEPS_PER_S,
+                "unit": np.full(rows.size, result.stock_ids[span.slot]),
+                "train": np.full(rows.size, span.number),
+                "direction": np.full(rows.size, span.direction, dtype=np.int8),
+                "kilometrage_m": kilometrage,
+                "piece": np.asarray(span.piece_ids)[step_index],
+                "intervention": rows["intervention"].astype(np.int8),
+                **{
+                    name: rows[name]
+                    for name in (
+                        "speed_mps",
+                        "acceleration_mps2",
+                        "notch",
+                        "permitted_mps",
+                        "target_mps",
+                        "estimate_error_m",
+                        "bound_ahead_m",
+                        "bound_behind_m",
+                    )
+                },
+            }
+        )
+    if not frames:
+        return make_table("trajectory")
+    columns = {name: np.concatenate([frame[name] for frame in frames]) for name in frames[0]}
+    return make_table("trajectory", columns)
+
+
+def _stops(stops: list[StopRecord]) -> pl.DataFrame:
+    def late(actual_s: float | None, planned_s: float | None) -> float | None:
+        return None if actual_s is None or planned_s is None else round(actual_s - planned_s, 1)
+
+    return make_table(
+        "stops",
+        {
+            "unit": [s.stock_id for s in stops],
+            "train": [s.number for s in stops],
+            "revenue": [s.revenue for s in stops],
+            "station": [s.station_id for s in stops],
+            "track": [s.track for s in stops],
+            "planned_arrival_s": [_float(s.planned_arrival_s) for s in stops],
+            "planned_departure_s": [_float(s.planned_departure_s) for s in stops],
+            "arrival_s": [_float(s.arrival_s) for s in stops],
+            "departure_s": [_float(s.departure_s) for s in stops],
+            "late_arrival_s": [late(s.arrival_s, s.planned_arrival_s) for s in stops],
+            "late_departure_s": [late(s.departure_s, s.planned_departure_s) for s in stops],
+            "stop_error_m": [s.error_m for s in stops],
+        },
+    )
+
+
+def _float(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _blocks(
+    result: RunResult,
+    spans: list[tuple[TraceSpan, NDArray[np.void]]],
+    line: Line,
+    lengths_m: Mapping[str, float],
+) -> pl.DataFrame:
+    """Grants and frees by the manager's own entries; occupation by the true positions."""
+    grants: list[dict[str, Any]] = []
+    open_grants: dict[tuple[str, str], dict[str, Any]] = {}
+    for entry in result.journal.entries:
+        if entry["who"] != "block-manager" or entry["what"] not in (
+            "granted",
+            "signed_on",
+            "freed",
+            "outside",
+        ):
+            continue
+        unit = str(entry.get("unit", ""))
+        for section in entry.get("sections", ()):
+            key = (section, unit)
+            if entry["what"] in ("granted", "signed_on"):
+                if key not in open_grants:
+                    grant = {
+                        "section": section,
+                        "unit": unit,
+                        "train": _train_at(result, unit, entry["t"]),
+                        "token": int(entry.get("token", 0)),
+                        "granted_s": float(entry["t"]),
+                        "released_s": None,
+                        "entered_s": None,
+                        "cleared_s": None,
+                    }
+                    open_grants[key] = grant
+                    grants.append(grant)
+            elif key in open_grants:
+                open_grants.pop(key)["released_s"] = float(entry["t"])
+    occupied = _occupation(result, spans, line, lengths_m)
+    for grant in grants:
+        for entered_s, cleared_s in occupied.get((grant["section"], grant["unit"]), ()):
+            released_s = grant["released_s"]
+            if entered_s >= grant["granted_s"] - 1.0 and (released_s is None or entered_s <= released_s):
+                grant["entered_s"], grant["cleared_s"] = entered_s, cleared_s
+                break
+    if not grants:
+        return make_table("blocks")
+    return make_table("blocks", {name: [grant[name] for grant in grants] for name in grants[0]})
+
+
+def _train_at(result: RunResult, unit: str, t_s: float) -> str:
+    number = ""
+    for span in result.spans:
+        if result.stock_ids[span.slot] == unit and span.from_step / STEPS_PER_S <= t_s + 0.05:
+            number = span.number
+    return number
+
+
+def _occupation(
+    result: RunResult,
+    spans: list[tuple[TraceSpan, NDArray[np.void]]],
+    line: Line,
+    lengths_m: Mapping[str, float],
+) -> dict[tuple[str, str], list[tuple[float, float | None]]]:
+    """(entered, cleared) times, s, of each section by each unit, from the true front and the train's length.
+
+    A section in which a train ends stays occupied until the stock leaves it as its next train, or the line.
+    """
+    left_s = _times_left(result)
+    found: dict[tuple[str, str], list[tuple[float, float | None]]] = defaultdict(list)
+    still_in: dict[str, dict[str, float]] = defaultdict(dict)  # unit -> section -> entered
+    for span, rows in spans:
+        unit = result.stock_ids[span.slot]
+        time_s, front_m = rows["step"] / STEPS_PER_S, rows["position_m"]
+        rear_m = front_m - lengths_m[unit]
+        before, still_in[unit] = still_in[unit], {}
+        for section, start_m, end_m in _section_stretches(span, line):
+            if front_m[-1] < start_m or rear_m[0] >= end_m:
+                continue
+            entered_s = before.pop(section, float(np.interp(start_m, front_m, time_s)))
+            if rear_m[-1] >= end_m:
+                found[section, unit].append((entered_s, float(np.interp(end_m, rear_m, time_s))))
+                continue
+            gone_s = next((t for t in left_s.get(unit, ()) if t >= time_s[-1]), None)
+            following = (s for s, _ in spans if s.slot == span.slot and s.from_step > rows["step"][-1])
+            next_s = next((s.from_step / STEPS_PER_S for s in following), None)
+            if gone_s is not None and (next_s is None or gone_s <= next_s):
+                found[section, unit].append((entered_s, gone_s))
+            elif next_s is None:
+                found[section, unit].append((entered_s, None))
+            else:
+                still_in[unit][section] = entered_s
+    return found
+
+
+def _times_left(result: RunResult) -> dict[str, list[float]]:
+    """Times, s, at which each unit was taken off the line."""
+    times: dict[str, list[float]] = defaultdict(list)
+    for entry in result.journal.entries:
+        if entry["who"] == "world" and entry["what"] == "left":
+            times[str(entry["unit"])].append(float(entry["t"]))
+    return times
+
+
+def _section_stretches(span: TraceSpan, line: Line) -> list[tuple[str, float, float]]:
+    """(section, start, end) along a train's path, m; pieces of one section joined, the last one open."""
+    ends = (*span.starts_m[1:], np.inf)
+    sections: list[tuple[str, float, float]] = []
+    for piece, start_m, end_m in zip(span.piece_ids, span.starts_m, ends, strict=True):
+        section = line.pieces[piece].section_id
+        if sections and sections[-1][0] == section:
+            sections[-1] = (section, sections[-1][1], end_m)
+        else:
+            sections.append((section, start_m, end_m))
+    return sections
+
+
+def _telegrams(result: RunResult) -> pl.DataFrame:
+    dropped: dict[tuple[str, str], int] = defaultdict(int)
+    for entry in result.journal.entries:
+        if entry["what"] == "telegram_dropped":
+            dropped[str(entry["source"]), str(entry["who"])] += 1
+    rows: list[dict[str, Any]] = []
+    for (source, destination, kind), count in sorted(result.telegrams.items()):
+        rows.append(
+            {
+                "source": source,
+                "destination": destination,
+                "kind": kind,
+                "sent": count["sent"],
+                "delivered": count["delivered"],
+                "lost": count["lost"],
+                "dropped": dropped.pop((source, destination), 0),
+                "bytes": count["bytes"],
+            }
+        )
+    if not rows:
+        return make_table("telegrams")
+    return make_table("telegrams", {name: [row[name] for row in rows] for name in rows[0]})
+
+
+def _energy(result: RunResult) -> pl.DataFrame:
+    merged: dict[str, list[Any]] = {}
+    for record in result.energy:
+        figures = (record.distance_m, record.traction_j, record.regenerated_j, record.auxiliary_j)
+        known = merged.setdefault(record.number, [record.stock_id, record.revenue, 0.0, 0.0, 0.0, 0.0])
+        for index, figure in enumerate(figures):
+            known[index + 2] += figure
+    return make_table(
+        "energy",
+        {
+            "unit": [row[0] for row in merged.values()],
+            "train": list(merged),
+            "revenue": [row[1] for row in merged.values()],
+            "distance_km": [row[2] / 1000.0 for row in merged.values()],
+            "traction_kwh": [row[3] / JOULE_PER_KWH for row in merged.values()],
+            "regenerated_kwh": [row[4] / JOULE_PER_KWH for row in merged.values()],
+            "auxiliary_kwh": [row[5] / JOULE_PER_KWH for row in merged.values()],
+        },
+    )
+
+
+def _events(result: RunResult) -> pl.DataFrame:
+    told: list[tuple[float, str, str, str]] = []
+    for entry in result.journal.entries:
+        kind = TOLD.get(entry["what"])
+        if kind is None:
+            continue
+        data = {key: value for key, value in entry.items() if key not in ("t", "who", "what")}
+        if entry["what"] == "intervention":
+            text = _LEVELS.get(int(data["level"]), "?")
+        else:
+            text = (
+                entry["what"].replace("_", " ") + ": " + ", ".join(f"{k} {_text(v)}" for k, v in data.items())
+            )
+        told.append((float(entry["t"]), str(entry["who"]), kind, text))
+    return make_table(
+        "events",
+        {
+            "t_s": [row[0] for row in told],
+            "source": [row[1] for row in told],
+            "kind": [row[2] for row in told],
+            "text": [row[3] for row in told],
+        },
+    )
+
+
+def _text(value: object) -> str:
+    return " ".join(str(item) for item in value) if isinstance(value, list | tuple) else str(value)

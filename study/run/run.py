@@ -1,0 +1,272 @@
+"""Run a scenario: build the world, run it, write the run directory."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any, Final
+
+from host.devices import DeviceSpec, Fleet, device_specs
+from network.errors import InputError
+from network.graph import all_routes
+from network.meets import meet_text, unresolvable_meets
+from network.model import Line
+from simulation.carriers.carrier import Carrier
+from simulation.loop import Progress, Simulation
+from simulation.result import RunResult, Waiting
+from simulation.setup import STEP_S, Setup
+from study.report.report import write_report
+from study.report.tasc import Tuned
+from study.run.collect import tables_of
+from study.run.summary import summarise
+from study.run.tables import SCHEMAS, RunTables
+from study.scenario.fleet_file import learned_json
+from study.scenario.scenario import Scenario
+from sumo_cfg.build import net_for
+from sumo_cfg.truth_map import read_net
+from wayside.config import manager_config, terminal_configs
+
+LEARNED_FILE: Final = (
+    "learned.json"  # only where trains learn; `[tuning] learned` of another scenario may name it
+)
+RUN_FILES: Final = frozenset(
+    {"summary.json", LEARNED_FILE, "journal.jsonl", "report.html", *(f"{name}.parquet" for name in SCHEMAS)}
+)
+
+
+class Link(Enum):
+    """How telegrams reach the wayside devices: inside this process, or processes over Zenoh."""
+
+    SIMULATED = "simulated"
+    ZENOH = "zenoh"
+
+
+class CarrierKind(Enum):
+    """What carries the trains."""
+
+    SUMO = "sumo"
+    PLAIN = "plain"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A finished run. `broken` lists what makes it a failure, one sentence each."""
+
+    scenario: Scenario
+    result: RunResult
+    summary: dict[str, Any]
+    tables: RunTables
+    broken: tuple[str, ...]
+
+
+def execute(
+    scenario: Scenario,
+    link: Link,
+    *,
+    carrier: CarrierKind = CarrierKind.SUMO,
+    progress: Progress | None = None,
+    wrap: Callable[[Carrier], Carrier] | None = None,
+) -> Run:
+    """Run a scenario and compute its tables and summary; writes nothing that stays.
+
+    With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
+    `wrap` may put something around the carrier, to watch what it is asked to do.
+    """
+    setup = scenario.setup
+    with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
+        net = net_for(setup.line, Path(folder))
+        master_key = master_key_of(setup)
+        specs = specs_of(setup, master_key)
+        make = carrier_factory(carrier, setup.line, net)
+        wrapped = wrap or (lambda plain: plain)
+        started = time.perf_counter()
+        while True:
+            last = setup.day >= scenario.setup.tuning.days
+            devices = Path(folder) / f"day-{setup.day}"
+            devices.mkdir()
+            with fleet_of(link, setup.line.id, specs, devices) as fleet:
+                simulation = Simulation(
+                    setup,
+                    (lambda begin_s: wrapped(make(begin_s))) if last else make,
+                    fleet,
+                    read_net(net),
+                    master_key,
+                    link.value,
+                )
+                result = simulation.run(progress)
+            if last:
+                break
+            setup = setup.next_day(result.learned)
+        wall_s = time.perf_counter() - started
+    lengths_m = {stock: float(train.row[0]["length_m"]) for stock, train in setup.trains.items()}
+    tables = tables_of(result, setup.line, lengths_m)
+    broken = broken_by(result, setup)
+    summary = {
+        "scenario": scenario.id,
+        "seed": setup.seed,
+        "link": link.value,
+        "carrier": carrier.value,
+        "digest": result.digest,
+        "motion_digest": result.motion_digest,
+        **summarise(tables, setup.timetable),
+        "empty_workings_planned": len(result.empty_planned),
+        "empty_workings_arrived": len(result.empty_arrived),
+        "invariants_broken": len(result.violations),
+        "collisions": len(result.collisions),
+        "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
+        "ended_because": result.ended_because,
+        "broken": list(broken),
+        "simulated_s": (result.end_step - result.begin_step) * STEP_S,
+        "wall_s": round(wall_s, 3),
+    }
+    return Run(scenario, result, summary, tables, broken)
+
+
+def check_out(out: Path) -> None:
+    """Only a run directory may be replaced: anything else in the way is somebody's work. Raises InputError."""
+    expected = "a new directory, or one that holds a run and nothing else"
+    try:
+        strange = [path.name for path in out.iterdir() if path.name not in RUN_FILES]
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise InputError("command line", "--out", str(out), f"{expected} ({error.strerror})") from error
+    if strange:
+        raise InputError("command line", "--out", str(out), f"{expected}; it holds {min(strange)}")
+
+
+def write_run(run: Run, out: Path) -> Path:
+    """Write the run directory: all of it or nothing. Returns the path of the report.
+
+    Raises InputError as `check_out` does, and when the directory cannot be written.
+    """
+    check_out(out)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    except OSError as error:
+        expected = f"a directory that can be written ({error.strerror})"
+        raise InputError("command line", "--out", str(out), expected) from error
+    try:
+        _write_files(run, out, aside / "new")
+        if out.exists():
+            out.rename(aside / "old")
+        (aside / "new").rename(out)
+    except BaseException:
+        if (aside / "old").exists() and not out.exists():
+            (aside / "old").rename(out)
+        raise
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+    return out / "report.html"
+
+
+def _write_files(run: Run, out: Path, folder: Path) -> None:
+    """All files of a run into a new folder; `out` is where they will be found."""
+    setup = run.scenario.setup
+    folder.mkdir()
+    run.tables.write(folder)
+    (folder / "journal.jsonl").write_bytes(run.result.journal.to_bytes())
+    if run.result.learned:
+        (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
+    summary = run.summary | {"out": str(out)}
+    (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    facts = summary | {
+        "scenario": run.scenario.name,
+        "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
+        "violations": run.summary["violations"],
+        "broken_expectations": list(run.broken),
+        "assumed": list(run.scenario.assumed),
+    }
+    waves = run.result.learned_from
+    tuned = {
+        unit: Tuned(learned, waves[unit]) for unit, learned in run.result.learned.items() if unit in waves
+    }
+    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned)
+
+
+def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
+    """What makes a run a failure: collisions, broken invariants, trains that did not arrive and why."""
+    broken = [*result.collisions]
+    broken += [f"{e['unit']} {e['text']}" for e in result.journal.entries if e["what"] == "unsafe"]
+    broken += [f"{v.checker}: {v.text}" for v in result.violations if v.checker != "everyone-arrives"]
+    missing = [
+        n
+        for n in (*result.trains_planned, *result.empty_planned)
+        if n not in (*result.trains_arrived, *result.empty_arrived)
+    ]
+    if missing:
+        broken.append(f"{len(missing)} trains did not arrive: {', '.join(missing)}")
+        broken += [_waiting_text(waiting) for waiting in result.waiting]
+        broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
+    return tuple(broken)
+
+
+def _waiting_text(waiting: Waiting) -> str:
+    who = f"{waiting.number} ({waiting.stock_id})"
+    if waiting.waits_for == "nothing":
+        return f"{who} was on its way in {waiting.place}"
+    return f"{who} stands in {waiting.place} and waits for {waiting.waits_for}"
+
+
+def terminals_of(line: Line) -> tuple[str, ...]:
+    """Point terminals of a line."""
+    return tuple(sorted({points.terminal_id for points in line.points.values()}))
+
+
+def master_key_of(setup: Setup) -> bytes:
+    """Key of the run, from which all pair keys come: simulated, so drawn from the seed."""
+    return hashlib.blake2b(f"{setup.name}/{setup.seed}".encode(), digest_size=32).digest()
+
+
+def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
+    """What is needed to start the wayside devices of a run."""
+    line = setup.line
+    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
+    return device_specs(
+        manager_config(line, all_routes(line), unit_ids, reentry=setup.reentry),
+        terminal_configs(line),
+        master_key,
+    )
+
+
+def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:
+    """How the loop makes its carrier, given the time at which the run begins (s)."""
+    if kind is CarrierKind.SUMO:
+        from simulation.carriers.sumo import SumoCarrier
+
+        return lambda begin_s: SumoCarrier(net, begin_s)
+    from simulation.carriers.plain_track import PlainTrack
+
+    return lambda _begin_s: PlainTrack({piece.id: piece.length_m for piece in line.pieces.values()}, STEP_S)
+
+
+@contextmanager
+def fleet_of(link: Link, line_id: str, specs: tuple[DeviceSpec, ...], folder: Path) -> Iterator[Fleet]:
+    """The wayside devices, in this process or as processes; gone when the context ends, however it ends."""
+    if link is Link.ZENOH:
+        from host.over_zenoh import ZenohFleet
+
+        with ZenohFleet(line_id, specs, folder / "devices") as fleet:
+            yield fleet
+        return
+    from host.local import LocalFleet
+
+    with LocalFleet(specs) as local:
+        yield local
+
+
+def link_of(name: str) -> Link:
+    """The link of that name; InputError otherwise."""
+    try:
+        return Link(name)
+    except ValueError:
+        raise InputError("command line", "--link", name, "simulated or zenoh") from None

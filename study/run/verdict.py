@@ -1,0 +1,144 @@
+"""What became of a drill's expectations: judged from the journal and the true trajectories after the run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import polars as pl
+
+from network.timetable import clock
+from simulation.faults.script import Expectation, Matcher, Property
+from simulation.result import RunResult
+from study.run.tables import RunTables
+
+KMH_PER_MPS: Final = 3.6
+SPEED_TOLERANCE_KMH: Final = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """One expectation: whether it was met, and what happened, in words."""
+
+    text: str
+    passed: bool
+    happened: str
+
+
+def judge(expectations: tuple[Expectation, ...], result: RunResult, tables: RunTables) -> tuple[Verdict, ...]:
+    """A verdict for each expectation, in order."""
+    seen = _Journal(result)
+    return tuple(
+        _judge_event(expectation, seen)
+        if expectation.holds is None
+        else _judge_property(expectation, seen, tables)
+        for expectation in expectations
+    )
+
+
+class _Journal:
+    """The journal with the train number that each unit ran at each entry."""
+
+    def __init__(self, result: RunResult) -> None:
+        self.result = result
+        self.end_s = result.end_step / 10
+        self._rows: list[tuple[float, Mapping[str, Any], dict[str, str]]] = []
+        train_of: dict[str, str] = {}
+        for entry in result.journal.entries:
+            if entry["what"] == "mission":
+                train_of = {**train_of, str(entry["who"]): str(entry["train"])}
+            self._rows.append((float(entry["t"]), entry, train_of))
+
+    def first(
+        self, matcher: Matcher, from_s: float, to_s: float, strictly_after: bool = False
+    ) -> float | None:
+        """Time of the first entry that matches in [from, to]."""
+        for t_s, entry, train_of in self._rows:
+            late_enough = t_s > from_s if strictly_after else t_s >= from_s
+            if late_enough and t_s <= to_s and matcher.matches(entry, train_of):
+                return t_s
+        return None
+
+
+def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | str:
+    """The stretch of time that an expectation speaks of, or why there is none."""
+    from_s = -math.inf
+    if expectation.after is not None:
+        at_s = seen.first(expectation.after, -math.inf, math.inf)
+        if at_s is None:
+            return f"'{expectation.after.text}' never happened"
+        from_s = at_s
+    to_s = seen.end_s if expectation.by_s is None else expectation.by_s
+    if expectation.within_s is not None:
+        to_s = min(to_s, from_s + expectation.within_s)
+    if expectation.until is not None:
+        end_s = seen.first(expectation.until, from_s, math.inf, strictly_after=True)
+        if end_s is None:
+            return f"'{expectation.until.text}' never happened"
+        to_s = min(to_s, end_s)
+    return from_s, to_s
+
+
+def _judge_event(expectation: Expectation, seen: _Journal) -> Verdict:
+    window = _window(expectation, seen)
+    if isinstance(window, str):
+        return Verdict(expectation.text, False, window)
+    if expectation.event is None:
+        raise ValueError("an expectation of an event has none")
+    at_s = seen.first(expectation.event, *window)
+    if expectation.absent:
+        happened = "did not happen" if at_s is None else f"happened at {_clock(at_s)}"
+        return Verdict(expectation.text, at_s is None, happened)
+    if at_s is not None:
+        return Verdict(expectation.text, True, f"at {_clock(at_s)}")
+    ever_s = seen.first(expectation.event, -math.inf, math.inf)
+    happened = "never happened" if ever_s is None else f"happened at {_clock(ever_s)}, outside the time given"
+    return Verdict(expectation.text, False, happened)
+
+
+def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables) -> Verdict:
+    result = seen.result
+    if expectation.holds is Property.NO_INVARIANT_BROKEN:
+        safety = [v for v in result.violations if v.checker != "everyone-arrives"]
+        happened = "none broken" if not safety else f"{safety[0].checker}: {safety[0].text}"
+        return Verdict(expectation.text, not safety and not result.collisions, happened)
+    if expectation.holds is Property.EVERYONE_ARRIVES:
+        planned = {*result.trains_planned, *result.empty_planned}
+        missing = sorted(planned - {*result.trains_arrived, *result.empty_arrived})
+        happened = "all arrived" if not missing else f"not arrived: {', '.join(missing)}"
+        return Verdict(expectation.text, not missing, happened)
+    window = _window(expectation, seen)
+    if isinstance(window, str):
+        return Verdict(expectation.text, False, window)
+    if expectation.holds is Property.SPEED_AT_MOST:
+        return _judge_speed(expectation, tables, *window)
+    return _judge_entry(expectation, tables, *window)
+
+
+def _judge_speed(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:
+    rows = tables.trajectory.filter(
+        (pl.col("unit") == expectation.unit) & (pl.col("t_s") >= from_s) & (pl.col("t_s") <= to_s)
+    )
+    if rows.is_empty():
+        return Verdict(expectation.text, True, "stood all the time")
+    fastest_kmh = float(rows["speed_mps"].max() or 0.0) * KMH_PER_MPS  # type: ignore[arg-type]
+    passed = fastest_kmh <= expectation.kmh + SPEED_TOLERANCE_KMH
+    return Verdict(expectation.text, passed, f"at most {fastest_kmh:.1f} km/h")
+
+
+def _judge_entry(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:
+    rows = tables.blocks.filter(
+        (pl.col("unit") == expectation.unit)
+        & (pl.col("section") == expectation.section)
+        & (pl.col("entered_s") >= from_s)
+        & (pl.col("entered_s") <= to_s)
+    )
+    if rows.is_empty():
+        return Verdict(expectation.text, True, "did not enter")
+    return Verdict(expectation.text, False, f"entered at {_clock(float(rows['entered_s'][0]))}")
+
+
+def _clock(t_s: float) -> str:
+    return f"{clock(int(t_s))}.{int(t_s * 10) % 10}"

@@ -1,0 +1,293 @@
+"""Faults, acts and expectations of a scenario file, checked against the line, the timetable and the parties.
+
+Refused with one message: an unknown kind, a target that does not exist, words that name no event, and an
+expectation that could never be evaluated.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from pydantic import Field
+
+from network.errors import InputError
+from network.files.toml_input import Record, one_of
+from network.timetable import Timetable
+from simulation.faults.injector import ANY, link_ends
+from simulation.faults.script import (
+    NEEDS,
+    TARGETS,
+    WORDS_HELP,
+    Act,
+    ActKind,
+    Expectation,
+    Fault,
+    FaultKind,
+    Matcher,
+    Property,
+    Script,
+    TargetKind,
+    Trigger,
+    matcher_of,
+)
+from simulation.setup import Setup
+from simulation.vocabulary import WORDS
+from wayside.config import MANAGER_ID
+
+_CLOCK: Final = re.compile(r"(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
+PEOPLE: Final = ("controller", "staff", "crew")
+
+
+class FaultTable(Record):
+    """`[[fault]]`."""
+
+    kind: str
+    target: str
+    start: str | dict[str, Any]
+    after_s: float = Field(default=0.0, ge=0.0)
+    duration_s: float | None = Field(default=None, gt=0.0)
+    p: float | None = None
+    seconds: float | None = None
+    factor: float | None = None
+    id: float | None = None
+
+
+class ActTable(Record):
+    """`[[act]]`."""
+
+    kind: str
+    start: str | dict[str, Any]
+    target: str = ""
+    after_s: float = Field(default=0.0, ge=0.0)
+    person: str = "controller"
+    sections: list[str] = Field(default_factory=list)
+    position: str = ""
+    hold_s: float = Field(default=300.0, ge=0.0)
+    pace_s: float = Field(default=0.0, ge=0.0, le=600.0)
+
+
+class ExpectTable(Record):
+    """`[[expect]]`: an event (words or a table), its absence, or a property."""
+
+    text: str
+    event: str | dict[str, Any] | None = None
+    absent: bool = False
+    after: str | dict[str, Any] | None = None
+    until: str | dict[str, Any] | None = None
+    within_s: float | None = Field(default=None, gt=0.0)
+    by: str | None = None
+    property: str | None = None
+    unit: str = ""
+    section: str = ""
+    kmh: float | None = None
+
+
+class _Names:
+    """Every name that a script may use."""
+
+    def __init__(self, setup: Setup) -> None:
+        line, timetable = setup.line, setup.timetable
+        self.units = tuple(diagram.stock_id for diagram in timetable.diagrams)
+        self.terminals = tuple(sorted({points.terminal_id for points in line.points.values()}))
+        self.devices = (MANAGER_ID, *self.terminals)
+        self.parties = (*self.units, *self.devices, "world", *PEOPLE)
+        self.tags = tuple(str(tag) for tag in line.tags)
+        self.points = tuple(line.points)
+        self.sections = tuple(line.sections)
+        self.stations = tuple(line.stations)
+        self.trains = tuple(timetable.trains)
+
+    def targets(self, kind: TargetKind) -> tuple[str, ...]:
+        """What a fault of that kind of target may aim at."""
+        return {
+            TargetKind.DEVICE: (*self.devices, *self.units),
+            TargetKind.UNIT: self.units,
+            TargetKind.TAG: self.tags,
+            TargetKind.POINTS: self.points,
+            TargetKind.LINK: (),
+        }[kind]
+
+
+def script_of(
+    file: str,
+    setup: Setup,
+    faults: Sequence[FaultTable],
+    acts: Sequence[ActTable],
+    expectations: Sequence[ExpectTable],
+) -> Script:
+    """The script of a scenario. InputError for anything that cannot be carried out or evaluated."""
+    names = _Names(setup)
+    return Script(
+        tuple(_fault(file, f"fault[{i}]", table, names) for i, table in enumerate(faults)),
+        tuple(_act(file, f"act[{i}]", table, names) for i, table in enumerate(acts)),
+        tuple(
+            _expectation(file, f"expect[{i}]", table, names, setup.timetable)
+            for i, table in enumerate(expectations)
+        ),
+    )
+
+
+def _fault(file: str, key: str, table: FaultTable, names: _Names) -> Fault:
+    kinds = [kind.value for kind in FaultKind]
+    if table.kind not in kinds:
+        raise InputError(file, f"{key}.kind", table.kind, one_of(kinds, table.kind))
+    kind = FaultKind(table.kind)
+    _check_target(file, f"{key}.target", table.target, TARGETS[kind], names)
+    given = {
+        name: value
+        for name in ("p", "seconds", "factor", "id")
+        if (value := getattr(table, name)) is not None
+    }
+    needs = NEEDS.get(kind)
+    if needs is not None:
+        name, low, high = needs
+        value = given.get(name)
+        if value is None or not low <= value <= high:
+            raise InputError(
+                file, f"{key}.{name}", value, f"a number from {low:g} to {high:g}, for {kind.value}"
+            )
+    allowed = {needs[0]} if needs is not None else set()
+    if kind is FaultKind.REORDER:
+        allowed.add("seconds")
+    for name, value in given.items():
+        if name not in allowed:
+            raise InputError(
+                file, f"{key}.{name}", value, f"no such parameter: {kind.value} does not take it"
+            )
+    trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
+    return Fault(kind, table.target, trigger, table.duration_s, given)
+
+
+def _check_target(file: str, key: str, target: str, kind: TargetKind, names: _Names) -> None:
+    if kind is TargetKind.LINK:
+        ends = link_ends(target)
+        parties = (*names.units, *names.devices)
+        for end in {end for pair in ends for end in pair}:
+            if end != ANY and end not in parties:
+                raise InputError(file, key, target, f"a link between {one_of(parties, end)}, or '*'")
+        if not ends:
+            raise InputError(file, key, target, "a link such as 'V1 <-> block-manager' or '* -> OGN-W'")
+        return
+    known = names.targets(kind)
+    if target not in known:
+        raise InputError(file, key, target, f"a {kind.value}: {one_of(known, target)}")
+
+
+def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
+    kinds = [kind.value for kind in ActKind]
+    if table.kind not in kinds:
+        raise InputError(file, f"{key}.kind", table.kind, one_of(kinds, table.kind))
+    kind = ActKind(table.kind)
+    targets: dict[ActKind, tuple[str, ...]] = {
+        ActKind.CONFIRM_OUTSIDE: names.units,
+        ActKind.CONFIRM_HOLDING: names.units,
+        ActKind.POWER_ON: (*names.units, *names.devices),
+        ActKind.REPAIR_POINTS: names.points,
+        ActKind.ENTER_SECTION: ("", *names.units),
+        ActKind.GIVE_BACK: names.units,
+    }
+    known = targets.get(kind)
+    if known is not None and table.target not in known:
+        raise InputError(file, f"{key}.target", table.target, one_of(known, table.target))
+    for i, section in enumerate(table.sections):
+        if section not in names.sections:
+            raise InputError(
+                file, f"{key}.sections[{i}]", section, f"a section: {one_of(names.sections, section)}"
+            )
+    if kind is ActKind.REPAIR_POINTS and table.position not in ("normal", "reverse"):
+        raise InputError(file, f"{key}.position", table.position, "normal or reverse")
+    if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
+        raise InputError(file, f"{key}.sections", table.sections, "the sections that are entered")
+    trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
+    sections = tuple(table.sections)
+    return Act(
+        kind, table.target, trigger, table.person, sections, table.position, table.hold_s, table.pace_s
+    )
+
+
+def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetable: Timetable) -> Expectation:
+    if (table.event is None) == (table.property is None):
+        raise InputError(file, key, table.text, "either event or property, and not both")
+    after = None if table.after is None else _matcher(file, f"{key}.after", table.after, names)
+    until = None if table.until is None else _matcher(file, f"{key}.until", table.until, names)
+    by_s = None if table.by is None else _time(file, f"{key}.by", table.by)
+    last_s = max(call.last_s for train in timetable.trains.values() for call in train.calls)
+    if by_s is not None and by_s > last_s + 86_400:
+        raise InputError(file, f"{key}.by", table.by, "a time within the run")
+    if table.within_s is not None and after is None:
+        raise InputError(file, f"{key}.within_s", table.within_s, "an 'after' to count from")
+    if table.event is not None:
+        event = _matcher(file, f"{key}.event", table.event, names)
+        return Expectation(table.text, event, table.absent, after, table.within_s, by_s, until=until)
+    known = [item.value for item in Property]
+    if table.property not in known:
+        raise InputError(file, f"{key}.property", table.property, one_of(known, str(table.property)))
+    holds = Property(table.property)
+    if holds in (Property.SPEED_AT_MOST, Property.NEVER_ENTERS) and table.unit not in names.units:
+        raise InputError(file, f"{key}.unit", table.unit, f"a unit: {one_of(names.units, table.unit)}")
+    if holds is Property.SPEED_AT_MOST and (table.kmh is None or table.kmh < 0.0):
+        raise InputError(file, f"{key}.kmh", table.kmh, "a speed in km/h")
+    if holds is Property.NEVER_ENTERS and table.section not in names.sections:
+        raise InputError(
+            file, f"{key}.section", table.section, f"a section: {one_of(names.sections, table.section)}"
+        )
+    return Expectation(
+        table.text,
+        after=after,
+        until=until,
+        by_s=by_s,
+        holds=holds,
+        unit=table.unit,
+        section=table.section,
+        kmh=table.kmh or 0.0,
+    )
+
+
+def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: _Names) -> Trigger:
+    if isinstance(given, str) and _CLOCK.fullmatch(given):
+        return Trigger(at_s=_time(file, key, given), after_s=after_s)
+    return Trigger(on=_matcher(file, key, given, names), after_s=after_s)
+
+
+def _time(file: str, key: str, text: str) -> float:
+    match = _CLOCK.fullmatch(text)
+    if match is None:
+        raise InputError(file, key, text, "a time HH:MM or HH:MM:SS")
+    return int(match[1]) * 3600.0 + int(match[2]) * 60.0 + float(match[3] or 0.0)
+
+
+def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: _Names) -> Matcher:
+    matcher = matcher_of(given) if isinstance(given, str) else _table_matcher(file, key, given)
+    if matcher is None:
+        raise InputError(file, key, given, WORDS_HELP)
+    for what in matcher.what:
+        if what not in WORDS:
+            raise InputError(file, f"{key}.what", what, one_of(sorted(WORDS), what))
+    if matcher.who is not None and matcher.who not in names.parties:
+        raise InputError(file, f"{key}.who", matcher.who, one_of(names.parties, matcher.who))
+    checks = {
+        "tag": names.tags,
+        "points": names.points,
+        "sections": names.sections,
+        "unit": names.units,
+        "train": names.trains,
+        "station": (*names.stations, *names.sections),
+    }
+    for name, value in {**matcher.data, **({"train": matcher.train} if matcher.train else {})}.items():
+        known = checks.get(name)
+        for item in value if isinstance(value, list) else (value,):
+            if known is not None and str(item) not in known:
+                raise InputError(file, f"{key}: {name}", item, one_of(known, str(item)))
+    return matcher
+
+
+def _table_matcher(file: str, key: str, given: Mapping[str, Any]) -> Matcher:
+    data = dict(given)
+    what = data.pop("what", None)
+    if not isinstance(what, str):
+        raise InputError(file, f"{key}.what", what, one_of(sorted(WORDS)))
+    who, train = data.pop("who", None), data.pop("of_train", None)
+    text = " ".join(str(part) for part in (who or train or "someone", what, *data.values()))
+    return Matcher(text, (what,), who, train, data)

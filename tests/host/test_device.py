@@ -1,0 +1,255 @@
+"""The device host: order of work, durable state, boots; and the stores and configurations it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from host.device import DeviceHost
+from host.devices import Advance
+from host.store import Durable, FileStore, MemoryStore, Store
+from network.errors import InputError
+from network.model import Position
+from radio.envelope import Endpoint, Received
+from radio.keys import key_ring
+from radio.messages import (
+    AnyMessage,
+    Claim,
+    ClaimQuery,
+    PointsCommand,
+    PointsProof,
+    Restarted,
+    RouteGranted,
+    RouteRequest,
+    SignOff,
+    SignOn,
+    SignOnAccepted,
+)
+from wayside.config import (
+    MANAGER_ID,
+    ManagerConfig,
+    PointsEntry,
+    RouteEntry,
+    SectionEntry,
+    TerminalConfig,
+    decode_config,
+    encode_config,
+)
+from wayside.point_terminal import Commitment, Memory
+from wayside.said import ConfirmOutside, NoteKind, PointsDetected, StartThrow
+
+MASTER = b"m" * 32
+MANAGER = ManagerConfig(
+    "line",
+    MANAGER_ID,
+    ("u1",),
+    (SectionEntry("P", portal=True), SectionEntry("S", terminal_ids=("t",)), SectionEntry("T")),
+    (RouteEntry("R", "P", ("S", "T")),),
+)
+TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
+
+
+def manager(store: Store | None = None) -> DeviceHost:
+    return DeviceHost(MANAGER, key_ring(MASTER, MANAGER_ID, ["u1"], ["t"]), store or MemoryStore())
+
+
+def terminal(store: Store | None = None) -> DeviceHost:
+    return DeviceHost(TERMINAL, key_ring(MASTER, "t", ["u1"], ["t"]), store or MemoryStore())
+
+
+def unit(epoch: int = 1) -> Endpoint:
+    return Endpoint(key_ring(MASTER, "u1", [MANAGER_ID, "t"]), epoch)
+
+
+def heard(train: Endpoint, advance: Advance, now_s: float) -> list[AnyMessage]:
+    messages = []
+    for destination, data in advance.telegrams:
+        assert destination == "u1"
+        opened = train.open(data, now_s)
+        assert isinstance(opened, Received), opened
+        messages.append(opened.message)
+    return messages
+
+
+def granted(train: Endpoint) -> RouteGranted:
+    """Sign on at the portal, ask for the route, get it."""
+    host = manager()
+    host.advance(0.0, [], [ConfirmOutside("u1", "Sato")])
+    sign_on = SignOn("u1", ("P",))
+    (accepted,) = heard(train, host.advance(0.2, [train.seal(MANAGER_ID, sign_on, 0.2)]), 0.2)
+    assert isinstance(accepted, SignOnAccepted)
+    request = train.seal(MANAGER_ID, RouteRequest("u1", "R", ("S", "T")), 0.3, 1)
+    (answer,) = heard(train, host.advance(0.3, [request]), 0.3)
+    assert isinstance(answer, RouteGranted)
+    return answer
+
+
+def command(grant: RouteGranted, position: Position = Position.REVERSE) -> PointsCommand:
+    (capability,) = grant.capabilities
+    return PointsCommand("p", position, "S", grant.token, capability.mac)
+
+
+def test_from_sign_on_to_proof() -> None:
+    train, host = unit(), terminal()
+    host.advance(0.0, [], [PointsDetected("p", Position.NORMAL, True)])
+    thrown = host.advance(1.0, [train.seal("t", command(granted(train)), 1.0, 2)])
+    assert thrown.outputs == (StartThrow("p", Position.REVERSE),)
+    assert thrown.telegrams == ()
+    assert thrown.wake_at_s == 9.0
+    proven = host.advance(7.0, [], [PointsDetected("p", Position.REVERSE, True)])
+    (proof,) = heard(train, proven, 7.0)
+    assert isinstance(proof, PointsProof)
+    assert (proof.position, proof.locked, proof.detected) == (Position.REVERSE, True, True)
+    assert proven.wake_at_s is None
+
+
+def test_every_boot_has_a_new_epoch_and_says_so() -> None:
+    store = MemoryStore()
+    for epoch in (1, 2, 3):
+        host = manager(store)
+        assert host.epoch == epoch
+        (note, *_) = host.advance(0.0, []).notes
+        assert (note.kind, note.token) == (NoteKind.STARTED, epoch)
+
+
+def test_a_terminal_remembers_its_tokens_over_a_power_cut() -> None:
+    train, store = unit(), MemoryStore()
+    grant = granted(train)
+    terminal(store).advance(1.0, [train.seal("t", command(grant), 1.0)])
+    expected = Memory({"S": grant.token}, {"p": Commitment("u1", Position.REVERSE, grant.token)})
+    assert store.load() == Durable(1, expected)
+    again = terminal(store)
+    found = again.advance(2.0, [], [PointsDetected("p", Position.REVERSE, True)])
+    assert isinstance(heard(train, found, 2.0)[0], PointsProof)
+
+
+def test_a_telegram_for_the_boot_before_takes_no_effect_and_is_answered() -> None:
+    train, store = unit(), MemoryStore()
+    host = terminal(store)
+    host.advance(0.0, [], [PointsDetected("p", Position.REVERSE, True)])
+    grant = granted(train)
+    heard(train, host.advance(1.0, [train.seal("t", command(grant), 1.0)]), 1.0)
+    again = terminal(store)
+    answer = again.advance(2.0, [train.seal("t", command(grant), 2.0)])
+    assert [note.kind for note in answer.notes] == [NoteKind.STARTED, NoteKind.DROPPED]
+    assert heard(train, answer, 2.0) == [Restarted()]
+    # Now it knows the new boot; the command repeated counts.
+    answer = again.advance(3.0, [train.seal("t", command(grant), 3.0)])
+    assert NoteKind.COMMANDED in [note.kind for note in answer.notes]
+
+
+def test_noise_and_copies_change_nothing() -> None:
+    train, host = unit(), manager()
+    data = train.seal(MANAGER_ID, Claim((), 0), 0.0)
+    notes = host.advance(0.0, [b"noise", data, data]).notes
+    assert [note.kind for note in notes] == [NoteKind.STARTED, NoteKind.DROPPED, NoteKind.DROPPED]
+    assert [note.detail for note in notes[1:]] == ["corrupted", "repeated"]
+
+
+def test_inputs_and_messages_for_other_devices_are_refused() -> None:
+    train = unit()
+    notes = manager().advance(0.0, [], [PointsDetected("p", None, False)]).notes
+    assert NoteKind.REFUSED in [note.kind for note in notes]
+    host = terminal()
+    advance = host.advance(0.0, [train.seal("t", ClaimQuery(), 0.0)], [ConfirmOutside("u1", "Sato")])
+    assert [note.kind for note in advance.notes] == [NoteKind.STARTED, NoteKind.REFUSED, NoteKind.REFUSED]
+    assert advance.telegrams == ()
+
+
+def test_keys_of_another_device_are_refused() -> None:
+    with pytest.raises(InputError, match="the keys of t"):
+        DeviceHost(TERMINAL, key_ring(MASTER, "other", ["u1"], ["t"]), MemoryStore())
+
+
+def test_the_same_telegrams_give_the_same_bytes() -> None:
+    def run() -> list[Advance]:
+        train, host = unit(), manager()
+        return [
+            host.advance(0.0, [], [ConfirmOutside("u1", "Sato")]),
+            host.advance(0.1, [train.seal(MANAGER_ID, SignOn("u1", ("P",)), 0.1)]),
+        ]
+
+    assert run() == run()
+
+
+def test_file_store_keeps_what_it_was_given(tmp_path: Path) -> None:
+    store = FileStore(tmp_path / "durable")
+    assert store.load() == Durable()
+    durable = Durable(4, Memory({"S": 7}, {"p": Commitment("u1", Position.NORMAL, 7)}), ("u1",))
+    store.save(durable)
+    assert FileStore(tmp_path / "durable").load() == durable
+    assert [path.name for path in tmp_path.iterdir()] == ["durable"]
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: b"",
+        lambda data: data[:3],
+        lambda data: b"x" + data[1:],
+        lambda data: data[:20] + b"x" + data[21:],
+        lambda data: data[:24],
+    ],
+)
+def test_a_damaged_file_is_refused_and_never_taken_for_a_first_start(
+    tmp_path: Path, damage: Callable[[bytes], bytes]
+) -> None:
+    path = tmp_path / "durable"
+    FileStore(path).save(Durable(4))
+    path.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(InputError, match="undamaged"):
+        manager(FileStore(path))
+
+
+@pytest.mark.parametrize("damage", [lambda data: data[:-1], lambda data: data[:-1] + b"x"])
+def test_a_damaged_ledger_is_a_lost_one(tmp_path: Path, damage: Callable[[bytes], bytes]) -> None:
+    path = tmp_path / "durable"
+    FileStore(path).save(Durable(4, ledger=()))
+    path.write_bytes(damage(path.read_bytes()))
+    assert FileStore(path).load() == Durable(4, ledger=None)
+
+
+def test_a_lost_ledger_stays_lost_until_a_device_has_a_new_one(tmp_path: Path) -> None:
+    store = FileStore(tmp_path / "durable")
+    store.save(Durable(1, ledger=None))
+    assert store.load().ledger is None
+    manager(store).advance(0.0, [])
+    assert store.load() == Durable(2, ledger=("u1",))  # any unit may be on the line
+
+
+def test_the_ledger_is_kept_before_the_unit_is_told_and_until_it_has_left() -> None:
+    train, store = unit(), MemoryStore()
+    host = manager(store)
+    host.advance(0.0, [], [ConfirmOutside("u1", "Sato")])
+    assert store.load().ledger == ()
+    entered = host.advance(0.2, [train.seal(MANAGER_ID, SignOn("u1", ("P",)), 0.2)])
+    assert store.load().ledger == ("u1",)
+    (accepted,) = heard(train, entered, 0.2)
+    assert isinstance(accepted, SignOnAccepted)
+    again = manager(store)
+    assert store.load().ledger == ("u1",)
+    (query,) = heard(train, again.advance(1.0, []), 1.0)
+    assert query == ClaimQuery()
+    heard(train, again.advance(1.2, [train.seal(MANAGER_ID, Claim(("P",), accepted.token), 1.2)]), 1.2)
+    heard(train, again.advance(1.4, [train.seal(MANAGER_ID, SignOff("u1", accepted.token), 1.4)]), 1.4)
+    assert store.load().ledger == ()
+
+
+def test_a_unit_on_the_line_cannot_be_struck_off_the_fleet_list() -> None:
+    store = MemoryStore()
+    store.save(Durable(1, ledger=("u9",)))
+    with pytest.raises(InputError, match=r"unit_ids.*expected a fleet list with u9"):
+        manager(store)
+
+
+@pytest.mark.parametrize("config", [MANAGER, TERMINAL])
+def test_configurations_survive_their_file(config: ManagerConfig | TerminalConfig) -> None:
+    assert decode_config(encode_config(config)) == config
+
+
+@pytest.mark.parametrize("data", [b"", b"{}", b'{"type":"toaster"}', b'{"type":"point-terminal"}'])
+def test_configurations_that_cannot_be_read(data: bytes) -> None:
+    with pytest.raises(InputError, match=r"config\.json.*expected the configuration"):
+        decode_config(data)

@@ -1,0 +1,216 @@
+"""Automatic driving and the stop at the mark with the train's own dynamics; judged by properties, not by a course."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from onboard.driving.notches import power_notch
+from onboard.driving.pattern import pattern_of
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION
+from onboard.rows import BehaviourRow, UnitRow
+from onboard.tick import tick
+from vehicle.dynamics import step
+from vehicle.rows import TrainRow
+from vehicle.traction import full_force_n
+from vehicle.train_file import new_plant
+
+Rows = NDArray[np.void]
+
+START_M = 100.0
+TRACK_M = 4000
+compiled_test = settings(
+    max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+
+
+@dataclass
+class Course:
+    position_m: list[float] = field(default_factory=list)
+    speed_mps: list[float] = field(default_factory=list)
+    target_mps: list[float] = field(default_factory=list)
+    notch: list[float] = field(default_factory=list)
+    interventions: int = 0
+
+
+def drive_along(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: Rows,
+    kept: StopKeeper,
+    permille: float,
+    load_share: float,
+    speed_mps: float,
+    steps: int,
+) -> Course:
+    """Run the unit and the plant on a steady gradient until the train stands, or for `steps` of 0.1 s."""
+    plant = new_plant(1, speed_mps).view(np.recarray)[0]
+    plant.load_share = load_share
+    unit.speed_mps, unit.path_rows = speed_mps, path.size
+    course = Course()
+    for _ in range(steps):
+        step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
+        tick(
+            unit,
+            train,
+            behaviour,
+            path,
+            plant.wheel_travelled_m,
+            plant.wheel_speed_mps,
+            load_share,
+            kept.tasc,
+            kept.design,
+            kept.wave,
+        )
+        course.position_m.append(START_M + float(plant.travelled_m))
+        course.speed_mps.append(float(plant.speed_mps))
+        course.target_mps.append(float(unit.target_mps))
+        course.notch.append(float(unit.notch))
+        course.interventions += unit.intervention != NO_INTERVENTION
+        if plant.speed_mps == 0.0 and len(course.notch) > 50:
+            break
+    return course
+
+
+@compiled_test
+@given(
+    permille=st.floats(-20.0, 20.0),
+    load_share=st.floats(0.0, 1.0),
+    initial_mps=st.floats(5.0, 16.8),
+    spare_m=st.floats(30.0, 400.0),
+)
+def test_it_stops_within_a_metre_of_the_mark(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+    permille: float,
+    load_share: float,
+    initial_mps: float,
+    spare_m: float,
+) -> None:
+    unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
+    braking_m = initial_mps**2 / (2.0 * behaviour.stop_deceleration_mps2) + 2.0 * initial_mps
+    unit.target_stop_m = START_M + braking_m + spare_m
+    unit.cruise_mps = initial_mps
+    unit.stop_limit_m = unit.target_stop_m + 20.0
+    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, initial_mps, 4000)
+    assert course.speed_mps[-1] == 0.0
+    assert abs(course.position_m[-1] - unit.target_stop_m) < 1.0
+    assert course.interventions == 0
+
+
+@compiled_test
+@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), cruise_mps=st.floats(6.0, 16.0))
+def test_it_holds_its_speed_without_hunting(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+    permille: float,
+    load_share: float,
+    cruise_mps: float,
+) -> None:
+    """From rest to the cruising speed and four minutes of it, as far as the train climbs at all."""
+    unit, path = copy(unit), track(np.arange(float(TRACK_M)) * permille / 1000.0)
+    unit.cruise_mps = cruise_mps
+    unit.notch = 0.0
+    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 0.0, 2400)
+    speeds, notches = np.array(course.speed_mps), np.array(course.notch)
+    inside = np.array(course.position_m) < TRACK_M - 100.0
+    assert speeds[inside].max() <= cruise_mps + 0.5
+    held = inside & (np.arange(speeds.size) > 1200)
+    if held.any():
+        assert speeds[held].min() >= cruise_mps - 1.0
+    power = np.maximum(notches, 0.0)[inside]
+    changes_at = np.flatnonzero(np.diff(power) != 0.0)
+    minutes = inside.sum() / 600.0
+    assert changes_at.size <= 16.0 * max(minutes, 1.0)
+    used = np.sign(notches[inside])
+    used = used[used != 0.0]
+    assert np.count_nonzero(np.diff(used)) <= 2  # never to and fro between power and brake
+
+
+@compiled_test
+@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.5, 40.0))
+def test_it_is_down_to_a_lower_limit_in_time(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    permille: float,
+    load_share: float,
+    bound_m: float,
+) -> None:
+    """However wide the bound: the driver keeps clear of the intervention."""
+    unit, elevation_m = copy(unit), np.arange(float(TRACK_M)) * permille / 1000.0
+    limits_mps = np.full(TRACK_M, 18.0)
+    limits_mps[1500:1700] = 8.0
+    unit.bound_ahead_m, unit.bound_growth = bound_m, 0.0
+    path = pattern_of(elevation_m, limits_mps, train, behaviour).view(np.recarray)
+    course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 15.0, 1800)
+    for position_m, speed_mps in zip(course.position_m, course.speed_mps, strict=True):
+        if 1500.0 <= position_m <= 1700.0 + train.length_m:
+            assert speed_mps <= 8.0
+    assert course.interventions == 0
+    assert course.position_m[-1] > 1600.0
+
+
+def test_a_standing_train_holds_its_brake(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+) -> None:
+    unit.mode = MODE_HOLD
+    path = track(np.arange(float(TRACK_M)) * -0.02)
+    course = drive_along(unit, train, behaviour, path, keeper(), -20.0, 1.0, 0.0, 100)
+    assert set(course.notch) == {-behaviour.standing_brake_notch}
+    assert course.position_m[-1] == START_M
+
+
+def test_supervision_overrules_the_driver(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+) -> None:
+    unit.intervention = EMERGENCY_INTERVENTION
+    drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, 10.0, 1)
+    assert unit.emergency == 1
+    assert unit.notch == -train.brake_notches
+
+
+@compiled_test
+@given(force_share=st.floats(0.01, 1.0), load_share=st.floats(0.0, 1.0), speed_mps=st.floats(0.0, 25.0))
+def test_the_lowest_notch_that_is_strong_enough(
+    train: TrainRow, force_share: float, load_share: float, speed_mps: float
+) -> None:
+    """EV-E301's five notches are even (its train file), so the notch is the share in fifths, rounded up."""
+    force_n = force_share * full_force_n(train, load_share, speed_mps)
+    notch = power_notch(train, load_share, speed_mps, force_n)
+    assert notch == pytest.approx(
+        np.ceil(5.0 * force_share - 1e-9), abs=1.0 if force_share % 0.2 < 1e-9 else 0.0
+    )
+    assert power_notch(train, load_share, speed_mps, 0.0) == 0.0
+    assert power_notch(train, load_share, speed_mps, 2.0 * full_force_n(train, load_share, speed_mps)) == 5.0
+
+
+def test_notches_follow_the_force(train: TrainRow) -> None:
+    forces = np.linspace(0.0, 60e3, 50)
+    notches = [power_notch(train, 0.5, 5.0, force) for force in forces]
+    assert all(a <= b for a, b in pairwise(notches))

@@ -1,0 +1,206 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from onboard.driving.pattern import pattern_of
+from onboard.driving.supervision import RESERVE_M, stop_curve_mps, supervise
+from onboard.localisation.tachometer import locate
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_INTERVENTION,
+    NO_INTERVENTION,
+    SERVICE_INTERVENTION,
+    UNIT,
+)
+from onboard.rows import BehaviourRow, UnitRow
+from vehicle.rows import TrainRow
+
+Rows = NDArray[np.void]
+
+GRAVITY_SHARE_MPS2 = 9.81 / 1.08
+STEP_S = 0.1
+TRACK_M = 2500
+compiled_test = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@given(
+    distance_m=st.floats(0.01, 3000.0),
+    climb_m=st.floats(-30.0, 30.0),
+    deceleration_mps2=st.floats(0.3, 1.3),
+    reaction_s=st.floats(0.0, 5.0),
+)
+@compiled_test
+def test_the_stop_curve_solves_its_equation(
+    distance_m: float, climb_m: float, deceleration_mps2: float, reaction_s: float
+) -> None:
+    speed = stop_curve_mps(distance_m, climb_m, deceleration_mps2, reaction_s, GRAVITY_SHARE_MPS2)
+    room_m = distance_m + GRAVITY_SHARE_MPS2 * climb_m / deceleration_mps2
+    used_m = speed * reaction_s + speed * speed / (2.0 * deceleration_mps2)
+    assert used_m == pytest.approx(max(room_m, 0.0), abs=1e-6)
+
+
+def test_the_stop_curve_by_hand() -> None:
+    """100 m, 0.8 m/s2, 1.4 s, level: v^2/1.6 + 1.4 v = 100."""
+    assert stop_curve_mps(100.0, 0.0, 0.8, 1.4, GRAVITY_SHARE_MPS2) == pytest.approx(11.5786, abs=1e-4)
+    assert stop_curve_mps(100.0, 0.0, 0.8, 0.0, GRAVITY_SHARE_MPS2) == pytest.approx(160.0**0.5)
+    assert stop_curve_mps(0.0, 5.0, 0.8, 1.4, GRAVITY_SHARE_MPS2) == 0.0
+
+
+def prepared(limit_m: float) -> UnitRow:
+    row: UnitRow = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+    row.position_known, row.odometer_scale = 1, 1.0
+    row.expected_tag_m = row.rear_trigger_m = row.restricted_mps = np.inf
+    row.position_m, row.stop_limit_m, row.path_rows = 50.0, limit_m, TRACK_M
+    return row
+
+
+@settings(compiled_test, max_examples=40)
+@given(
+    slopes=st.lists(st.floats(-25.0, 25.0), min_size=10, max_size=10),
+    limit_m=st.floats(120.0, 2400.0),
+    push_mps2=st.floats(0.0, 0.6),
+    bound_m=st.floats(0.0, 20.0),
+    length_m=st.sampled_from([20.0, 40.0, 120.0]),
+    service_works=st.booleans(),
+)
+@example([0.0] * 10, 400.0, 0.6, 0.0, 40.0, False)
+@example([0.0, 0.0, 6.0, *[0.0] * 7], 1132.0, 0.5, 0.0, 20.0, False)  # over a crest within the reaction time
+@example([-25.0] * 10, 2000.0, 0.6, 0.0, 40.0, False)
+@example([-25.0] * 5 + [25.0] * 5, 1400.0, 0.6, 0.0, 120.0, False)
+def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    slopes: list[float],
+    limit_m: float,
+    push_mps2: float,
+    bound_m: float,
+    length_m: float,
+    service_works: bool,
+) -> None:
+    """Full power until something intervenes, over hills, the front ahead of its estimate by all of the bound.
+
+    Simulated here on its own: mean gradient under the train; the brake does nothing while the motors still
+    push, for the whole reaction time (one sampling step of it is the computer's), then it has its guaranteed value.
+    Where the service brake works it cuts the power off for good; where it does not, only the emergency brake does.
+    """
+    elevation_m = np.interp(np.arange(TRACK_M), np.linspace(0, TRACK_M, 11), np.cumsum([0.0, *slopes]) / 4.0)
+    long = copy(train)
+    long.length_m = length_m
+    path = pattern_of(elevation_m, np.full(TRACK_M, 27.0), long, behaviour)
+    unit = prepared(limit_m)
+    unit.bound_ahead_m = bound_m
+    front_m, speed, since_s, cut = unit.position_m + bound_m, 0.0, 0.0, False
+    metres = np.arange(TRACK_M)
+    for _ in range(6000):
+        if unit.intervention == EMERGENCY_INTERVENTION:
+            since_s += STEP_S
+            braking = since_s > behaviour.emergency_reaction_s - STEP_S + 1e-9
+            brake_mps2 = behaviour.emergency_guaranteed_mps2
+        elif unit.intervention == SERVICE_INTERVENTION and service_works:
+            since_s += STEP_S
+            braking = since_s > behaviour.service_reaction_s - STEP_S + 1e-9
+            brake_mps2 = behaviour.service_guaranteed_mps2
+        else:
+            since_s, braking, brake_mps2 = 0.0, False, 0.0
+        cut = cut or braking
+        ends_m = np.interp([front_m, front_m - length_m], metres, elevation_m)
+        slope_mps2 = GRAVITY_SHARE_MPS2 * (ends_m[0] - ends_m[1]) / length_m
+        acceleration = (-brake_mps2 if braking else 0.0 if cut else push_mps2) - slope_mps2
+        after = max(speed + acceleration * STEP_S, 0.0)
+        front_m += (speed + after) / 2.0 * STEP_S
+        speed = after
+        assert front_m <= limit_m
+        locate(unit, long, front_m - 50.0 - bound_m, speed, STEP_S)
+        supervise(unit, long, behaviour, path)
+        if speed == 0.0 and cut:
+            break
+
+
+@compiled_test
+@given(
+    near_m=st.floats(0.0, 1000.0),
+    further_m=st.floats(0.0, 1000.0),
+    bound_m=st.floats(0.0, 50.0),
+    permille=st.floats(-20.0, 20.0),
+)
+def test_the_permitted_speed_never_rises_towards_the_limit_nor_with_the_bound(
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    track: Callable[..., Rows],
+    near_m: float,
+    further_m: float,
+    bound_m: float,
+    permille: float,
+) -> None:
+    path = track(np.arange(TRACK_M) * permille / 1000.0)
+
+    def permitted(distance_m: float, ahead_m: float) -> float:
+        unit = prepared(2200.0)
+        unit.position_m, unit.bound_ahead_m = 2200.0 - distance_m, ahead_m
+        supervise(unit, train, behaviour, path)
+        return float(unit.permitted_mps)
+
+    near = permitted(near_m, 0.0)
+    assert near <= permitted(near_m + further_m, 0.0) + 1e-9
+    assert permitted(near_m, bound_m) <= near + 1e-9
+
+
+def test_interventions(train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows]) -> None:
+    """Limit 18 m/s; service from 18.6, released at 17, emergency from 20, and that only by the driver."""
+    path = track(np.zeros(TRACK_M))
+    unit = prepared(np.inf)
+    course = [
+        (18.5, NO_INTERVENTION, 0),
+        (18.7, SERVICE_INTERVENTION, EVENT_INTERVENTION),
+        (17.1, SERVICE_INTERVENTION, 0),
+        (16.9, NO_INTERVENTION, EVENT_INTERVENTION),
+        (20.1, EMERGENCY_INTERVENTION, EVENT_INTERVENTION),
+        (0.0, EMERGENCY_INTERVENTION, 0),
+    ]
+    for speed_mps, intervention, events in course:
+        unit.speed_mps = speed_mps
+        assert supervise(unit, train, behaviour, path) == events
+        assert unit.intervention == intervention
+
+
+def test_the_restricted_speed_is_a_ceiling(
+    train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows]
+) -> None:
+    unit = prepared(np.inf)
+    unit.restricted_mps = 15.0 / 3.6
+    supervise(unit, train, behaviour, track(np.zeros(TRACK_M)))
+    assert unit.permitted_mps == pytest.approx(15.0 / 3.6)
+
+
+def test_at_the_limit_and_beyond_nothing_is_permitted(
+    train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows]
+) -> None:
+    path = track(np.zeros(TRACK_M))
+    for limit_m in (50.0, 40.0, 0.0):
+        unit = prepared(limit_m)
+        unit.speed_mps = 0.01
+        supervise(unit, train, behaviour, path)
+        assert unit.permitted_mps == 0.0
+        assert unit.intervention == EMERGENCY_INTERVENTION
+        unit = prepared(limit_m)
+        supervise(unit, train, behaviour, path)
+        assert unit.intervention == NO_INTERVENTION  # it stands
+
+
+def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
+    train: TrainRow, behaviour: BehaviourRow
+) -> None:
+    limits = np.full(TRACK_M, 20.0)
+    limits[200:] = 5.0
+    path = pattern_of(np.zeros(TRACK_M), limits, train, behaviour)
+    unit = prepared(np.inf)
+    unit.position_m, unit.bound_ahead_m = 190.0 - RESERVE_M, 10.0
+    supervise(unit, train, behaviour, path)
+    assert unit.permitted_mps == pytest.approx(5.0)

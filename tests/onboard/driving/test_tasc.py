@@ -1,0 +1,237 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from onboard.driving.tasc import (
+    BRAKE_TOO_WEAK,
+    DESIGN,
+    LEAST_BRAKE_MPS2,
+    TARGET_NOT_SEEN,
+    TASC,
+    DesignRow,
+    TascRow,
+    Verdict,
+    aim_m,
+    command_mps2,
+    corrected_command_mps2,
+    distance_by_fix_m,
+    distance_by_tachometer_m,
+    expected_mps2,
+    followed,
+    judge,
+    pattern,
+    pattern_through,
+    predicted,
+    reset,
+    tasc_step,
+)
+
+
+def design(**changes: float) -> DesignRow:
+    row = np.zeros(1, dtype=DESIGN)
+    values = {
+        "pattern_mps2": 0.8,
+        "pattern_least_mps2": 0.4,
+        "brake_max_mps2": 0.93,
+        "command_jerk_mps3": 4.65,
+        "end_mps2": 0.3,
+        "end_jerk_mps3": 0.6,
+        "gain_per_s": 0.6,
+        "dead_time_s": 1.0,
+        "correction_least_m": 0.05,
+        "step_s": 0.1,
+    }
+    for name, value in (values | changes).items():
+        row[name] = value
+    record: DesignRow = row[0]
+    return record
+
+
+def fresh() -> NDArray[np.void]:
+    return np.zeros(1, dtype=TASC)
+
+
+def test_the_rows_have_the_fields_that_the_laws_see() -> None:
+    assert tuple(DesignRow.__annotations__) == DESIGN.names
+    assert tuple(TascRow.__annotations__) == TASC.names
+
+
+def test_position_between_fixes_and_at_one() -> None:
+    assert distance_by_tachometer_m(400.0, 1.5) == 398.5
+    assert distance_by_fix_m(100.0, 0.5) == 99.5
+    assert aim_m(50.0, 80.0, 5.0) == 50.0
+    assert aim_m(50.0, 40.0, 5.0) == 35.0
+
+
+def test_the_pattern_at_a_design_without_soft_end_is_the_square_root() -> None:
+    speed, slope = pattern(design(end_mps2=0.8), 0.8, 100.0)
+    assert speed == pytest.approx(math.sqrt(160.0))
+    assert slope == 0.8
+
+
+@settings(deadline=None)  # the first call compiles
+@given(distance_m=st.floats(1e-3, 400.0), deceleration=st.floats(0.35, 0.93))
+def test_the_pattern_is_what_its_deceleration_makes_of_it(distance_m: float, deceleration: float) -> None:
+    row = design()
+    ahead, behind = distance_m * (1.0 - 1e-5), distance_m * (1.0 + 1e-5)
+    lower, _ = pattern(row, deceleration, ahead)
+    higher, _ = pattern(row, deceleration, behind)
+    _, slope = pattern(row, deceleration, distance_m)
+    # v dv/dx = b
+    assert (higher**2 - lower**2) / 2.0 / (behind - ahead) == pytest.approx(slope, rel=1e-3)
+
+
+def test_the_soft_end_falls_to_the_deceleration_left_at_rest() -> None:
+    row = design()
+    assert pattern(row, 0.8, 1e-9)[1] == pytest.approx(0.3, abs=1e-3)
+    # (0.8 - 0.3) / 0.6 = 0.833 s of soft end: 0.3 T^2/2 + 0.6 T^3/6 = 0.162 m
+    assert pattern(row, 0.8, 0.1621)[1] == pytest.approx(0.8, abs=2e-3)
+    assert pattern(row, 0.8, 0.17)[1] == 0.8
+    assert pattern(row, 0.8, -1.0) == (0.0, 0.3)
+
+
+@settings(deadline=None)  # the first call compiles
+@given(deceleration=st.floats(0.41, 0.92), distance_m=st.floats(2.0, 300.0))
+def test_a_pattern_drawn_through_a_state_is_the_one_it_came_from(
+    deceleration: float, distance_m: float
+) -> None:
+    row = design()
+    speed, _ = pattern(row, deceleration, distance_m)
+    assert pattern_through(row, speed, distance_m) == pytest.approx(deceleration, abs=1e-6)
+
+
+def test_a_state_too_slow_asks_for_release_and_one_too_fast_for_the_full_brake() -> None:
+    assert pattern_through(design(), 3.0, 100.0) == 0.0
+    assert pattern_through(design(), 10.0, 20.0) == 0.93
+
+
+def test_prediction_runs_through_the_commands_under_way() -> None:
+    tasc, row = fresh()[0], design(command_jerk_mps3=0.0)
+    for _ in range(10):
+        tasc["head"] = tasc["head"] + 1
+        tasc["pending_mps2"][int(tasc["head"])] = 0.8
+    speed, run_m = predicted(tasc, row, 10.0, 0.0)
+    # 1 s at 0.8 m/s^2: 10 - 0.8 m/s after 10 - 0.4 m
+    assert speed == pytest.approx(9.2)
+    assert run_m == pytest.approx(9.6)
+
+
+def test_prediction_with_own_deceleration_stops_at_zero() -> None:
+    speed, run_m = predicted(fresh()[0], design(), 0.05, 0.1)
+    assert speed == 0.0
+    assert 0.0 < run_m <= 0.05
+
+
+@settings(deadline=None)  # the first call compiles
+@given(demand=st.floats(0.0, 0.93), offset=st.floats(-0.25, 0.25))
+def test_the_model_expects_of_a_corrected_command_what_was_demanded(demand: float, offset: float) -> None:
+    row = design(offset_mps2=offset)
+    command = corrected_command_mps2(row, demand)
+    assert 0.0 <= command <= 0.93
+    if command < 0.93:
+        assert expected_mps2(row, command) == pytest.approx(demand, abs=1e-9)
+
+
+def test_a_released_brake_has_no_bias() -> None:
+    assert corrected_command_mps2(design(offset_mps2=-0.2), 0.0) == 0.0
+
+
+def test_the_command_moves_by_the_jerk_limit() -> None:
+    tasc, row = fresh()[0], design(command_jerk_mps3=1.0)
+    commands = [command_mps2(tasc, row, 0.93) for _ in range(12)]
+    assert np.diff([0.0, *commands]).max() == pytest.approx(0.1)
+    assert commands[-1] == pytest.approx(0.93)
+
+
+def test_the_model_brake_builds_up_after_the_dead_time() -> None:
+    tasc, row = fresh()[0], design(command_jerk_mps3=10.0, dead_time_s=0.3)
+    built = []
+    for _ in range(5):
+        command_mps2(tasc, row, 0.8)
+        built.append(float(tasc["built_mps2"]))
+    assert built == pytest.approx([0.0, 0.0, 0.0, 0.8, 0.8])
+
+
+def test_no_brake_before_the_pattern_is_met() -> None:
+    tasc = fresh()[0]
+    assert followed(tasc, design(), 10.0, 200.0, 0.0, 0.0) == 0.0
+    assert tasc["braking"] == 0
+    # 10 m/s needs 62.5 m at 0.8 m/s^2, and 0.9 m to build up
+    assert followed(tasc, design(), 10.0, 63.2, 0.0, 0.0) > 0.7
+    assert tasc["braking"] == 1
+
+
+@settings(deadline=None)  # the first call compiles
+@given(moved_m=st.floats(-6.0, 3.0))
+def test_a_fix_changes_the_demand_no_more_than_the_new_distance_requires(moved_m: float) -> None:
+    tasc, row = fresh()[0], design(gain_per_s=2.0)
+    tasc["braking"] = 1
+    tasc["pattern_mps2"] = 0.8
+    speed, _ = pattern(row, 0.8, 50.0)
+    left_m = 50.0 - moved_m
+    demand = followed(tasc, row, speed, left_m, 0.0, moved_m)
+    assert tasc["braking"] == 1
+    # constant deceleration over what is left, not a push by the gain
+    expected = 0.8 if abs(moved_m) < 0.05 else speed**2 / 2.0 / left_m
+    assert demand == pytest.approx(expected, abs=0.15 if abs(moved_m) < 0.05 else 0.02)
+
+
+def test_a_mark_much_farther_than_believed_releases_the_brake() -> None:
+    tasc, row = fresh()[0], design()
+    tasc["braking"] = 1
+    tasc["pattern_mps2"] = 0.8
+    assert followed(tasc, row, 4.0, 60.0, 0.0, -50.0) == 0.0
+    assert tasc["braking"] == 0
+
+
+def test_the_demand_never_lets_the_train_roll_at_the_mark() -> None:
+    tasc = fresh()[0]
+    tasc["braking"] = 1
+    tasc["pattern_mps2"] = 0.8
+    downhill_mps2 = -0.1
+    assert followed(tasc, design(), 0.0, 0.5, downhill_mps2, 0.0) >= 0.1 + LEAST_BRAKE_MPS2 - 1e-12
+
+
+def test_integral_and_derivative_add_to_the_demand() -> None:
+    demands = []
+    for changes in ({}, {"integral_gain_per_s2": 0.5}, {"derivative_gain": 0.1}):
+        tasc, row = fresh()[0], design(**changes)
+        tasc["braking"] = 1
+        tasc["pattern_mps2"] = 0.6
+        tasc["integral_m"] = 0.1
+        speed = pattern(row, 0.6, 50.0)[0] + 0.05
+        demands.append(followed(tasc, row, speed, 50.0, 0.0, 0.0))
+    assert demands[0] == pytest.approx(0.6 + 0.6 * 0.05)
+    assert demands[1] == pytest.approx(demands[0] + 0.05)
+    assert demands[2] == pytest.approx(demands[0] + 0.1 * 0.05 / 0.1)
+
+
+def test_the_first_impossibility_stands() -> None:
+    tasc = fresh()[0]
+    judge(tasc, TARGET_NOT_SEEN)
+    judge(tasc, BRAKE_TOO_WEAK)
+    assert Verdict(int(tasc["verdict"])) is Verdict.TARGET_NOT_SEEN
+
+
+def test_a_mark_too_near_is_told_at_once() -> None:
+    tasc = fresh()[0]
+    # 10 m/s over 1 s and 0.93 m/s^2 after it: 10 + 53.8 m
+    tasc_step(tasc, design(), 10.0, 60.0, 0.0, 0.0)
+    assert Verdict(int(tasc["verdict"])) is Verdict.BRAKE_TOO_WEAK
+    reset(tasc)
+    tasc_step(tasc, design(), 10.0, 65.0, 0.0, 0.0)
+    assert Verdict(int(tasc["verdict"])) is Verdict.POSSIBLE
+
+
+def test_reset_leaves_nothing_of_the_last_stop() -> None:
+    rows = fresh()
+    for name in TASC.names or ():
+        rows[name] = 1
+    reset(rows[0])
+    assert rows.tobytes() == fresh().tobytes()

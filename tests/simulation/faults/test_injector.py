@@ -1,0 +1,187 @@
+"""What link faults make of telegrams, and what people enter, without a world around."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from radio.air import Delivery
+from simulation.agenda import Agenda
+from simulation.faults.injector import Injector, link_ends
+from simulation.faults.script import Act, ActKind, Fault, FaultKind, Script, Trigger
+from simulation.journal import Journal
+from simulation.setup import STEPS_PER_S
+from wayside.said import AcceptPicture, EnterSection
+
+SENT = (Delivery(100, b"telegram"),)
+
+
+class World:
+    """Stands for trains and wayside; keeps what is done to it."""
+
+    def __init__(self, *script: Fault | Act, seed: int = 1) -> None:
+        self.inputs: list[tuple[str, Any]] = []
+        self.switched: list[tuple[str, bool]] = []
+        self.given_back: list[tuple[str, float]] = []
+        held = SimpleNamespace(on_line=True, section_ids=lambda: ("3", "5"))
+        wishing = SimpleNamespace(on_line=False, section_ids=lambda: ("PW",))
+        on_board = [
+            SimpleNamespace(facts=SimpleNamespace(unit_id="K1"), authority=held),
+            SimpleNamespace(facts=SimpleNamespace(unit_id="K2"), authority=wishing),
+        ]
+        self.wayside: Any
+        trains: Any = SimpleNamespace(slot_of={"K1": 0, "K2": 1}, tag_faults={}, on_board=on_board)
+        self.tag_faults = trains.tag_faults
+        self.wayside = SimpleNamespace(
+            section_ids=("PW", "3", "5"),
+            input=lambda _step, device, value: self.inputs.append((device, value)),
+            power_on=lambda _step, device: self.switched.append((device, True)),
+            power_off=lambda _step, device: self.switched.append((device, False)),
+        )
+        self.journal, self.agenda = Journal(), Agenda()
+        self.injector = Injector(
+            Script(
+                tuple(s for s in script if isinstance(s, Fault)),
+                tuple(s for s in script if isinstance(s, Act)),
+            ),
+            seed,
+            trains,
+            self.wayside,
+            self.journal,
+            self.agenda,
+            lambda unit_id, on: self.switched.append((unit_id, on)),
+            lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
+        )
+        self.injector.start(0)
+
+    def run_to(self, step: int) -> None:
+        while (item := self.agenda.pop_due(step)) is not None:
+            self.injector.due(item.step, item.subject)
+
+    def sent(self, source: str, destination: str) -> tuple[Delivery, ...]:
+        found: tuple[Delivery, ...] = self.wayside.disturb(90, source, destination, SENT)
+        return found
+
+
+def link(kind: FaultKind, target: str = "* <-> *", **parameters: float) -> Fault:
+    return Fault(kind, target, Trigger(at_s=1.0), 10.0, parameters)
+
+
+def test_words_for_links() -> None:
+    assert link_ends("K1 -> B-W") == (("K1", "B-W"),)
+    assert link_ends("K1 <-> B-W") == (("K1", "B-W"), ("B-W", "K1"))
+    assert link_ends("K1") == ()
+
+
+def test_a_cut_lasts_as_long_as_it_is_said_to_and_cuts_no_other_link() -> None:
+    world = World(link(FaultKind.CUT, "K1 <-> block-manager"))
+    assert world.sent("K1", "block-manager") == SENT
+    world.run_to(1 * STEPS_PER_S)
+    assert world.sent("K1", "block-manager") == world.sent("block-manager", "K1") == ()
+    assert world.sent("K2", "block-manager") == world.sent("K1", "B-W") == SENT
+    world.run_to(11 * STEPS_PER_S)
+    assert world.sent("K1", "block-manager") == SENT
+    assert [entry["what"] for entry in world.journal.entries] == ["fault", "fault_over"]
+
+
+def test_one_way_cuts_one_way() -> None:
+    world = World(link(FaultKind.CUT, "B-W -> K1"))
+    world.run_to(10)
+    assert world.sent("B-W", "K1") == ()
+    assert world.sent("K1", "B-W") == SENT
+
+
+@given(st.integers(0, 2**16))
+def test_a_flip_turns_exactly_one_bit(seed: int) -> None:
+    world = World(link(FaultKind.FLIP, p=1.0), seed=seed)
+    world.run_to(10)
+    (delivery,) = world.sent("K1", "B-W")
+    turned = [a ^ b for a, b in zip(delivery.data, SENT[0].data, strict=True)]
+    assert sum(byte.bit_count() for byte in turned) == 1
+    assert delivery.step == SENT[0].step
+
+
+@pytest.mark.parametrize(
+    ("fault", "steps"),
+    [
+        (link(FaultKind.DELAY, seconds=3.0), [130]),
+        (link(FaultKind.REORDER, p=1.0, seconds=1.5), [115]),
+        (link(FaultKind.REORDER, p=0.0), [100]),
+        (link(FaultKind.DUPLICATE, p=1.0), [100, 101]),
+        (link(FaultKind.LOSS, p=1.0), []),
+        (link(FaultKind.LOSS, p=0.0), [100]),
+    ],
+)
+def test_when_a_disturbed_telegram_arrives(fault: Fault, steps: list[int]) -> None:
+    world = World(fault)
+    world.run_to(10)
+    found = world.sent("K1", "B-W")
+    assert [delivery.step for delivery in found] == steps
+    assert all(delivery.data == SENT[0].data for delivery in found)
+
+
+def test_losses_come_as_often_as_said_and_the_same_with_the_same_seed() -> None:
+    def lost(seed: int) -> list[bool]:
+        world = World(link(FaultKind.LOSS, p=0.3), seed=seed)
+        world.run_to(10)
+        return [not world.sent("K1", "B-W") for _ in range(2000)]
+
+    assert lost(1) == lost(1) != lost(2)
+    assert sum(lost(1)) / 2000 == pytest.approx(0.3, abs=0.04)  # four standard deviations
+
+
+def test_power_goes_off_and_comes_back_on_units_and_devices() -> None:
+    off = [Fault(FaultKind.POWER_OFF, target, Trigger(at_s=1.0), 2.0) for target in ("K1", "B-W")]
+    world = World(*off, Fault(FaultKind.RESTART, "block-manager", Trigger(at_s=5.0)))
+    world.run_to(29)
+    assert world.switched == [("K1", False), ("B-W", False)]
+    world.run_to(100)
+    assert world.switched[2:] == [
+        ("K1", True),
+        ("B-W", True),
+        ("block-manager", False),
+        ("block-manager", True),
+    ]
+
+
+def test_an_event_begins_a_fault_with_its_delay() -> None:
+    from simulation.faults.script import matcher_of
+
+    on = matcher_of("points P7 move")
+    world = World(Fault(FaultKind.MISS, "602", Trigger(on=on, after_s=2.0), 3.0))
+    world.run_to(1000)
+    assert world.tag_faults == {}
+    world.journal.write(200.0, "world", "points_moving", points="P7")
+    world.run_to(2020)
+    assert world.tag_faults == {602: None}
+    world.run_to(2050)
+    assert world.tag_faults == {}
+
+
+def test_re_entry_by_hand_enters_every_section_by_what_units_on_the_line_hold() -> None:
+    world = World(Act(ActKind.REENTER_BY_HAND, "", Trigger(at_s=1.0), "Sato"))
+    world.run_to(10)
+    assert world.inputs == [
+        ("block-manager", EnterSection("PW", None, "Sato")),
+        ("block-manager", EnterSection("3", "K1", "Sato")),
+        ("block-manager", EnterSection("5", "K1", "Sato")),
+        ("block-manager", AcceptPicture("Sato")),
+    ]
+
+
+def test_other_acts_reach_whom_they_are_meant_for() -> None:
+    world = World(
+        Act(ActKind.ENTER_SECTION, "K2", Trigger(at_s=1.0), sections=("3",)),
+        Act(ActKind.ACCEPT_PICTURE, "", Trigger(at_s=1.0)),
+        Act(ActKind.GIVE_BACK, "K1", Trigger(at_s=1.0), "crew", hold_s=60.0),
+    )
+    world.run_to(10)
+    assert world.inputs == [
+        ("block-manager", EnterSection("3", "K2", "controller")),
+        ("block-manager", AcceptPicture("controller")),
+    ]
+    assert world.given_back == [("K1", 60.0)]

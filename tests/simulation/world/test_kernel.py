@@ -1,0 +1,195 @@
+"""The compiled loop on the plain carrier: a unit driven by hand from A to the arrival points of B."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from network.profile import PROFILE
+from onboard.records import EVENT_STOPPED, MODE_DRIVE
+from simulation.carriers.plain_track import PlainTrack
+from simulation.setup import STEP_S, Setup
+from simulation.world.kernel import advance, track_under, world_events
+from simulation.world.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG, TRACE, TRUTH
+from simulation.world.roster import draw_up
+from simulation.world.rows import TruthRow
+from simulation.world.trains import Trains
+
+STEPS, EVERY = 50, 10
+
+
+class Bench:
+    """One train, free up to 480 m of its path; the kernel and the plain carrier take turns."""
+
+    def __init__(self, setup: Setup, speed_mps: float = 12.0) -> None:
+        lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
+        self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S), b"k" * 32)
+        self.trains.place(0, draw_up(setup.line, setup.timetable, {"K1": 40.0}, 0.0)["K1"][0])
+        unit = self.trains.units[0]
+        unit.mode, unit.stop_limit_m, unit.target_stop_m, unit.cruise_mps = (
+            MODE_DRIVE,
+            520.0,
+            480.0,
+            speed_mps,
+        )
+        unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = np.inf
+        self.speeds = np.zeros((STEPS, 1))
+        self.trace = np.zeros(5000, dtype=TRACE)
+        self.used, self.step = 0, 0
+        self.seen: list[int] = []
+
+    def advance(self, steps: int = STEPS) -> int:
+        """One turn; returns the events."""
+        trains, pool = self.trains, self.trains.pool
+        done, self.used = advance(
+            trains.truths,
+            trains.plants,
+            trains.units,
+            trains.bodies,
+            trains.kinds,
+            trains.behaviours,
+            trains.tascs,
+            trains.designs,
+            trains.waves,
+            pool.profile,
+            pool.pattern,
+            pool.tag_positions_m,
+            self.speeds,
+            self.trace,
+            self.used,
+            self.step,
+            steps,
+            EVERY,
+        )
+        trains.carrier.run([("K1", self.speeds[:done, 0].tolist())], done)
+        self.step += done
+        trains.compare(0, trains.carrier.truth("K1"))
+        events = int(trains.truths[0].events)
+        if events & EVENT_TAG:
+            tag_id, _, odometer_m = trains.read_tag(0)
+            self.seen.append(tag_id)
+            tag_m = trains.pool.tag_positions_m[int(trains.truths[0].tag_next) - 1]
+            # By the true circumference the wheel had run to the tag; the reader errs by 0.2 m at the most.
+            run_m = (odometer_m - self.first_odometer_m) * float(trains.truths[0].wheel_factor)
+            assert run_m == pytest.approx(tag_m - 80.0, abs=0.25)
+        if events & (EVENT_FRONT | EVENT_REAR):
+            trains.set_boundaries(0)
+        return events
+
+    first_odometer_m = 0.0
+
+
+def test_the_carrier_executes_what_the_kernel_ran_ahead(rtri_setup: Setup) -> None:
+    """`compare` holds the two to a micrometre at every turn; every joint and tag up to the stop is reported."""
+    bench = Bench(rtri_setup)
+    fronts = rears = 0
+    events = 0
+    for _ in range(400):
+        events = bench.advance()
+        fronts += events & EVENT_FRONT > 0
+        rears += events & EVENT_REAR > 0
+        if events & EVENT_STOPPED:
+            break
+    assert events & EVENT_STOPPED
+    assert bench.trains.truths[0].position_m == pytest.approx(480.0, abs=4.0)  # without tags: 1 % of 400 m
+    assert bench.seen == [601, 602, 603]
+    assert (fronts, rears) == (3, 3)  # out of section 3, the leg and the stem of P5
+
+
+def test_the_turns_do_not_change_the_course(rtri_setup: Setup) -> None:
+    """Run ahead by one step or by fifty: the same speeds to the bit."""
+    courses = []
+    for steps in (1, 7, STEPS):
+        bench, course = Bench(rtri_setup), []
+        while bench.step < 700:
+            before = bench.step
+            bench.advance(min(steps, 700 - bench.step))
+            course.extend(bench.speeds[: bench.step - before, 0].tolist())
+        courses.append(course)
+    assert courses[0] == courses[1] == courses[2]
+
+
+def test_it_stops_after_the_first_step_with_an_event(rtri_setup: Setup) -> None:
+    bench = Bench(rtri_setup)
+    while True:
+        before = bench.step
+        if bench.advance() and bench.step > 5:
+            break
+    assert bench.step - before <= STEPS
+    last = bench.trace[bench.used - 1]
+    assert last["step"] == bench.step  # the step of an event is always in the trace
+
+
+def test_the_trace_has_every_tenth_step_while_the_train_moves(rtri_setup: Setup) -> None:
+    bench = Bench(rtri_setup)
+    while bench.step < 300:
+        bench.advance(min(STEPS, 300 - bench.step))
+    steps = bench.trace["step"][: bench.used]
+    assert set(range(EVERY, 301, EVERY)) <= set(steps.tolist())
+    assert np.all(np.diff(steps) > 0)
+
+
+def test_a_stock_off_the_line_is_left_alone(rtri_setup: Setup) -> None:
+    bench = Bench(rtri_setup)
+    bench.trains.truths[0].active = 0
+    before = bench.trains.plants.copy()
+    done, used = advance(
+        bench.trains.truths,
+        bench.trains.plants,
+        bench.trains.units,
+        bench.trains.bodies,
+        bench.trains.kinds,
+        bench.trains.behaviours,
+        bench.trains.tascs,
+        bench.trains.designs,
+        bench.trains.waves,
+        bench.trains.pool.profile,
+        bench.trains.pool.pattern,
+        bench.trains.pool.tag_positions_m,
+        bench.speeds,
+        bench.trace,
+        0,
+        0,
+        STEPS,
+        EVERY,
+    )
+    assert (done, used) == (STEPS, 0)
+    assert np.array_equal(bench.trains.plants, before)
+
+
+def truth_at(position_m: float, rows: int) -> TruthRow:
+    row: TruthRow = np.zeros(1, dtype=TRUTH).view(np.recarray)[0]
+    row.position_m, row.profile_rows = position_m, rows
+    row.front_boundary_m = row.rear_boundary_m = row.camera_m = np.inf
+    row.wheel_factor = row.tachometer_gain = 1.0
+    return row
+
+
+def test_mean_gradient_and_curvature_under_the_train() -> None:
+    """10 permille up to 100 m, level beyond; a curve of 200 m radius from 50 m on."""
+    profile = np.zeros(201, dtype=PROFILE)
+    metres = np.arange(201)
+    profile["elevation_m"] = np.minimum(metres, 100) * 0.01
+    profile["turn_rad"] = np.maximum(metres - 50.0, 0.0) / 200.0
+    rows = profile.view(np.recarray)
+    for front_m, permille, curvature in (
+        (45.0, 10.0, 0.0),
+        (70.0, 10.0, 0.5 / 200.0),
+        (110.5, 10.0 * 29.5 / 40.0, 1.0 / 200.0),
+        (180.0, 0.0, 1.0 / 200.0),
+    ):
+        assert track_under(truth_at(front_m, 201), rows, 40.0) == pytest.approx((permille, curvature))
+
+
+def test_what_front_and_rear_pass() -> None:
+    tags_m = np.array([100.0, 150.0])
+    truth = truth_at(100.4, 300)
+    truth.tag_end, truth.odometer_m = 2, 900.4
+    truth.front_boundary_m, truth.rear_boundary_m = 100.4, 60.5
+    assert world_events(truth, tags_m, 40.0) == EVENT_TAG | EVENT_FRONT
+    assert truth.odometer_at_tag_m == pytest.approx(900.0)
+    truth.tag_next, truth.front_boundary_m, truth.rear_boundary_m = 1, np.inf, 60.4
+    assert world_events(truth, tags_m, 40.0) == EVENT_REAR
+    truth.tag_next = 2
+    truth.position_m, truth.rear_boundary_m = 200.0, np.inf
+    assert world_events(truth, tags_m, 40.0) == 0  # no tag left

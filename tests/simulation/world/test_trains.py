@@ -1,0 +1,188 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from network.model import Direction
+from network.timetable import Call, Diagram, Stabled, Timetable, TimetableTrain
+from onboard.duty.mission import plan_mission
+from simulation.carriers.plain_track import PlainTrack
+from simulation.setup import STEP_S, Setup
+from simulation.world.roster import Duty, draw_up
+from simulation.world.trains import AGREEMENT_M, CarrierDisagrees, Trains
+
+KEY = b"k" * 32
+LENGTH_M = 40.0
+MARK_A_M, MARK_B_M = 80.0, 660.0  # km 0.44 and km 1.02 on a path that begins at km 0.36
+
+
+def plain(setup: Setup) -> PlainTrack:
+    return PlainTrack({p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}, STEP_S)
+
+
+def first_duty(setup: Setup) -> Duty:
+    return draw_up(setup.line, setup.timetable, {"K1": LENGTH_M}, setup.portal_lead_s)["K1"][0]
+
+
+@pytest.fixture
+def placed(rtri_setup: Setup) -> Trains:
+    trains = Trains(rtri_setup, plain(rtri_setup), KEY)
+    assert trains.active() == []
+    trains.place(0, first_duty(rtri_setup))
+    return trains
+
+
+def moved(trains: Trains, run_m: float) -> None:
+    """Move the truth of stock 0 as the kernel does, and the carrier by the same distance."""
+    truth, plant = trains.truths[0], trains.plants[0]
+    plant.travelled_m += run_m
+    truth.position_m = truth.offset_m + plant.travelled_m
+    trains.carrier.run([("K1", [run_m / STEP_S, 0.0])], 2)
+
+
+def test_a_stock_stands_at_its_first_mark_and_knows_it(placed: Trains) -> None:
+    truth, unit = placed.truths[0], placed.units[0]
+    assert placed.active() == [0]
+    assert truth.position_m == unit.position_m == pytest.approx(MARK_A_M)
+    assert unit.position_known == 1
+    assert unit.bound_ahead_m == unit.bound_behind_m == placed.setup.unit.tag_accuracy_m
+    assert placed.kilometrage_m(0) == pytest.approx(440.0)
+    assert placed.direction(0) is Direction.DOWN
+    assert placed.covered("K1")
+    assert (truth.front_boundary_m, truth.rear_boundary_m) == pytest.approx((110.0, 110.0))
+    assert placed.pool.tag_ids[truth.tag_next] == 601  # those behind the front are passed
+    assert placed.carrier.truth("K1").offset_m == pytest.approx(MARK_A_M)
+
+
+def test_before_it_is_on_the_line(rtri_setup: Setup) -> None:
+    trains = Trains(rtri_setup, plain(rtri_setup), KEY)
+    with pytest.raises(RuntimeError, match="K1 is not on the line"):
+        trains.true_path(0)
+    with pytest.raises(RuntimeError, match="K1 has no duty"):
+        trains.pattern_rows(0)
+
+
+def test_the_carrier_is_the_judge_of_the_position(placed: Trains) -> None:
+    moved(placed, 40.0)
+    placed.compare(0, placed.carrier.truth("K1"))
+    assert placed.truths[0].position_m == pytest.approx(MARK_A_M + 40.0)
+    placed.truths[0].position_m += 2.0 * AGREEMENT_M
+    with pytest.raises(CarrierDisagrees, match=r"K1: carrier has it at 120\.000000 m"):
+        placed.compare(0, placed.carrier.truth("K1"))
+
+
+def test_the_next_joints_of_front_and_rear(placed: Trains) -> None:
+    """Section 3 ends at 110 m, the leg of P5 at 160 m, its stem at 170 m."""
+    moved(placed, 35.0)
+    placed.set_boundaries(0)
+    truth = placed.truths[0]
+    assert (truth.front_boundary_m, truth.rear_boundary_m) == pytest.approx((160.0, 110.0))
+    assert placed.crossing(0) == ("P5.normal", "P5.stem")
+    moved(placed, 50.0)
+    placed.set_boundaries(0)
+    assert (truth.front_boundary_m, truth.rear_boundary_m) == pytest.approx((170.0, 160.0))
+    moved(placed, 500.0)
+    placed.set_boundaries(0)
+    assert truth.front_boundary_m == pytest.approx(690.0)  # the mission ends there, the track goes on
+    end_m = placed.true_path(0).length_m
+    assert end_m > 690.0 and not placed.at_end_of_track(0)
+    truth.position_m = end_m
+    assert placed.at_end_of_track(0)
+
+
+def back_duty(setup: Setup) -> Duty:
+    calls = (Call("B", "1", None, 36_300), Call("A", None, 36_400, None))
+    train = TimetableTrain("T2", Direction.UP, True, calls, Stabled(), Stabled())
+    mission = plan_mission(setup.line, train, "8", None, None)
+    return Duty("K1", train, mission, False, 36_300.0, False, None)
+
+
+def test_changing_ends(placed: Trains, rtri_setup: Setup) -> None:
+    """Front at km 1.02 going down: going up it is where the rear was, at km 0.98, 70 m from section 8's end."""
+    moved(placed, MARK_B_M - MARK_A_M)
+    unit, truth = placed.units[0], placed.truths[0]
+    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = MARK_B_M + 0.3, 0.1, 0.7
+    placed.turn(0, back_duty(rtri_setup))
+    assert placed.direction(0) is Direction.UP
+    assert placed.kilometrage_m(0) == pytest.approx(980.0)
+    assert truth.position_m == pytest.approx(70.0)
+    assert unit.position_m == pytest.approx(69.7)  # what it overestimated it now underestimates
+    assert (unit.bound_ahead_m, unit.bound_behind_m) == (0.7, 0.1)
+    placed.compare(0, placed.carrier.truth("K1"))
+    assert placed.pool.tag_ids[truth.tag_next] == 851
+    assert placed.on_board[0].load_share == pytest.approx(float(placed.plants[0].load_share))
+
+
+def test_going_on_as_another_train(placed: Trains, rtri_setup: Setup) -> None:
+    moved(placed, MARK_B_M - MARK_A_M)
+    placed.units[0].position_m = MARK_B_M - 0.2
+    train = replace(
+        rtri_setup.timetable.trains["T1"],
+        number="T9",
+        calls=(Call("B", "1", None, 0), Call("B", "1", 9, None)),
+    )
+    mission = plan_mission(rtri_setup.line, train, "8", "PE", None)
+    placed.continue_as(0, Duty("K1", train, mission, False, 0.0, True, None))
+    assert placed.kilometrage_m(0) == pytest.approx(1020.0)
+    assert placed.truths[0].position_m == pytest.approx(80.0)
+    assert placed.units[0].position_m == pytest.approx(79.8)
+    placed.compare(0, placed.carrier.truth("K1"))
+
+
+def test_a_wrong_way_at_points_is_followed_by_the_truth_only(placed: Trains) -> None:
+    moved(placed, 440.0 + 9.99)  # before the toe of P7, at 530 m
+    placed.set_boundaries(0)
+    assert placed.crossing(0) == ("P7.stem", "P7.normal")
+    placed.divert(0, "P7.reverse")
+    assert "P7.reverse" in placed.true_path(0)
+    assert "9" in placed.true_path(0)
+    duty = placed.duties[0]
+    assert duty is not None
+    assert "P7.reverse" not in duty.mission.path
+    moved(placed, 20.0)
+    assert placed.carrier.truth("K1").piece_id == "P7.reverse"
+    placed.compare(0, placed.carrier.truth("K1"))
+
+
+def test_leaving_the_line(placed: Trains) -> None:
+    placed.remove(0)
+    assert placed.active() == []
+    assert placed.covered("K1")
+    with pytest.raises(RuntimeError):
+        placed.true_path(0)
+
+
+def test_tags_come_one_by_one_with_an_error_within_what_the_reader_keeps(placed: Trains) -> None:
+    truth = placed.truths[0]
+    truth.odometer_at_tag_m = 1000.0
+    for tag_id in (601, 602, 603):
+        passed, read, odometer_m = placed.read_tag(0)
+        assert passed == read == tag_id
+        assert abs(odometer_m - 1000.0) <= placed.setup.sensors.tag_read_max_m
+    placed.tag_faults |= {701: None, 801: 9999}
+    assert placed.read_tag(0)[:2] == (701, None)
+    assert placed.read_tag(0)[:2] == (801, 9999)
+
+
+def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> None:
+    """The same wheels and load with another stock in front of it; other ones with another seed."""
+    timetable = rtri_setup.timetable
+    two = Timetable(
+        timetable.id,
+        timetable.name,
+        timetable.line_id,
+        timetable.dwell_min_s,
+        timetable.trains,
+        (Diagram("K0", ()), *timetable.diagrams),
+    )
+    kind = rtri_setup.trains["K1"]
+    more = replace(rtri_setup, timetable=two, trains={"K0": kind, "K1": kind})
+    alone, beside = Trains(rtri_setup, plain(rtri_setup), KEY), Trains(more, plain(more), KEY)
+    other = Trains(replace(rtri_setup, seed=2), plain(rtri_setup), KEY)
+    alone.place(0, first_duty(rtri_setup))
+    beside.place(1, first_duty(rtri_setup))
+    assert alone.truths[0].wheel_factor == beside.truths[1].wheel_factor != other.truths[0].wheel_factor
+    assert alone.plants[0].load_share == beside.plants[1].load_share
+    sigma = rtri_setup.sensors.wheel_factor_sigma
+    assert abs(alone.truths[0].wheel_factor - 1.0) <= 3.0 * sigma

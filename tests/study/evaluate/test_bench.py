@@ -1,0 +1,125 @@
+"""The recording that SUMO alone replays: the same trains at the same places, with nothing of ours running."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import libsumo
+import numpy as np
+import pytest
+
+from network.model import Direction
+from simulation.carriers.carrier import Carrier, Truth
+from study.evaluate.bench import Recorder, replay
+from study.run.run import Link, execute
+from study.scenario.scenario import load_scenario
+from sumo_cfg.build import net_for
+
+SAME_M = 0.002  # a reversal puts back SUMO's own millimetre, which SUMO alone keeps
+
+
+@dataclass
+class Silent:
+    """A carrier that does nothing and says what it was asked."""
+
+    asked: list[str] = field(default_factory=list)
+
+    def insert(
+        self, unit_id: str, pieces: Sequence[str], direction: Direction, offset_m: float, length_m: float
+    ) -> None:
+        self.asked.append("insert")
+
+    def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
+        self.asked.append("run")
+        return 0
+
+    def truth(self, unit_id: str) -> Truth:
+        return Truth("3", Direction.DOWN, 1.0, 2.0)
+
+    def reroute(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
+        self.asked.append("reroute")
+
+    def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
+        self.asked.append("reverse")
+
+    def remove(self, unit_id: str) -> None:
+        self.asked.append("remove")
+
+    def collisions(self) -> tuple[str, ...]:
+        return ("one",)
+
+    def close(self) -> None:
+        self.asked.append("close")
+
+
+def test_a_recorder_passes_everything_on() -> None:
+    silent = Silent()
+    carrier: Carrier = Recorder(silent)
+    carrier.insert("K1", ["3", "P5.normal"], Direction.DOWN, 80.0, 40.0)
+    assert carrier.run([("K1", [1.0, 2.0])], 2) == 0
+    carrier.reroute("K1", ["P5.normal"], Direction.DOWN)
+    carrier.reverse("K1", ["3"], Direction.UP)
+    carrier.remove("K1")
+    carrier.close()
+    assert silent.asked == ["insert", "run", "reroute", "reverse", "remove", "close"]
+    assert carrier.truth("K1").speed_mps == 2.0
+    assert carrier.collisions() == ("one",)
+
+
+def test_a_recording_has_a_speed_for_every_step_of_a_train_on_the_line(tmp_path: Path) -> None:
+    recorder = Recorder(Silent())
+    recorder.run([], 3)
+    recorder.insert("K2", ["3", "P5.normal"], Direction.DOWN, 80.0, 40.0)
+    recorder.run([("K2", [1.0, 2.0])], 2)
+    recorder.run([], 2)  # it stands
+    recorder.remove("K2")
+    recorder.insert("K1", ["9"], Direction.UP, 50.0, 40.0)
+    recorder.run([("K1", [3.0])], 1)
+    recorder.save(tmp_path / "recording.npz", begin_s=35_400.0)
+    with np.load(tmp_path / "recording.npz") as data:
+        speeds, header = data["speeds"], json.loads(str(data["header"]))
+    nan = np.nan
+    assert header["units"] == ["K1", "K2"]
+    assert header["begin_s"] == 35_400.0
+    np.testing.assert_array_equal(speeds[:, 1], [nan, nan, nan, 1.0, 2.0, 0.0, 0.0, nan])
+    np.testing.assert_array_equal(speeds[:, 0], [nan] * 7 + [3.0])
+    kinds = [(step, kind, unit) for step, kind, unit, *_ in header["operations"]]
+    assert kinds == [(3, "insert", "K2"), (7, "remove", "K2"), (7, "insert", "K1")]
+    assert header["operations"][0][3] == ["3+", "P5.normal+"]
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("named", ["rtri_test_line", "turn_back"])
+def test_sumo_alone_ends_where_the_full_system_ended(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, named: str
+) -> None:
+    scenario = load_scenario(request.getfixturevalue(named) if named == "turn_back" else named)
+    ends: list[dict[str, tuple[str, float, float]]] = []
+    close = libsumo.close
+
+    def look_and_close() -> None:
+        units = libsumo.vehicle.getIDList()
+        here = libsumo.vehicle
+        ends.append({u: (here.getRoadID(u), here.getLanePosition(u), here.getSpeed(u)) for u in units})
+        close()
+
+    monkeypatch.setattr(libsumo, "close", look_and_close)
+    recorders: list[Recorder] = []
+
+    def wrap(carrier: Carrier) -> Carrier:
+        recorders.append(Recorder(carrier))
+        return recorders[0]
+
+    run = execute(scenario, Link.SIMULATED, wrap=wrap)
+    recorders[0].save(tmp_path / "recording.npz", run.result.begin_step / 10)
+    figures = replay(tmp_path / "recording.npz", net_for(scenario.setup.line, tmp_path))
+    assert figures["steps"] == run.result.end_step - run.result.begin_step
+    full, alone = ends
+    assert full.keys() == alone.keys() == set(run.result.stock_ids)
+    for unit, (edge, at_m, speed_mps) in full.items():
+        assert alone[unit][0] == edge
+        assert alone[unit][1] == pytest.approx(at_m, abs=SAME_M)
+        assert alone[unit][2] == speed_mps == 0.0

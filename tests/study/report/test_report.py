@@ -1,0 +1,297 @@
+"""The report: one file that opens offline, shows every train and station, and has room for small and empty runs."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import polars as pl
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from network.model import Direction
+from study.report.charts import draw_delays, draw_energy
+from study.report.curve import chosen_trains, draw_run_curve
+from study.report.data import Run
+from study.report.graph import draw_train_graph, spread
+from study.report.occupancy import draw_occupancy, sections_in_order
+from study.report.report import EVENTS_SHOWN, write_report
+from study.report.style import BAND_S_MAX, clock, drawing, svg_of, time_bands, time_grid
+from study.run.tables import SCHEMAS, RunTables, make_table
+
+FACTS: dict[str, Any] = {
+    "scenario": "plain-weekday",
+    "day": "weekday",
+    "seed": 7,
+    "digest": "0a1b2c3d",
+    "parties": ["block-manager", "OGN-W"],
+}
+VOID_TAGS = {"meta", "br", "link", "img", "input", "hr"}
+
+
+class Page(HTMLParser):
+    """Tags of a page: whether they close in order, their ids and what they refer to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.references: list[str] = []
+        self.fetched: list[str] = []
+        self.text: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in VOID_TAGS:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name == "id" and value:
+                self.ids.append(value)
+            if name in ("href", "xlink:href", "src", "srcset", "data"):
+                self.fetched.append(value or "")
+            self.references += re.findall(r"url\(([^)]*)\)", value or "")
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID_TAGS:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def page(weekday: Run, tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = write_report(
+        tmp_path_factory.mktemp("run"), weekday.line, weekday.timetable, weekday.tables, FACTS
+    )
+    assert path.name == "report.html"
+    assert path.stat().st_size < 8e6
+    assert [p.name for p in path.parent.iterdir()] == ["report.html"]
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def parsed(page: str) -> Page:
+    parser = Page()
+    parser.feed(page)
+    return parser
+
+
+def test_page_is_self_contained(page: str, parsed: Page) -> None:
+    assert not parsed.open
+    assert not re.search(r"https?://", page)
+    assert "@import" not in page
+    assert "<script" not in page
+    ids = {f"#{name}" for name in parsed.ids}
+    assert set(parsed.fetched) | set(parsed.references) <= ids
+    assert len(parsed.ids) == len(ids)
+
+
+def test_page_names_every_train_and_station(page: str, parsed: Page, weekday: Run) -> None:
+    text = "\n".join(parsed.text)
+    assert all(re.search(rf"\b{number}\b", text) for number in weekday.timetable.trains)
+    assert all(f"<!-- {station.name}" in page for station in weekday.line.stations.values())
+    assert weekday.line.name in text
+    assert weekday.line.name_ja in text
+    assert not re.search(r"\b(NaN|nan|inf|None|undefined)\b", text)
+    assert not re.search(r'="[^"]*\bnan\b', page)
+
+
+def test_parts_come_in_the_order_a_planner_reads(page: str) -> None:
+    titles = [re.sub(r":.*", "", title) for title in re.findall(r"<h2>(.*?)</h2>", page)]
+    assert titles[:-1] == [
+        "Train graph", "Run curve", "Run curve", "Section occupancy", "Energy by train", "Stop errors", "Stopping",
+        "Delays", "Trains", "Telegrams", "Events",
+    ]  # fmt: skip
+    assert titles[-1] == "Assumptions"
+
+
+def test_headline_gives_the_run_and_its_figures(page: str, weekday: Run) -> None:
+    revenue = sum(train.revenue for train in weekday.timetable.trains.values())
+    assert f"{revenue} of {revenue} planned" in page
+    assert "plain-weekday" in page
+    assert "0a1b2c3d" in page
+    assert "<dt>Seed</dt><dd>7</dd>" in page
+    assert "<dt>Invariants broken</dt><dd>none</dd>" in page
+    assert 'class="broken"' not in page
+
+
+def test_events_are_escaped_and_the_rest_is_counted(page: str, weekday: Run) -> None:
+    assert "&lt;speed&gt;" in page
+    rest = len(weekday.tables.events) - EVENTS_SHOWN
+    assert rest > 0
+    assert f"and {rest} more" in page
+    assert "260 refusal, 1 intervention" in page
+
+
+def test_broken_invariants_are_red_and_told(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    violations = [
+        {"t_s": 36_061.0, "checker": "one-train-a-section", "text": "K1 and K2 in 6"},
+        "said in words",
+    ]
+    facts = {**FACTS, "violations": violations, "broken_expectations": ["late_s_max below 5"]}
+    text = write_report(tmp_path, day.line, day.timetable, day.tables, facts).read_text(encoding="utf-8")
+    assert '<dt>Invariants broken</dt><dd class="bad">2</dd>' in text
+    assert "<li>10:01:01 one-train-a-section: K1 and K2 in 6</li>" in text
+    assert "<li>said in words</li>" in text
+    assert "<li>Expected: late_s_max below 5</li>" in text
+
+
+def test_a_run_in_which_nothing_happened_is_reported(tmp_path: Path, weekday: Run) -> None:
+    tables = RunTables(**{name: make_table(name) for name in SCHEMAS})
+    text = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")
+    assert '<dd class="bad">0 of 27 planned</dd>' in text
+    assert "did not run" in text
+    assert "none measured" in text
+    assert "nan" not in re.sub(r"<svg.*?</svg>", "", text, flags=re.DOTALL).lower()
+
+
+def test_same_run_gives_the_same_page(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    first, second = (
+        write_report(tmp_path / name, day.line, day.timetable, day.tables, FACTS).read_bytes()
+        for name in "ab"
+    )
+    assert first == second
+
+
+def test_settings_of_the_caller_are_left_alone(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    with mpl.rc_context({"font.size": 31.0, "axes.grid": True}):
+        before = dict(mpl.rcParams)
+        write_report(tmp_path, day.line, day.timetable, day.tables, FACTS)
+        assert dict(mpl.rcParams) == before
+
+
+def test_train_graph_draws_the_run_where_it_was(weekday: Run) -> None:
+    with drawing():
+        figure, tips = draw_train_graph(weekday)
+        svg = svg_of(figure, "g", tips)
+    lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines if line.get_gid()}
+    assert set(lines) == set(tips)
+    gid = next(gid for gid, tip in tips.items() if tip.startswith("321M"))
+    course = weekday.tables.trajectory.filter(pl.col("train") == "321M")
+    assert lines[gid].get_xydata().tolist() == course.select("t_s", "kilometrage_m").to_numpy().tolist()
+    assert "<title>321M, unit " in svg
+    for axes in figure.axes:
+        low, high = axes.get_ylim()
+        assert low > high  # DOWN runs downwards
+        from_s, to_s = axes.get_xlim()
+        assert to_s - from_s <= BAND_S_MAX
+
+
+def test_run_curve_shows_kmh_and_runs_to_the_right(weekday: Run) -> None:
+    chosen = chosen_trains(weekday)
+    assert {weekday.directions[train] for _, train in chosen} == set(Direction)
+    for unit, train in chosen:
+        with drawing():
+            figure = draw_run_curve(weekday, unit, train)
+        left_m, right_m = figure.axes[0].get_xlim()
+        assert (right_m - left_m) * weekday.directions[train] > 0
+        speed = next(line for line in figure.axes[0].lines if line.get_label() == "speed")
+        top_kmh = weekday.tables.trajectory.filter(pl.col("train") == train)["speed_mps"].max() * 3.6
+        assert max(speed.get_ydata()) == pytest.approx(top_kmh)
+
+
+def test_the_latest_complete_train_is_chosen(weekday: Run) -> None:
+    down = [
+        n for n, t in weekday.timetable.trains.items() if t.direction is Direction.DOWN and len(t.calls) == 8
+    ]
+    late = weekday.tables.stops.with_columns(
+        late_arrival_s=pl.when(pl.col("train") == down[5]).then(999.0).otherwise(pl.col("late_arrival_s"))
+    )
+    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in SCHEMAS}, "stops": late})
+    assert down[5] in [train for _, train in chosen_trains(Run(weekday.line, weekday.timetable, tables))]
+
+
+def test_occupancy_bars_are_the_blocks(make_day: Callable[[str, str], Run]) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    blocks = make_table(
+        "blocks",
+        {
+            "section": ["6", "7"], "unit": ["K1", "K1"], "train": ["T1", "T1"], "token": [1, 2],
+            "granted_s": [36_010.0, 36_020.0], "released_s": [36_050.0, None],
+            "entered_s": [36_020.0, None], "cleared_s": [36_040.0, None],
+        },
+    )  # fmt: skip
+    tables = RunTables(**{**{n: getattr(day.tables, n) for n in SCHEMAS}, "blocks": blocks})
+    run = Run(day.line, day.timetable, tables)
+    rows = [section.id for section in sections_in_order(run)]
+    with drawing():
+        bars = [
+            (rows[round(bar.get_y() + bar.get_height() / 2)], bar.get_x(), bar.get_x() + bar.get_width())
+            for bar in draw_occupancy(run).axes[0].patches
+        ]
+    # A section that was never released is held to the end of the run.
+    end_s = run.window_s[1]
+    assert bars == [("6", 36_010.0, 36_050.0), ("7", 36_020.0, end_s), ("6", 36_020.0, 36_040.0)]
+
+
+def test_energy_label_is_net_kwh_per_km(weekday: Run) -> None:
+    energy = make_table(
+        "energy",
+        {
+            "unit": ["V1"], "train": ["321M"], "revenue": [True], "distance_km": [20.0],
+            "traction_kwh": [50.0], "regenerated_kwh": [14.0], "auxiliary_kwh": [9.0],
+        },
+    )  # fmt: skip
+    tables = RunTables(**{**{n: make_table(n) for n in SCHEMAS}, "energy": energy})
+    with drawing():
+        figure = draw_energy(Run(weekday.line, weekday.timetable, tables))
+    assert figure is not None
+    assert [text.get_text() for text in figure.axes[0].texts] == ["2.25"]  # (50 + 9 - 14) / 20
+    assert sorted(bar.get_height() for bar in figure.axes[0].patches) == [-14.0, 9.0, 50.0]
+
+
+def test_delays_are_arrivals_and_the_first_departure(make_day: Callable[[str, str], Run]) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    stops = day.tables.stops.with_columns(
+        late_departure_s=pl.when(pl.col("station") == "A").then(7.4),
+        late_arrival_s=pl.when(pl.col("station") == "B").then(-12.0),
+    )
+    tables = RunTables(**{**{n: getattr(day.tables, n) for n in SCHEMAS}, "stops": stops})
+    with drawing():
+        figure = draw_delays(Run(day.line, day.timetable, tables))
+    assert figure is not None
+    assert [text.get_text() for text in figure.axes[0].texts] == ["+7", "-12"]
+
+
+def test_clock_goes_on_after_midnight() -> None:
+    assert clock(5 * 3600 + 37 * 60) == "05:37"
+    assert clock(24 * 3600 + 10 * 60) == "24:10"
+    assert clock(36_061, seconds=True) == "10:01:01"
+
+
+def test_grid_of_a_day_is_ten_minutes_and_of_a_minute_seconds() -> None:
+    assert time_grid(19 * 3600).fine_s == 600
+    assert time_grid(60).fine_s == 1
+
+
+@given(from_s=st.floats(0, 90_000), span_s=st.floats(1, 100_000))
+def test_panels_cover_the_run_without_gaps(from_s: float, span_s: float) -> None:
+    bands, grid = time_bands(from_s, from_s + span_s)
+    assert bands[0].from_s <= from_s
+    assert bands[-1].to_s >= from_s + span_s
+    assert all(a.to_s == b.from_s for a, b in pairwise(bands))
+    assert all(0 < band.to_s - band.from_s <= BAND_S_MAX for band in bands)
+    assert all(math.fmod(band.from_s, grid.middle_s) == 0 for band in bands)
+
+
+@given(st.lists(st.floats(0, 100), min_size=1, max_size=6).map(sorted))
+def test_labels_keep_their_order_and_come_apart(positions: list[float]) -> None:
+    placed = spread(positions, 2.0)
+    assert len(placed) == len(positions)
+    assert all(high - low > 1.0 for low, high in pairwise(placed))
+    if all(high - low >= 2.0 for low, high in pairwise(positions)):
+        assert placed == positions

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned, StopRecord, search
+from study.report.data import Run
+from study.report.style import drawing
+from study.report.tasc import (
+    Tuned,
+    draw_approaches,
+    draw_response,
+    learned_rows,
+    most_telling,
+    response_surface,
+)
+
+
+def a_stop(dead_steps: int = 8, offset_mps2: float = -2 * OFFSET_STEP_MPS2) -> StopRecord:
+    """A brake of 0.6 m/s^2 for 25 s that answers late and weakly."""
+    designed = np.concatenate([np.zeros(25), np.full(250, 0.6)])
+    actual = np.concatenate([np.zeros(25 + dead_steps), np.full(250 - dead_steps, 0.6 + offset_mps2)])
+    return StopRecord(designed, actual)
+
+
+def learned(dead_time_index: int, offset_index: int) -> Learned:
+    dead_times = tuple(4 * int(index == dead_time_index) for index in range(21))
+    offsets = tuple(4 * int(index == offset_index) for index in range(21))
+    return Learned("V1", 0.5, dead_times, offsets, 1, (dead_time_index, offset_index))
+
+
+def test_the_surface_is_least_where_the_search_finds_it() -> None:
+    stop = a_stop()
+    surface = response_surface(stop)
+    assert surface is not None
+    assert surface.shape == (21, 21)
+    row, column = divmod(int(surface.argmin()), 21)
+    assert (column, row) == (8, 8)  # 0.8 s, two steps below no offset
+    fit = search(stop)
+    assert fit is not None
+    assert (fit.dead_time_index, fit.offset_index) == (column, row)
+
+
+def test_a_stop_without_braking_has_no_surface() -> None:
+    stop = StopRecord(np.zeros(200), np.zeros(200))
+    assert response_surface(stop) is None
+    with drawing():
+        assert draw_response(Tuned(learned(5, 10), stop), "V1") is None
+
+
+def test_figures_of_a_day(weekday: Run) -> None:
+    with drawing():
+        figure = draw_approaches(weekday)
+        assert figure is not None
+        assert 1 <= len(figure.axes) <= 4
+        for axes in figure.axes:
+            assert axes.get_xlim()[0] == pytest.approx(400.0)
+        response = draw_response(Tuned(learned(8, 8), a_stop()), "V1")
+    assert response is not None
+
+
+def test_the_train_farthest_from_its_design_is_shown() -> None:
+    tuned = {"V1": Tuned(learned(5, 10), a_stop()), "V2": Tuned(learned(9, 6), a_stop())}
+    assert most_telling(tuned) == "V2"
+    assert most_telling({}) is None
+    assert learned_rows(tuned)[1] == ("V2", "4", "1", "0.5", "0.9", "−0.4")

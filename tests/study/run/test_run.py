@@ -1,0 +1,195 @@
+"""Running a scenario: what makes a run a failure, and the run directory, whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import study.run.run
+from network.errors import InputError
+from simulation.journal import Journal
+from simulation.judge.checkers import Violation
+from simulation.result import RunResult, Waiting
+from simulation.world.records import TRACE
+from study.run.run import (
+    CarrierKind,
+    Link,
+    Run,
+    broken_by,
+    check_out,
+    execute,
+    link_of,
+    master_key_of,
+    specs_of,
+    terminals_of,
+    write_run,
+)
+from study.run.tables import RunTables
+from study.scenario.scenario import load_scenario
+
+TABLES = ("trajectory", "stops", "blocks", "telegrams", "energy", "events")
+WRITTEN = {"summary.json", "journal.jsonl", "report.html", *(f"{name}.parquet" for name in TABLES)}
+
+
+@pytest.fixture(scope="module")
+def done() -> Run:
+    return execute(load_scenario("rtri_test_line"), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def result(
+    *,
+    arrived: tuple[str, ...] = ("T1",),
+    waiting: list[Waiting] | None = None,
+    violations: tuple[Violation, ...] = (),
+    collisions: tuple[str, ...] = (),
+) -> RunResult:
+    return RunResult(
+        name="made up",
+        seed=1,
+        link="simulated",
+        stock_ids=("K1",),
+        begin_step=0,
+        end_step=10,
+        trains_planned=("T1",),
+        trains_arrived=arrived,
+        empty_planned=(),
+        empty_arrived=(),
+        stops=[],
+        energy=[],
+        waiting=waiting or [],
+        violations=violations,
+        collisions=collisions,
+        telegrams={("K1", "B-W", "PointsCommand"): Counter()},
+        trace=np.zeros(0, dtype=TRACE),
+        spans=[],
+        journal=Journal(),
+        ended_because="made up",
+    )
+
+
+def test_a_good_run_breaks_nothing(done: Run) -> None:
+    assert done.broken == ()
+    assert done.summary["trains_arrived"] == 1
+    assert done.summary["carrier"] == "plain"
+
+
+def test_what_makes_a_run_a_failure() -> None:
+    setup = load_scenario("rtri_test_line").setup
+    assert broken_by(result(), setup) == ()
+    assert broken_by(result(collisions=("a frontal collision",)), setup) == ("a frontal collision",)
+    seen = Violation(1.0, "points-under-train", "P5 moves under K1")
+    assert broken_by(result(violations=(seen,)), setup) == ("points-under-train: P5 moves under K1",)
+
+
+def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> None:
+    setup = load_scenario("rtri_test_line").setup
+    late = Violation(9.0, "everyone-arrives", "T1 has not arrived")
+    place = "section 6 at km 0.700"
+    for waits_for, end in (
+        ("route 3>8: held", f"stands in {place} and waits for route 3>8: held"),
+        ("nothing", f"was on its way in {place}"),
+    ):
+        waiting = [Waiting("K1", "T1", place, waits_for)]
+        broken = broken_by(result(arrived=(), waiting=waiting, violations=(late,)), setup)
+        assert broken == ("1 trains did not arrive: T1", f"T1 (K1) {end}")
+
+
+def test_impossible_meets_are_told_when_trains_are_missing() -> None:
+    setup = load_scenario("karasuyama_without_loop").setup
+    assert broken_by(result(), setup) == ()
+    told = broken_by(result(arrived=()), setup)
+    assert any(text.startswith("321M and 322M would meet at Ogane") for text in told)
+
+
+def test_keys_come_from_name_and_seed() -> None:
+    first, same, other = (load_scenario("rtri_test_line", seed).setup for seed in (1, 1, 2))
+    assert master_key_of(first) == master_key_of(same) != master_key_of(other)
+    specs = specs_of(first, master_key_of(first))
+    devices = {spec.device_id: spec.role.value for spec in specs}
+    assert terminals_of(first.line) == ("A-E", "A-W", "B-E", "B-W")
+    assert devices == {"block-manager": "block-manager"} | dict.fromkeys(
+        terminals_of(first.line), "point-terminal"
+    )
+
+
+def test_links_by_name() -> None:
+    assert [link_of(link.value) for link in Link] == list(Link)
+    with pytest.raises(InputError, match="simulated or zenoh"):
+        link_of("Zenoh")
+
+
+def test_the_directory_holds_all_of_the_run(done: Run, tmp_path: Path) -> None:
+    report = write_run(done, tmp_path / "a" / "run")
+    assert report == tmp_path / "a" / "run" / "report.html"
+    tables = RunTables.read(report.parent)
+    for name in TABLES:
+        assert getattr(tables, name).equals(getattr(done.tables, name))
+    summary = json.loads((report.parent / "summary.json").read_text("utf-8"))
+    assert summary == json.loads(json.dumps(done.summary | {"out": str(report.parent)}))
+    assert (report.parent / "journal.jsonl").read_bytes() == done.result.journal.to_bytes()
+    assert report.parent.stat().st_mode & 0o055 == 0o055  # to be read by others, as any new folder
+    assert [path.name for path in report.parent.parent.iterdir()] == ["run"]
+
+
+def test_writing_twice_leaves_the_second(done: Run, tmp_path: Path) -> None:
+    write_run(done, tmp_path / "run")
+    (tmp_path / "run" / "summary.json").write_text("old", "utf-8")
+    (tmp_path / "run" / "events.parquet").unlink()
+    write_run(done, tmp_path / "run")
+    assert {path.name for path in (tmp_path / "run").iterdir()} == WRITTEN
+    assert json.loads((tmp_path / "run" / "summary.json").read_text("utf-8"))["out"] == str(tmp_path / "run")
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+@pytest.mark.parametrize("failing", ["write_report", "_write_files"])
+def test_what_fails_while_writing_leaves_the_run_before(
+    done: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: str
+) -> None:
+    write_run(done, tmp_path / "run")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir()}
+
+    def full(*_: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(study.run.run, failing, full)
+    with pytest.raises(OSError, match="no space left"):
+        write_run(done, tmp_path / "run")
+    assert {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir()} == before
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+def test_what_fails_at_the_last_rename_puts_the_run_before_back(
+    done: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_run(done, tmp_path / "run")
+    rename = Path.rename
+
+    def fail_once(self: Path, target: Path) -> Path:
+        if self.name == "new":
+            raise OSError("power failed")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fail_once)
+    with pytest.raises(OSError, match="power failed"):
+        write_run(done, tmp_path / "run")
+    assert {path.name for path in (tmp_path / "run").iterdir()} == WRITTEN
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+def test_all_that_a_run_writes_may_be_replaced() -> None:
+    assert study.run.run.RUN_FILES >= WRITTEN
+
+
+def test_only_a_run_may_be_replaced(done: Run, tmp_path: Path) -> None:
+    check_out(tmp_path / "new")
+    check_out(tmp_path)  # empty
+    (tmp_path / "notes.txt").write_text("mine", "utf-8")
+    for out in (tmp_path, tmp_path / "notes.txt"):
+        with pytest.raises(InputError) as refused:
+            write_run(done, out)
+        assert (refused.value.key, refused.value.value) == ("--out", str(out))
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]

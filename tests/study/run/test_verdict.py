@@ -1,0 +1,148 @@
+"""Verdicts on expectations, from a made-up journal."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+
+from simulation.faults.script import Expectation, Matcher, Property
+from simulation.journal import Journal
+from simulation.judge.checkers import Violation
+from simulation.result import RunResult
+from simulation.world.records import TRACE
+from study.run.tables import SCHEMAS, RunTables, make_table
+from study.run.verdict import judge
+
+SLOW_MPS = 4.0  # 14.4 km/h
+
+
+def result_of(*entries: tuple[float, str, str, dict[str, Any]], **changes: object) -> RunResult:
+    journal = Journal()
+    for t_s, who, what, data in entries:
+        journal.write(t_s, who, what, **data)
+    fields: dict[str, Any] = {
+        "name": "made up",
+        "seed": 1,
+        "link": "simulated",
+        "stock_ids": ("K1",),
+        "begin_step": 0,
+        "end_step": 1000,
+        "trains_planned": ("T1",),
+        "trains_arrived": ("T1",),
+        "empty_planned": (),
+        "empty_arrived": (),
+        "stops": [],
+        "energy": [],
+        "waiting": [],
+        "violations": (),
+        "collisions": (),
+        "telegrams": {("a", "b", "c"): Counter()},
+        "trace": np.zeros(0, dtype=TRACE),
+        "spans": [],
+        "journal": journal,
+        "ended_because": "all trains have finished",
+        **changes,
+    }
+    return RunResult(**fields)
+
+
+def tables(**rows: list[tuple[Any, ...]]) -> RunTables:
+    frames = {}
+    for name, schema in SCHEMAS.items():
+        columns = list(zip(*rows[name], strict=True)) if rows.get(name) else [()] * len(schema)
+        frames[name] = make_table(name, dict(zip(schema, map(list, columns), strict=True)))
+    return RunTables(**frames)
+
+
+NOTHING = tables()
+A = Matcher("a", ("restarted",), who="K1")
+B = Matcher("b", ("resumed",), who="K1")
+C = Matcher("c", ("proven",), who="K1")
+RUN = result_of(
+    (10.0, "K1", "restarted", {}), (20.0, "K1", "proven", {"points": "P7"}), (30.0, "K1", "resumed", {})
+)
+
+
+def verdict(
+    expectation: Expectation, result: RunResult = RUN, given: RunTables = NOTHING
+) -> tuple[bool, str]:
+    (found,) = judge((expectation,), result, given)
+    return found.passed, found.happened
+
+
+@pytest.mark.parametrize(
+    ("expectation", "passed"),
+    [
+        (Expectation("t", C), True),
+        (Expectation("t", C, by_s=15.0), False),
+        (Expectation("t", C, after=A, within_s=10.0), True),
+        (Expectation("t", C, after=A, within_s=9.9), False),
+        (Expectation("t", C, after=B), False),
+        (Expectation("t", C, after=A, until=B), True),
+        (Expectation("t", C, absent=True), False),
+        (Expectation("t", C, absent=True, after=B), True),
+        (Expectation("t", Matcher("x", ("overran",))), False),
+        (Expectation("t", Matcher("x", ("overran",)), absent=True), True),
+    ],
+)
+def test_an_event_is_looked_for_in_its_stretch_of_time(expectation: Expectation, passed: bool) -> None:
+    assert verdict(expectation)[0] is passed
+
+
+def test_a_stretch_that_never_begins_or_ends_meets_nothing() -> None:
+    never = Matcher("K1 overruns", ("overran",))
+    for expectation in (
+        Expectation("t", C, absent=True, after=never),
+        Expectation("t", C, absent=True, until=never),
+        Expectation("t", holds=Property.SPEED_AT_MOST, unit="K1", kmh=15.0, after=never),
+    ):
+        assert verdict(expectation) == (False, "'K1 overruns' never happened")
+
+
+def test_a_train_number_is_that_of_the_moment() -> None:
+    result = result_of(
+        (1.0, "K1", "mission", {"train": "T1"}),
+        (2.0, "K1", "departs", {"station": "A"}),
+        (3.0, "K1", "mission", {"train": "T2"}),
+        (4.0, "K1", "departs", {"station": "B"}),
+    )
+    event = Matcher("T2 departs B", ("departs",), train="T2", data={"station": "B"})
+    assert verdict(Expectation("t", event), result) == (True, "at 00:00:04.0")
+    wrong = Matcher("T1 departs B", ("departs",), train="T1", data={"station": "B"})
+    assert not verdict(Expectation("t", wrong), result)[0]
+
+
+def test_broken_invariants_and_collisions_are_not_passed_over() -> None:
+    sound = Expectation("t", holds=Property.NO_INVARIANT_BROKEN)
+    assert verdict(sound) == (True, "none broken")
+    violation = Violation(5.0, "inside-holding", "K1 is in section 5")
+    assert verdict(sound, result_of(violations=(violation,))) == (False, "inside-holding: K1 is in section 5")
+    assert not verdict(sound, result_of(collisions=("K1 and K2",)))[0]
+    late = Violation(5.0, "everyone-arrives", "T1 has not arrived")
+    assert verdict(sound, result_of(violations=(late,)))[0]
+
+
+def test_every_train_must_arrive_empty_ones_too() -> None:
+    all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
+    assert verdict(all_arrive)[0]
+    assert verdict(all_arrive, result_of(empty_planned=("E2",))) == (False, "not arrived: E2")
+
+
+def trajectory(*points: tuple[float, float]) -> list[tuple[Any, ...]]:
+    kinds = {"unit": "K1", "train": "T1", "direction": 1, "piece": "5", "intervention": 0}
+    return [
+        tuple({**kinds, "t_s": t_s, "speed_mps": speed}.get(name, 0.0) for name in SCHEMAS["trajectory"])
+        for t_s, speed in points
+    ]
+
+
+def test_speed_is_judged_within_its_stretch_by_the_truth() -> None:
+    slow = Expectation("t", holds=Property.SPEED_AT_MOST, unit="K1", kmh=15.0, after=A, until=B)
+    fast_outside = tables(trajectory=trajectory((5.0, 20.0), (15.0, SLOW_MPS), (35.0, 20.0)))
+    assert verdict(slow, RUN, fast_outside) == (True, "at most 14.4 km/h")
+    fast_inside = tables(trajectory=trajectory((15.0, SLOW_MPS), (25.0, 5.0)))
+    assert verdict(slow, RUN, fast_inside) == (False, "at most 18.0 km/h")
+    assert verdict(slow, RUN)[1] == "stood all the time"

@@ -1,0 +1,149 @@
+"""Scripts of scenario files: what cannot be carried out or judged is refused with one message."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from branchline import cli
+from network.errors import InputError
+from simulation.faults.script import ActKind, FaultKind, Property
+from study.scenario.scenario import Scenario, load_scenario
+
+HEAD = 'extends = "rtri_test_line"\nid = "tried"\n'
+MET = '[[expect]]\ntext = "t"\nproperty = "everyone_arrives"\n'
+
+
+def scenario_of(tmp_path: Path, script: str) -> Scenario:
+    file = tmp_path / "tried.toml"
+    file.write_text(HEAD + script)
+    return load_scenario(str(file))
+
+
+REFUSED = {
+    "unknown fault": ('[[fault]]\nkind = "explodes"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].kind"),
+    "unknown device": ('[[fault]]\nkind = "power_off"\ntarget = "K9"\nstart = "10:00"\n', "fault[0].target"),
+    "unknown points": ('[[fault]]\nkind = "stuck"\ntarget = "P1"\nstart = "10:00"\n', "fault[0].target"),
+    "unknown tag": ('[[fault]]\nkind = "miss"\ntarget = "9"\nstart = "10:00"\n', "fault[0].target"),
+    "a unit is no tag": ('[[fault]]\nkind = "miss"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].target"),
+    "no link": ('[[fault]]\nkind = "cut"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].target"),
+    "link to nobody": ('[[fault]]\nkind = "cut"\ntarget = "K1 <-> K9"\nstart = "10:00"\n', "fault[0].target"),
+    "parameter missing": ('[[fault]]\nkind = "loss"\ntarget = "* <-> *"\nstart = "10:00"\n', "fault[0].p"),
+    "parameter too large": (
+        '[[fault]]\nkind = "loss"\ntarget = "* <-> *"\np = 1.5\nstart = "10:00"\n',
+        "fault[0].p",
+    ),
+    "foreign parameter": (
+        '[[fault]]\nkind = "cut"\ntarget = "* <-> *"\np = 0.5\nstart = "10:00"\n',
+        "fault[0].p",
+    ),
+    "words that name nothing": (
+        '[[fault]]\nkind = "restart"\ntarget = "K1"\nstart = "train T1 sings"\n',
+        "fault[0].start",
+    ),
+    "a train that does not run": (
+        '[[fault]]\nkind = "restart"\ntarget = "K1"\nstart = "train T9 departs A"\n',
+        "fault[0].start: train",
+    ),
+    "unknown act": ('[[act]]\nkind = "prays"\nstart = "10:00"\n', "act[0].kind"),
+    "act on nobody": ('[[act]]\nkind = "give_back"\ntarget = "K9"\nstart = "10:00"\n', "act[0].target"),
+    "no position": (
+        '[[act]]\nkind = "repair_points"\ntarget = "P7"\nposition = "up"\nstart = "10:00"\n',
+        "act[0].position",
+    ),
+    "unknown section": (
+        '[[act]]\nkind = "enter_section"\nsections = ["99"]\nstart = "10:00"\n',
+        "act[0].sections[0]",
+    ),
+    "no sections": ('[[act]]\nkind = "confirm_holding"\ntarget = "K1"\nstart = "10:00"\n', "act[0].sections"),
+    "neither event nor property": ('[[expect]]\ntext = "t"\n', "expect[0]"),
+    "event and property": ('[[expect]]\ntext = "t"\nevent = "K1 restarts"\nproperty = "x"\n', "expect[0]"),
+    "a word no journal has": (
+        '[[expect]]\ntext = "t"\nevent = { who = "K1", what = "dances" }\n',
+        "expect[0].event.what",
+    ),
+    "a party that does not exist": (
+        '[[expect]]\ntext = "t"\nevent = { who = "K9", what = "restarted" }\n',
+        "expect[0].event.who",
+    ),
+    "a section in a list that does not exist": (
+        '[[expect]]\ntext = "t"\nevent = { what = "freed", sections = ["5", "99"] }\n',
+        "expect[0].event: sections",
+    ),
+    "a duration from no beginning": (
+        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nwithin_s = 5.0\n',
+        "expect[0].within_s",
+    ),
+    "long after the run": (
+        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nby = "59:00"\n',
+        "expect[0].by",
+    ),
+    "unknown property": ('[[expect]]\ntext = "t"\nproperty = "beautiful"\n', "expect[0].property"),
+    "speed of nobody": (
+        '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nkmh = 15.0\n',
+        "expect[0].unit",
+    ),
+    "no speed": ('[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\n', "expect[0].kmh"),
+    "a section nobody can enter": (
+        '[[expect]]\ntext = "t"\nproperty = "never_enters"\nunit = "K1"\nsection = "99"\n',
+        "expect[0].section",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_carried_out_or_judged_is_refused_with_its_key(tmp_path: Path, name: str) -> None:
+    script, key = REFUSED[name]
+    with pytest.raises(InputError) as error:
+        scenario_of(tmp_path, script)
+    assert error.value.key == key
+    assert error.value.file.endswith("tried.toml")
+    assert len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", ["unknown fault", "unknown device", "a word no journal has"])
+def test_the_command_ends_with_2_and_one_line(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "tried.toml"
+    file.write_text(HEAD + REFUSED[name][0])
+    monkeypatch.setattr(sys, "argv", ["branchline", "drill", str(file)])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == cli.BAD_INPUT
+    assert capsys.readouterr().err.splitlines()[-1].startswith("error: ")
+
+
+def test_a_script_is_read_as_it_is_meant(tmp_path: Path) -> None:
+    script = scenario_of(
+        tmp_path,
+        '[[fault]]\nkind = "cut"\ntarget = "* <-> block-manager"\nstart = "train T1 departs A"\nafter_s = 2.0\n'
+        "duration_s = 60.0\n"
+        '[[fault]]\nkind = "reorder"\ntarget = "K1 -> B-W"\np = 0.5\nseconds = 2.0\nstart = "10:00:30.5"\n'
+        '[[act]]\nkind = "give_back"\ntarget = "K1"\nhold_s = 90.0\n'
+        'start = { who = "K1", what = "route_held", route = "x" }\n'
+        '[[expect]]\ntext = "slow"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 15.0\nafter = "K1 restarts"\n'
+        '[[expect]]\ntext = "no grant"\nevent = { who = "block-manager", what = "granted" }\nabsent = true\n',
+    ).setup.script
+    cut, reorder = script.faults
+    assert (cut.kind, cut.trigger.after_s, cut.duration_s) == (FaultKind.CUT, 2.0, 60.0)
+    assert cut.trigger.on is not None and cut.trigger.on.train == "T1"
+    assert reorder.trigger.at_s == 36_030.5
+    assert reorder.parameters == {"p": 0.5, "seconds": 2.0}
+    (act,) = script.acts
+    assert (act.kind, act.hold_s) == (ActKind.GIVE_BACK, 90.0)
+    slow, grant = script.expectations
+    assert slow.holds is Property.SPEED_AT_MOST and slow.after is not None
+    assert grant.absent and grant.event is not None and grant.event.who == "block-manager"
+
+
+def test_a_drill_must_expect_something(tmp_path: Path) -> None:
+    from study.run.drill import run_drill
+    from study.run.run import Link
+
+    file = tmp_path / "tried.toml"
+    file.write_text(HEAD)
+    with pytest.raises(InputError, match="at least one"):
+        run_drill(str(file), Link.SIMULATED)
