@@ -1,198 +1,320 @@
-"""What the authority machine works on: its state, the events it takes and the actions it returns."""
+"""What the authority machine works on: its state, the events it takes and the actions it returns.
+
+Everything is symbolic, so that a state is hashable as it stands and small: sections by id, an open request by its
+name, a timer by its name. Tokens, correlations and capabilities stand in `onboard.authority.letters`, which tells the
+machine of each telegram only how it relates to what is open: does it answer that, is its token newer.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from enum import Enum
+from typing import NamedTuple
 
-from network.model import Position, Route
-from radio.messages import AnyMessage, SignOff, SignOn
+import msgspec
 
-NEVER: Final = math.inf
+from onboard.duty.plan import PointsNeeded
+from onboard.notes import Note
+
+
+class Ask(Enum):
+    """What may be open with the block manager, at most one of each."""
+
+    SIGN_ON = "sign on"
+    SIGN_OFF = "sign off"
+    ROUTE = "route"
+    REPORT = "report"
+
+
+class Timer(NamedTuple):
+    """A timer by its name; `of` is the set of points of a command, or empty."""
+
+    name: str
+    of: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
-    """A section held: under which token, and for a points section what proves it, by terminal."""
+class Request:
+    """The record of an open request. Not `sent`: due as soon as the radio reaches; sent: its timer runs.
 
-    section_id: str
-    token: int
-    macs: tuple[tuple[str, bytes], ...] = ()
+    `subject`: the route asked for; `section_ids`: its sections, or those of a sign-on (None: does not know).
+    `refusal`: why it was not granted the last time.
+    """
 
-    def mac_for(self, terminal_id: str) -> bytes:
-        """The capability's code for a terminal; empty where none was granted."""
-        return next((mac for terminal, mac in self.macs if terminal == terminal_id), b"")
+    ask: Ask
+    subject: str = ""
+    section_ids: tuple[str, ...] | None = ()
+    sent: bool = False
+    refusal: str = ""
 
-
-@dataclass(frozen=True, slots=True)
-class PointsNeeded:
-    """A set of points as the path needs it."""
-
-    points_id: str
-    position: Position
-    section_id: str
-    terminal_id: str
+    @property
+    def timer(self) -> Timer:
+        """When it is repeated."""
+        return Timer(self.ask.value)
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A points command not yet proven."""
+    """A points command not yet proven; `sent` and `refusal` as in a request."""
 
     needed: PointsNeeded
-    token: int
-    mac: bytes
-    correlation: int
-    next_s: float
+    sent: bool = False
     refusal: str = ""
+
+    @property
+    def timer(self) -> Timer:
+        """When it is repeated."""
+        return Timer("points", self.needed.points_id)
 
 
 @dataclass(frozen=True, slots=True)
 class Authority:
-    """The state. `refusal` says why the last request was not granted: what the train waits for."""
+    """The state. `held`: sections in order of travel; `commandable`: those of them granted with a capability.
 
-    unit_id: str
-    manager_id: str
-    held: tuple[Held, ...] = ()
-    token: int = 0
+    `unsaid`: points not commanded any more, of which a proof still counts. `entering`: the sign-on is a wish for a
+    portal, so until it is accepted nothing is held.
+    """
+
+    held: tuple[str, ...] = ()
+    commandable: tuple[str, ...] = ()
     on_line: bool = False  # signed on and not signed off
-    sign_on: SignOn | None = None
-    entering: bool = False  # the sign-on asks for a portal
-    sign_off: SignOff | None = None
-    next_sign_s: float = NEVER
-    asked: Route | None = None
-    next_ask_s: float = NEVER
-    refusal: str = ""
+    entering: bool = False
+    requests: tuple[Request, ...] = ()
     commands: tuple[Command, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
-    unsaid: tuple[Command, ...] = ()  # not commanded any more, but a proof of them still counts
-    report_due: bool = False
-    next_report_s: float = NEVER
-    correlation: int = 0  # of the newest request; each open request keeps its own
-    sign_correlation: int = 0
-    ask_correlation: int = 0
-    report_correlation: int = 0
+    unsaid: tuple[PointsNeeded, ...] = ()
 
     def holds(self, section_id: str) -> bool:
         """Whether the unit holds a section."""
-        return any(held.section_id == section_id for held in self.held)
+        return section_id in self.held
 
-    def section_ids(self) -> tuple[str, ...]:
-        """Sections held, in order of travel."""
-        return tuple(held.section_id for held in self.held)
+    def holds_all(self, section_ids: tuple[str, ...]) -> bool:
+        """Whether it holds all of them."""
+        return all(section_id in self.held for section_id in section_ids)
 
-    def next_timer_s(self) -> float:
-        """When the machine wants a Tick; NEVER if it waits for nothing."""
-        times = [self.next_sign_s, self.next_ask_s, self.next_report_s]
-        return min([*times, *(command.next_s for command in self.commands)])
+    def open(self, ask: Ask) -> Request | None:
+        """The open request of a kind."""
+        return next((request for request in self.requests if request.ask is ask), None)
+
+    @property
+    def waits_for_radio(self) -> bool:
+        """Whether something is due that could not be sent for want of coverage."""
+        return any(not request.sent for request in self.requests) or any(not c.sent for c in self.commands)
 
 
-@dataclass(frozen=True, slots=True)
-class BeginOnLine:
+# events: from the duty ------------------------------------------------------------------------------------------
+
+
+class BeginOnLine(msgspec.Struct, frozen=True, tag=True):
     """The train has come onto the line and claims these sections; None: switched on, it knows nothing."""
 
     section_ids: tuple[str, ...] | None
-    enters: bool = False  # a wish for a portal, not a fact: until it is accepted the unit holds nothing
+    enters: bool = False  # a wish for a portal, not a fact
 
 
-@dataclass(frozen=True, slots=True)
-class EndOnLine:
+class EndOnLine(msgspec.Struct, frozen=True, tag=True):
     """The train leaves the line; it holds nothing but its portal."""
 
 
-@dataclass(frozen=True, slots=True)
-class Ask:
+class AskRoute(msgspec.Struct, frozen=True, tag=True):
     """Ask for a route (閉そく確保要求)."""
 
-    route: Route
+    route_id: str
+    section_ids: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Throw:
+class Throw(msgspec.Struct, frozen=True, tag=True):
     """Command points inside what is held (転換指示)."""
 
     points: tuple[PointsNeeded, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class CheckedByCrew:
+class CheckedByCrew(msgspec.Struct, frozen=True, tag=True):
     """The crew has seen that these points lie and are locked as the path needs them (開通方向の確認)."""
 
     points: PointsNeeded
 
 
-@dataclass(frozen=True, slots=True)
-class Withdrawn:
+class Withdrawn(msgspec.Struct, frozen=True, tag=True):
     """The front may have come onto points of these sections: they must not be asked to move any more."""
 
     section_ids: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Cleared:
+class Cleared(msgspec.Struct, frozen=True, tag=True):
     """The safe rear has left these sections."""
 
     section_ids: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class GiveBack:
+class GiveBack(msgspec.Struct, frozen=True, tag=True):
     """The train stands and surely short of these sections: it gives up the route not entered (進路取消)."""
 
     section_ids: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class TurnedBack:
+class TurnedBack(msgspec.Struct, frozen=True, tag=True):
     """The train changed ends: what was behind is ahead; proofs made for the old path are forgotten."""
 
 
-@dataclass(frozen=True, slots=True)
-class Heard:
-    """An authentic telegram. `fresh`: its sender has heard this boot; `correlation`: of what it answers."""
+class Due(msgspec.Struct, frozen=True, tag=True):
+    """The timer of a request or command has run out; None: the radio reaches again."""
 
-    source: str
-    message: AnyMessage
+    timer: Timer | None
+
+
+# events: telegrams, as they relate to what is open ------------------------------------------------------------
+
+
+class SignedOn(msgspec.Struct, frozen=True, tag=True):
+    """The manager accepted a sign-on or a claim: it has the unit with these sections."""
+
+    section_ids: tuple[str, ...]
+    commandable: tuple[str, ...]
+    answers: bool
+    newer: bool
+
+
+class Refused(msgspec.Struct, frozen=True, tag=True):
+    """The manager refused what is open; `lost_sight`: it does not know the unit as the unit knows itself."""
+
+    ask: Ask
+    subject: str
+    why: str
+    lost_sight: bool
+    answers: bool
+
+
+class SignedOff(msgspec.Struct, frozen=True, tag=True):
+    """The manager has the unit off the line."""
+
+    answers: bool
+
+
+class Granted(msgspec.Struct, frozen=True, tag=True):
+    """The manager grants a route. `fresh`: it has heard this boot; `newer`: by its token."""
+
+    route_id: str
+    section_ids: tuple[str, ...]
+    commandable: tuple[str, ...]
+    answers: bool
     fresh: bool
-    correlation: int
+    newer: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Tick:
-    """A timer is due, or the radio reaches again."""
+class Confirmed(msgspec.Struct, frozen=True, tag=True):
+    """What the register has for the unit, after a report."""
+
+    section_ids: tuple[str, ...]
+    answers: bool
+    newer: bool
+
+
+class Queried(msgspec.Struct, frozen=True, tag=True):
+    """The manager asks what the unit holds."""
+
+
+class Proof(msgspec.Struct, frozen=True, tag=True):
+    """A terminal shows points: `position` None where none is detected and locked; `mine`: under the token commanded."""
+
+    points_id: str
+    terminal_id: str
+    position: str | None
+    mine: bool
+
+
+class PointsDenied(msgspec.Struct, frozen=True, tag=True):
+    """A terminal refuses a command; `mine` as above."""
+
+    points_id: str
+    terminal_id: str
+    why: str
+    mine: bool
+
+
+class PeerRestarted(msgspec.Struct, frozen=True, tag=True):
+    """A device has started again: nothing that was sent before is known to have arrived."""
 
 
 Event = (
     BeginOnLine
     | EndOnLine
-    | Ask
+    | AskRoute
     | Throw
-    | Withdrawn
     | CheckedByCrew
+    | Withdrawn
     | Cleared
     | GiveBack
     | TurnedBack
-    | Heard
-    | Tick
+    | Due
+    | SignedOn
+    | Refused
+    | SignedOff
+    | Granted
+    | Confirmed
+    | Queried
+    | Proof
+    | PointsDenied
+    | PeerRestarted
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Send:
-    """Send a telegram."""
-
-    destination: str
-    message: AnyMessage
-    correlation: int
+# actions --------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Noted:
-    """Something for the journal."""
+class Renew(msgspec.Struct, frozen=True, tag=True):
+    """From here on this is a new request: an answer to the one before it fits no more."""
 
-    what: str
-    data: Mapping[str, Any]
+    ask: Ask
 
 
-Action = Send | Noted
+class Commit(msgspec.Struct, frozen=True, tag=True):
+    """Points are commanded anew, under the token their section is held with now."""
+
+    needed: PointsNeeded
+
+
+class Take(msgspec.Struct, frozen=True, tag=True):
+    """Take the token of the telegram at hand: for these sections, and where it has capabilities for what is held."""
+
+    section_ids: tuple[str, ...]
+
+
+class Send(msgspec.Struct, frozen=True, tag=True):
+    """Say it to the manager: the request open under this name, as it stands."""
+
+    request: Request
+
+
+class SendClaim(msgspec.Struct, frozen=True, tag=True):
+    """Answer the query at hand; None: it does not know what it holds."""
+
+    section_ids: tuple[str, ...] | None
+
+
+class SendCommand(msgspec.Struct, frozen=True, tag=True):
+    """Command points of their terminal."""
+
+    needed: PointsNeeded
+
+
+class SetTimer(msgspec.Struct, frozen=True, tag=True):
+    """Start a timer anew."""
+
+    timer: Timer
+    after_s: float
+
+
+class StopTimer(msgspec.Struct, frozen=True, tag=True):
+    """Stop a timer; nothing happens if it does not run."""
+
+    timer: Timer
+
+
+class Write(msgspec.Struct, frozen=True, tag=True):
+    """A line for the journal; `onboard.authority.letters` adds tokens."""
+
+    note: Note
+
+
+Action = Renew | Commit | Take | Send | SendClaim | SendCommand | SetTimer | StopTimer | Write

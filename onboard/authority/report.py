@@ -1,0 +1,69 @@
+"""Giving sections back (閉そく解放): a full report of what is held, repeated until the register has the same.
+
+Invariant: a section is dropped here before it is said, and only when the safe rear has left it or the train stands
+surely short of it; a lost report heals with the next one, since each says all that is held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from onboard.authority.records import Ask, Authority, Cleared, Confirmed, Renew, Request, StopTimer, Take
+from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, opened
+
+
+def report_now(state: Authority) -> Result:
+    """Report what is held: as a new request, at once."""
+    return opened(state, Request(Ask.REPORT))
+
+
+def cleared(state: Authority, event: Cleared) -> Result:
+    """Drops sections with their proofs and commands, then reports what is left until that is confirmed."""
+    return dropped(state, event.section_ids)
+
+
+def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
+    """Without these sections, and with a report that says so; the same where none of them is held."""
+    kept = tuple(held for held in state.held if held not in section_ids)
+    if kept == state.held:
+        return state, ()
+    gone = [c for c in state.commands if c.needed.section_id in section_ids]
+    left = replace(
+        state,
+        held=kept,
+        commandable=tuple(s for s in state.commandable if s in kept),
+        proven=tuple(needed for needed in state.proven if needed.section_id not in section_ids),
+        commands=tuple(c for c in state.commands if c not in gone),
+        unsaid=tuple(needed for needed in state.unsaid if needed.section_id not in section_ids),
+    )
+    left, actions = report_now(left)
+    return left, (*(StopTimer(c.timer) for c in gone), *actions, holds(left))
+
+
+def confirmed(state: Authority, event: Confirmed) -> Result:
+    """To its last report: done if the register has the same; a greater token is taken."""
+    request = state.open(Ask.REPORT)
+    if request is None or not event.answers:
+        return state, ()
+    actions: tuple[Take | Renew | StopTimer, ...] = ()
+    if set(event.section_ids) == set(state.held):
+        state, actions = closed(state, Ask.REPORT)  # type: ignore[assignment]
+    elif event.newer:  # refused for its token: the same report again under the newer one
+        state = changed(state, replace(request, sent=False))
+    if not event.newer:
+        return state, actions
+    from onboard.authority.sign_on import take_newer
+
+    state, more = take_newer(state)
+    return state, (*actions, *more)
+
+
+TABLE: Final[Table] = MappingProxyType(
+    {
+        (Standing.ON_LINE, Cleared): cleared,
+        (Standing.ON_LINE, Confirmed): confirmed,
+        (Standing.SIGNING_OFF, Confirmed): confirmed,
+    }
+)

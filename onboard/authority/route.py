@@ -1,0 +1,82 @@
+"""Asking for routes (閉そく要求機能, Sugiyama et al. 2017, table 1).
+
+Invariant: a route is asked for one at a time and held only by a grant to the request outstanding, to this boot, under
+a token greater than any known before; then it is held whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from onboard.authority.records import AskRoute, Ask, Authority, GiveBack, Granted, Refused, Renew, Request, Take, Write
+from onboard.authority.report import dropped, report_now
+from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, opened, refused
+from onboard.notes import Refused as RefusedNote
+from onboard.notes import RouteHeld
+
+
+def ask(state: Authority, event: AskRoute) -> Result:
+    """Requests the route, one at a time, with the same correlation until it is answered."""
+    if state.open(Ask.ROUTE) is not None:
+        return state, ()
+    return opened(state, Request(Ask.ROUTE, event.route_id, event.section_ids))
+
+
+def granted(state: Authority, event: Granted) -> Result:
+    """Only to the request outstanding, of this boot, with a greater token: holds the sections."""
+    request = state.open(Ask.ROUTE)
+    if request is None or not (event.fresh and event.answers and event.newer):
+        return state, ()
+    if (event.route_id, event.section_ids) != (request.subject, request.section_ids):
+        return state, ()
+    state, actions = closed(state, Ask.ROUTE)
+    added = tuple(s for s in event.section_ids if s not in state.held)
+    held = (*state.held, *added)
+    regranted = set(event.section_ids)
+    commandable = tuple(
+        s for s in held if s in event.commandable or (s in state.commandable and s not in regranted)
+    )
+    # What the crew saw while another could throw the points is no proof any more.
+    proven = tuple(needed for needed in state.proven if needed.section_id not in added)
+    proven = tuple(needed for needed in proven if needed.section_id in state.held)
+    state = replace(state, held=held, commandable=commandable, proven=proven)
+    note = Write(RouteHeld(route=event.route_id, token=0))
+    return state, (*actions, Take(event.section_ids), note, holds(state))
+
+
+def route_refused(state: Authority, event: Refused) -> Result:
+    """To the request outstanding: asks again, as a new request; reports first if the manager has lost sight of it."""
+    request = state.open(Ask.ROUTE)
+    if request is None or event.ask is not Ask.ROUTE or not event.answers or event.subject != request.subject:
+        return state, ()
+    waiting, actions = refused(state, request, event.why)
+    actions = (Renew(Ask.ROUTE), *actions)
+    if event.why != request.refusal:
+        actions = (*actions, Write(RefusedNote(route=request.subject, why=event.why)))
+    if event.lost_sight and state.open(Ask.REPORT) is None:
+        waiting, more = report_now(waiting)
+        actions = (*actions, *more)
+    return waiting, actions
+
+
+def give_back(state: Authority, event: GiveBack) -> Result:
+    """Drops a route not entered and the request still open, then reports what is left."""
+    given, first = dropped(state, event.section_ids)
+    if state.open(Ask.ROUTE) is None:
+        return given, first
+    # Its answer fits nothing, and the report frees what it may have given.
+    given, second = closed(given, Ask.ROUTE)
+    given, third = report_now(given)
+    return given, (*first, *second, *third)
+
+
+TABLE: Final[Table] = MappingProxyType(
+    {
+        (Standing.ON_LINE, AskRoute): ask,
+        (Standing.ON_LINE, Granted): granted,
+        (Standing.ON_LINE, Refused): route_refused,
+        (Standing.ON_LINE, GiveBack): give_back,
+    }
+)

@@ -1,0 +1,152 @@
+"""Signing on and off (在線登録・抹消): which boot of which unit is on the line, and with what.
+
+Invariant: a unit counts as held what the manager accepted, and what it claims as standing in, never what it wishes to
+enter; it signs off only with its last section, and then holds nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from onboard.authority.records import (
+    Ask,
+    Authority,
+    BeginOnLine,
+    EndOnLine,
+    Queried,
+    Refused,
+    Renew,
+    Request,
+    SendClaim,
+    SignedOff,
+    SignedOn,
+    Take,
+    TurnedBack,
+    Write,
+)
+from onboard.authority.report import report_now
+from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, opened, refused
+from onboard.notes import Claimed, SignedOff as SignedOffNote, SignedOn as SignedOnNote
+from onboard.notes import SignOffRefused, SignOnRefused
+
+
+def begin(state: Authority, event: BeginOnLine) -> Result:
+    """Signs on with what it claims, with a wish for its portal, or with 'I do not know' after a restart."""
+    begun = replace(
+        state,
+        held=() if event.enters else (event.section_ids or ()),
+        commandable=(),
+        entering=event.enters,
+        requests=(),
+    )
+    begun, actions = opened(begun, Request(Ask.SIGN_ON, section_ids=event.section_ids))
+    # Who has just been switched on does not know what it holds, which is not the same as nothing.
+    return begun, actions if event.section_ids is None else (*actions, holds(begun))
+
+
+def end(state: Authority, _event: EndOnLine) -> Result:
+    """Signs off, if nothing but one section is held."""
+    if len(state.held) > 1:
+        return state, ()
+    return opened(state, Request(Ask.SIGN_OFF))
+
+
+def signed_on(state: Authority, event: SignedOn) -> Result:
+    """To its sign-on: holds what the manager says."""
+    if not event.answers:
+        return state, ()
+    accepted, actions = closed(state, Ask.SIGN_ON)
+    accepted = replace(
+        accepted, held=event.section_ids, commandable=event.commandable, on_line=True, entering=False
+    )
+    note = Write(SignedOnNote(sections=event.section_ids, token=0))
+    return accepted, (*actions, Take(event.section_ids), note, holds(accepted))
+
+
+def claim_accepted(state: Authority, event: SignedOn) -> Result:
+    """To a claim: takes a greater token, never sections; what is open is asked anew."""
+    return take_newer(state, event.commandable) if event.newer else (state, ())
+
+
+def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
+    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
+    known = tuple(s for s in state.held if s in commandable or s in state.commandable)
+    state = replace(state, commandable=known)
+    renewed: list[Renew] = []
+    for ask in (Ask.ROUTE, Ask.SIGN_OFF):
+        request = state.open(ask)
+        if request is not None:
+            state = changed(state, replace(request, sent=False))
+            renewed.append(Renew(ask))
+    return state, (Take(()), *renewed)
+
+
+def sign_on_refused(state: Authority, event: Refused) -> Result:
+    """To its sign-on: waits and asks again."""
+    request = state.open(Ask.SIGN_ON)
+    if request is None or event.ask is not Ask.SIGN_ON or not event.answers:
+        return state, ()
+    waiting, actions = refused(state, request, event.why)
+    return waiting, (*actions, Write(SignOnRefused(why=event.why)))
+
+
+def sign_off_refused(state: Authority, event: Refused) -> Result:
+    """To its sign-off: asks again; reports first if the manager has lost sight of it."""
+    request = state.open(Ask.SIGN_OFF)
+    if request is None or event.ask is not Ask.SIGN_OFF or not event.answers:
+        return state, ()
+    waiting, actions = refused(state, request, event.why)
+    if event.lost_sight and state.open(Ask.REPORT) is None:
+        waiting, more = report_now(waiting)
+        actions = (*actions, *more)
+    return waiting, (*actions, Write(SignOffRefused(why=event.why)))
+
+
+def signed_off(state: Authority, event: SignedOff) -> Result:
+    """To its sign-off: holds nothing, is off the line."""
+    if not event.answers:
+        return state, ()
+    gone, actions = closed(state, Ask.SIGN_OFF)
+    gone = replace(gone, held=(), commandable=(), on_line=False)
+    return gone, (*actions, Write(SignedOffNote()), holds(gone))
+
+
+def queried(state: Authority, _event: Queried) -> Result:
+    """Answers at once with all that it holds, which is nothing while it waits to enter."""
+    return state, (SendClaim(state.held), Write(Claimed(sections=state.held, token=0)))
+
+
+def queried_signing_on(state: Authority, event: Queried) -> Result:
+    """Answers at once: with all that it claims, with nothing while it waits to enter, or that it does not know."""
+    request = state.open(Ask.SIGN_ON)
+    if request is not None and request.section_ids is None:
+        return state, (SendClaim(None),)
+    return queried(state, event)
+
+
+def turned_back(state: Authority, _event: TurnedBack) -> Result:
+    """Turns the order of what is held; forgets proofs and commands of the old way."""
+    turned = replace(state, held=state.held[::-1], commands=(), proven=(), unsaid=())
+    return turned, (() if turned == state else (holds(turned),))
+
+
+TABLE: Final[Table] = MappingProxyType(
+    {
+        (Standing.OFF_LINE, BeginOnLine): begin,
+        (Standing.SIGNING_ON, BeginOnLine): begin,
+        (Standing.SIGNING_ON, SignedOn): signed_on,
+        (Standing.ON_LINE, SignedOn): claim_accepted,
+        (Standing.SIGNING_OFF, SignedOn): claim_accepted,
+        (Standing.SIGNING_ON, Refused): sign_on_refused,
+        (Standing.ON_LINE, EndOnLine): end,
+        (Standing.SIGNING_OFF, Refused): sign_off_refused,
+        (Standing.SIGNING_OFF, SignedOff): signed_off,
+        (Standing.OFF_LINE, Queried): queried,
+        (Standing.SIGNING_ON, Queried): queried_signing_on,
+        (Standing.ON_LINE, Queried): queried,
+        (Standing.SIGNING_OFF, Queried): queried,
+        **dict.fromkeys(((s, TurnedBack) for s in Standing), turned_back),
+    }
+)

@@ -1,0 +1,84 @@
+"""What the tables of the authority have in common: where the unit stands with the manager, and open requests.
+
+A table maps (standing, type of the event) to a handler `(state, event) -> (state, actions)`, whose docstring says what
+happens. What no table names is refused and changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from enum import Enum
+from typing import Any, Final, TypeAlias
+
+from onboard.authority.records import (
+    Action,
+    Ask,
+    Authority,
+    Event,
+    Renew,
+    Request,
+    SetTimer,
+    StopTimer,
+    Write,
+)
+from onboard.notes import Holds
+
+REPEAT_S: Final = 2.0
+REFUSED_REPEAT_S: Final = 5.0
+
+
+class Standing(Enum):
+    """Where the unit stands with the block manager; derived from its state."""
+
+    OFF_LINE = "off the line"
+    SIGNING_ON = "signing on"
+    ON_LINE = "on the line"
+    SIGNING_OFF = "signing off"
+
+
+Result: TypeAlias = tuple[Authority, tuple[Action, ...]]
+Handler: TypeAlias = Callable[[Authority, Any], Result]
+Table: TypeAlias = Mapping[tuple[Standing, type[Event]], Handler]
+
+
+def standing(state: Authority) -> Standing:
+    """Where the unit stands with the manager."""
+    if state.open(Ask.SIGN_OFF) is not None:
+        return Standing.SIGNING_OFF
+    if state.on_line:
+        return Standing.ON_LINE
+    return Standing.OFF_LINE if state.open(Ask.SIGN_ON) is None else Standing.SIGNING_ON
+
+
+def opened(state: Authority, request: Request) -> Result:
+    """A new request, in place of one of its kind that may be open: an answer to that fits no more."""
+    others = tuple(other for other in state.requests if other.ask is not request.ask)
+    return replace(state, requests=(*others, request)), (Renew(request.ask),)
+
+
+def changed(state: Authority, request: Request) -> Authority:
+    """The open request of this kind, changed; its place among the others stays."""
+    requests = tuple(request if other.ask is request.ask else other for other in state.requests)
+    return replace(state, requests=requests)
+
+
+def closed(state: Authority, ask: Ask) -> Result:
+    """The request of this kind is over."""
+    request = state.open(ask)
+    if request is None:
+        return state, ()
+    return replace(state, requests=tuple(r for r in state.requests if r.ask is not ask)), (
+        StopTimer(request.timer),
+    )
+
+
+def refused(state: Authority, request: Request, why: str) -> Result:
+    """The request stays open and is repeated, later than one that was not answered."""
+    waiting = replace(request, sent=True, refusal=why)
+    return changed(state, waiting), (SetTimer(request.timer, REFUSED_REPEAT_S),)
+
+
+def holds(state: Authority) -> Write:
+    """The line of the journal that says what is held."""
+    return Write(Holds(sections=state.held, token=0))

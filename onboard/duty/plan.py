@@ -1,0 +1,157 @@
+"""The plan of one train number as the on-board machines see it: joints, marks and tags in order, no metres.
+
+Fixed data of a duty (固定データ), made once from the mission and kept outside every state, so that a state stays small
+and two trains on the same plan differ only in their states. Joint `i` is where span `i` begins; the joint behind the
+last span is the end of the path. `onboard.motion` turns metres into joints and back.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+
+from network.model import Position, SectionKind, TagPurpose
+from onboard.duty.mission import Mission
+
+ARRIVED_ON_SIGHT_WITHIN_M: Final = 6.0  # a mark reached by the crew's eye
+
+
+class PointsNeeded(msgspec.Struct, frozen=True, order=True):
+    """A set of points as the path needs it."""
+
+    points_id: str
+    position: Position
+    section_id: str
+    terminal_id: str
+
+
+class Span(msgspec.Struct, frozen=True):
+    """One section on the path; `piece` and `kilometrage_m` say where it begins, for people."""
+
+    section_id: str
+    kind: SectionKind
+    points: tuple[PointsNeeded, ...]
+    piece: str
+    kilometrage_m: float
+
+
+class Leg(msgspec.Struct, frozen=True):
+    """A route of the plan: from a track to the next one."""
+
+    route_id: str
+    from_section: str
+    section_ids: tuple[str, ...]
+
+
+class Stop(msgspec.Struct, frozen=True):
+    """A place where the train stops: in which span, when; `clear`: spans surely behind a train at this mark, by eye."""
+
+    place: str  # the station, or the section where the train leaves the line
+    is_station: bool
+    span: int
+    clear: int
+    arrival_s: float | None
+    departure_s: float | None
+
+
+class Tag(msgspec.Struct, frozen=True):
+    """A tag of the path; `ahead`: the first span that begins beyond it."""
+
+    tag_id: int
+    purpose: TagPurpose
+    ahead: int
+
+
+class Plan(msgspec.Struct, frozen=True):
+    """All of it; `end_*` say where the path ends."""
+
+    number: str
+    direction: str
+    spans: tuple[Span, ...]
+    legs: tuple[Leg, ...]
+    stops: tuple[Stop, ...]
+    tags: tuple[Tag, ...]
+    end_piece: str
+    end_kilometrage_m: float
+    enters: bool  # the first section is a portal
+
+    def leg_beyond(self, section_id: str) -> Leg | None:
+        """The route that begins in a section; None where the plan ends there, or on open line."""
+        return next((leg for leg in self.legs if leg.from_section == section_id), None)
+
+    def joint(self, index: int) -> tuple[str, float]:
+        """Piece and kilometrage (m) of a joint."""
+        if index < len(self.spans):
+            return self.spans[index].piece, self.spans[index].kilometrage_m
+        return self.end_piece, self.end_kilometrage_m
+
+    def departure_points(self, from_section: str) -> tuple[PointsNeeded, ...]:
+        """Points between a track and the open line beyond it: thrown as soon as the route is held."""
+        at = next(i for i, span in enumerate(self.spans) if span.section_id == from_section)
+        return self._points_up_to_other(at + 1)
+
+    def _points_up_to_other(self, first: int) -> tuple[PointsNeeded, ...]:
+        found: list[PointsNeeded] = []
+        for span in self.spans[first:]:
+            if span.kind is not SectionKind.POINTS:
+                break
+            found.extend(span.points)
+        return tuple(found)
+
+    def arrival_points(self, tag: Tag) -> tuple[PointsNeeded, ...]:
+        """Points ahead of a train on the open line up to the next track: thrown at the approach tag (④)."""
+        ahead = tag.ahead
+        while ahead < len(self.spans) and self.spans[ahead].kind is SectionKind.BETWEEN:
+            ahead += 1
+        return self._points_up_to_other(ahead)
+
+    def track_ahead(self, tag: Tag) -> Span | None:
+        """The next track that begins beyond a tag."""
+        return next((s for s in self.spans[tag.ahead :] if s.kind is SectionKind.TRACK), None)
+
+    def calls_at(self, section_id: str) -> bool:
+        """Whether the train stops in a section."""
+        return any(self.spans[stop.span].section_id == section_id for stop in self.stops)
+
+
+def plan_of(mission: Mission, length_m: float) -> Plan:
+    """The plan of a mission for a train of this length."""
+    path = mission.path
+    spans = []
+    for span in mission.spans:
+        piece, kilometrage_m = path.locate(span.start_m)
+        points = tuple(
+            PointsNeeded(points_id, position, span.section_id, terminal_id)
+            for points_id, position, terminal_id in span.points
+        )
+        spans.append(Span(span.section_id, span.kind, points, piece, kilometrage_m))
+    stops = []
+    for target in mission.targets:
+        rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - length_m
+        stops.append(
+            Stop(
+                target.station_id or target.section_id,
+                target.station_id is not None,
+                mission.span_index(target.section_id),
+                sum(span.end_m <= rear_m for span in mission.spans),
+                target.arrival_s,
+                target.departure_s,
+            )
+        )
+    tags = tuple(
+        Tag(tag.tag_id, tag.purpose, sum(span.start_m <= tag.position_m for span in mission.spans))
+        for tag in mission.tags
+    )
+    end_piece, end_m = path.locate(mission.spans[-1].end_m)
+    return Plan(
+        number=mission.number,
+        direction=mission.direction.name.lower(),
+        spans=tuple(spans),
+        legs=tuple(Leg(r.id, r.from_section, r.section_ids) for r in mission.routes),
+        stops=tuple(stops),
+        tags=tags,
+        end_piece=end_piece,
+        end_kilometrage_m=end_m,
+        enters=mission.spans[0].kind is SectionKind.PORTAL,
+    )
