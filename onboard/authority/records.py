@@ -14,7 +14,7 @@ from typing import NamedTuple
 import msgspec
 
 from onboard.duty.plan import PointsNeeded
-from onboard.notes import Note
+from onboard import notes
 
 
 class Ask(Enum):
@@ -314,7 +314,7 @@ class StopTimer(msgspec.Struct, frozen=True, tag=True):
 class Write(msgspec.Struct, frozen=True, tag=True):
     """A line for the journal; `onboard.authority.letters` adds tokens."""
 
-    note: Note
+    note: notes.Note
 
 
 Action = Renew | Commit | Take | Send | SendClaim | SendCommand | SetTimer | StopTimer | Write

@@ -10,13 +10,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from onboard.authority.records import Ask, Authority, Cleared, Confirmed, Renew, Request, StopTimer, Take
-from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, opened
-
-
-def report_now(state: Authority) -> Result:
-    """Report what is held: as a new request, at once."""
-    return opened(state, Request(Ask.REPORT))
+from onboard.authority.records import Action, Ask, Authority, Cleared, Confirmed, StopTimer
+from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, report_now, take_newer
 
 
 def cleared(state: Authority, event: Cleared) -> Result:
@@ -47,15 +42,13 @@ def confirmed(state: Authority, event: Confirmed) -> Result:
     request = state.open(Ask.REPORT)
     if request is None or not event.answers:
         return state, ()
-    actions: tuple[Take | Renew | StopTimer, ...] = ()
+    actions: tuple[Action, ...] = ()
     if set(event.section_ids) == set(state.held):
-        state, actions = closed(state, Ask.REPORT)  # type: ignore[assignment]
+        state, actions = closed(state, Ask.REPORT)
     elif event.newer:  # refused for its token: the same report again under the newer one
         state = changed(state, replace(request, sent=False))
     if not event.newer:
         return state, actions
-    from onboard.authority.sign_on import take_newer
-
     state, more = take_newer(state)
     return state, (*actions, *more)
 

@@ -10,11 +10,10 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
+from onboard import notes
 from onboard.authority.records import AskRoute, Ask, Authority, GiveBack, Granted, Refused, Renew, Request, Take, Write
-from onboard.authority.report import dropped, report_now
-from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, opened, refused
-from onboard.notes import Refused as RefusedNote
-from onboard.notes import RouteHeld
+from onboard.authority.report import dropped
+from onboard.authority.tables import Result, Standing, Table, closed, holds, opened, refused, report_now
 
 
 def ask(state: Authority, event: AskRoute) -> Result:
@@ -39,10 +38,9 @@ def granted(state: Authority, event: Granted) -> Result:
         s for s in held if s in event.commandable or (s in state.commandable and s not in regranted)
     )
     # What the crew saw while another could throw the points is no proof any more.
-    proven = tuple(needed for needed in state.proven if needed.section_id not in added)
-    proven = tuple(needed for needed in proven if needed.section_id in state.held)
+    proven = tuple(needed for needed in state.proven if state.holds(needed.section_id))
     state = replace(state, held=held, commandable=commandable, proven=proven)
-    note = Write(RouteHeld(route=event.route_id, token=0))
+    note = Write(notes.RouteHeld(route_id=event.route_id, token=0))
     return state, (*actions, Take(event.section_ids), note, holds(state))
 
 
@@ -54,7 +52,7 @@ def route_refused(state: Authority, event: Refused) -> Result:
     waiting, actions = refused(state, request, event.why)
     actions = (Renew(Ask.ROUTE), *actions)
     if event.why != request.refusal:
-        actions = (*actions, Write(RefusedNote(route=request.subject, why=event.why)))
+        actions = (*actions, Write(notes.RouteDenied(route_id=request.subject, why=event.why)))
     if event.lost_sight and state.open(Ask.REPORT) is None:
         waiting, more = report_now(waiting)
         actions = (*actions, *more)

@@ -10,6 +10,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
+from onboard import notes
 from onboard.authority.records import (
     Ask,
     Authority,
@@ -17,7 +18,6 @@ from onboard.authority.records import (
     EndOnLine,
     Queried,
     Refused,
-    Renew,
     Request,
     SendClaim,
     SignedOff,
@@ -26,10 +26,17 @@ from onboard.authority.records import (
     TurnedBack,
     Write,
 )
-from onboard.authority.report import report_now
-from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, opened, refused
-from onboard.notes import Claimed, SignedOff as SignedOffNote, SignedOn as SignedOnNote
-from onboard.notes import SignOffRefused, SignOnRefused
+from onboard.authority.tables import (
+    Result,
+    Standing,
+    Table,
+    closed,
+    holds,
+    opened,
+    refused,
+    report_now,
+    take_newer,
+)
 
 
 def begin(state: Authority, event: BeginOnLine) -> Result:
@@ -61,7 +68,7 @@ def signed_on(state: Authority, event: SignedOn) -> Result:
     accepted = replace(
         accepted, held=event.section_ids, commandable=event.commandable, on_line=True, entering=False
     )
-    note = Write(SignedOnNote(sections=event.section_ids, token=0))
+    note = Write(notes.SignedOn(section_ids=event.section_ids))
     return accepted, (*actions, Take(event.section_ids), note, holds(accepted))
 
 
@@ -70,26 +77,13 @@ def claim_accepted(state: Authority, event: SignedOn) -> Result:
     return take_newer(state, event.commandable) if event.newer else (state, ())
 
 
-def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
-    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
-    known = tuple(s for s in state.held if s in commandable or s in state.commandable)
-    state = replace(state, commandable=known)
-    renewed: list[Renew] = []
-    for ask in (Ask.ROUTE, Ask.SIGN_OFF):
-        request = state.open(ask)
-        if request is not None:
-            state = changed(state, replace(request, sent=False))
-            renewed.append(Renew(ask))
-    return state, (Take(()), *renewed)
-
-
 def sign_on_refused(state: Authority, event: Refused) -> Result:
     """To its sign-on: waits and asks again."""
     request = state.open(Ask.SIGN_ON)
     if request is None or event.ask is not Ask.SIGN_ON or not event.answers:
         return state, ()
     waiting, actions = refused(state, request, event.why)
-    return waiting, (*actions, Write(SignOnRefused(why=event.why)))
+    return waiting, (*actions, Write(notes.SignOnDenied(why=event.why)))
 
 
 def sign_off_refused(state: Authority, event: Refused) -> Result:
@@ -101,7 +95,7 @@ def sign_off_refused(state: Authority, event: Refused) -> Result:
     if event.lost_sight and state.open(Ask.REPORT) is None:
         waiting, more = report_now(waiting)
         actions = (*actions, *more)
-    return waiting, (*actions, Write(SignOffRefused(why=event.why)))
+    return waiting, (*actions, Write(notes.SignOffDenied(why=event.why)))
 
 
 def signed_off(state: Authority, event: SignedOff) -> Result:
@@ -110,12 +104,12 @@ def signed_off(state: Authority, event: SignedOff) -> Result:
         return state, ()
     gone, actions = closed(state, Ask.SIGN_OFF)
     gone = replace(gone, held=(), commandable=(), on_line=False)
-    return gone, (*actions, Write(SignedOffNote()), holds(gone))
+    return gone, (*actions, Write(notes.SignedOff()), holds(gone))
 
 
 def queried(state: Authority, _event: Queried) -> Result:
     """Answers at once with all that it holds, which is nothing while it waits to enter."""
-    return state, (SendClaim(state.held), Write(Claimed(sections=state.held, token=0)))
+    return state, (SendClaim(state.held), Write(notes.Claimed(section_ids=state.held, token=0)))
 
 
 def queried_signing_on(state: Authority, event: Queried) -> Result:

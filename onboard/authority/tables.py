@@ -11,6 +11,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import Any, Final, TypeAlias
 
+from onboard import notes
 from onboard.authority.records import (
     Action,
     Ask,
@@ -20,9 +21,9 @@ from onboard.authority.records import (
     Request,
     SetTimer,
     StopTimer,
+    Take,
     Write,
 )
-from onboard.notes import Holds
 
 REPEAT_S: Final = 2.0
 REFUSED_REPEAT_S: Final = 5.0
@@ -81,4 +82,22 @@ def refused(state: Authority, request: Request, why: str) -> Result:
 
 def holds(state: Authority) -> Write:
     """The line of the journal that says what is held."""
-    return Write(Holds(sections=state.held, token=0))
+    return Write(notes.Holds(section_ids=state.held, token=0))
+
+
+def report_now(state: Authority) -> Result:
+    """Report what is held: as a new request, at once."""
+    return opened(state, Request(Ask.REPORT))
+
+
+def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
+    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
+    known = tuple(s for s in state.held if s in commandable or s in state.commandable)
+    state = replace(state, commandable=known)
+    actions: tuple[Action, ...] = (Take(()),)
+    for ask in (Ask.ROUTE, Ask.SIGN_OFF):
+        request = state.open(ask)
+        if request is not None:
+            state = changed(state, replace(request, sent=False))
+            actions = (*actions, Renew(ask))
+    return state, actions

@@ -155,3 +155,6 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
         end_kilometrage_m=end_m,
         enters=mission.spans[0].kind is SectionKind.PORTAL,
     )
+
+
+NO_PLAN: Final = Plan("", "", (), (), (), (), "", 0.0, enters=False)

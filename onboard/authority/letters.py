@@ -1,0 +1,206 @@
+"""Between the authority machine and the telegrams: tokens, correlations, capabilities.
+
+Invariant: an answer counts only for the request outstanding, by its correlation; tokens only grow. The machine is told
+of each telegram how it relates to what is open, so that its own state stays small and symbolic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final, NamedTuple
+
+from msgspec.structs import replace
+
+from onboard import notes
+from onboard.authority import records as sym
+from onboard.authority.records import Ask
+from onboard.duty.plan import PointsNeeded
+from radio import messages as radio
+from radio.envelope import Received
+
+LOST_SIGHT: Final = (radio.RefusalReason.NOT_SIGNED_ON, radio.RefusalReason.STALE_TOKEN)
+_WITH_TOKEN: Final = (notes.Holds, notes.Claimed, notes.Reported, notes.RouteHeld)
+
+
+class Letter(NamedTuple):
+    """A telegram to send."""
+
+    destination: str
+    message: radio.AnyMessage
+    correlation: int
+
+
+class _Commanded(NamedTuple):
+    token: int
+    mac: bytes
+    correlation: int
+
+
+class Letters:
+    """What one boot of a unit knows of the numbers of its telegrams."""
+
+    def __init__(self, unit_id: str, manager_id: str) -> None:
+        self._unit_id: Final = unit_id
+        self._manager_id: Final = manager_id
+        self.token = 0  # the greatest taken
+        self._correlation = 0  # of the newest request; each open request keeps its own
+        self._open: dict[Ask, int] = {}
+        self._tokens: dict[str, int] = {}  # by section
+        self._macs: dict[tuple[str, str], bytes] = {}  # by section and terminal
+        self._commanded: dict[str, _Commanded] = {}  # by points
+        self._heard: Received | None = None  # the telegram at hand
+
+    def read(self, heard: Received) -> sym.Event | None:
+        """What a telegram means to the machine; None where it means nothing to a unit."""
+        self._heard = heard
+        reader = _READERS.get(type(heard.message))
+        return None if reader is None else reader(self, heard, heard.message)
+
+    def write(self, action: sym.Send | sym.SendClaim | sym.SendCommand) -> Letter:
+        """The telegram that an action asks for."""
+        match action:
+            case sym.Send(request):
+                return Letter(self._manager_id, self._request(request), self._open[request.ask])
+            case sym.SendClaim(section_ids):
+                query = self._heard
+                token = 0 if section_ids is None else self.token
+                return Letter(
+                    self._manager_id,
+                    radio.Claim(section_ids, token),
+                    0 if query is None else query.correlation,
+                )
+            case sym.SendCommand(needed):
+                known = self._commanded[needed.points_id]
+                order = radio.PointsCommand(
+                    needed.points_id, needed.position, needed.section_id, known.token, known.mac
+                )
+                return Letter(needed.terminal_id, order, known.correlation)
+
+    def keep(self, action: sym.Renew | sym.Commit | sym.Take) -> None:
+        """Number a new request, bind a command to its token, or take the token of the telegram at hand."""
+        match action:
+            case sym.Renew(ask):
+                self._correlation += 1
+                self._open[ask] = self._correlation
+            case sym.Commit(needed):
+                self._correlation += 1
+                self._commanded[needed.points_id] = _Commanded(
+                    self._tokens.get(needed.section_id, 0), self._mac(needed), self._correlation
+                )
+            case sym.Take(section_ids):
+                self._take(section_ids)
+
+    def with_token(self, note: notes.Note) -> notes.Note:
+        """A line of the journal with the token that belongs to it."""
+        match note:
+            case notes.Proven(by_crew=False, points_id=points_id):
+                return replace(note, token=self._commanded[points_id].token)
+            case notes.Proven():
+                return replace(note, token=self.token)
+            case _ if isinstance(note, _WITH_TOKEN):
+                return replace(note, token=self.token)
+            case _:
+                return note
+
+    def _mac(self, needed: PointsNeeded) -> bytes:
+        return self._macs.get((needed.section_id, needed.terminal_id), b"")
+
+    def _request(self, request: sym.Request) -> radio.AnyMessage:
+        match request.ask:
+            case Ask.SIGN_ON:
+                return radio.SignOn(self._unit_id, request.section_ids)
+            case Ask.SIGN_OFF:
+                return radio.SignOff(self._unit_id, self.token)
+            case Ask.ROUTE:
+                return radio.RouteRequest(self._unit_id, request.subject, request.section_ids or ())
+            case Ask.REPORT:
+                return radio.HoldingReport(request.section_ids or (), self.token)
+
+    def _take(self, section_ids: tuple[str, ...]) -> None:
+        """Its token for these sections and for those it has capabilities for."""
+        message: Any = None if self._heard is None else self._heard.message
+        if message is None:
+            return
+        self.token = message.token
+        capabilities = getattr(message, "capabilities", ())
+        renewed = {c.section_id for c in capabilities} | set(section_ids)
+        for key in [key for key in self._macs if key[0] in renewed]:
+            del self._macs[key]
+        self._tokens |= dict.fromkeys(renewed, message.token)
+        self._macs |= {(c.section_id, c.terminal_id): c.mac for c in capabilities}
+
+    # telegrams as the machine is told of them -------------------------------------------------------------------
+
+    def _answers(self, ask: Ask, heard: Received) -> bool:
+        return heard.correlation == self._open.get(ask, -1)
+
+    def _signed_on(self, heard: Received, message: radio.SignOnAccepted) -> sym.Event:
+        commandable = tuple(dict.fromkeys(c.section_id for c in message.capabilities))
+        return sym.SignedOn(
+            message.section_ids, commandable, self._answers(Ask.SIGN_ON, heard), message.token > self.token
+        )
+
+    def _sign_on_refused(self, heard: Received, message: radio.SignOnRefused) -> sym.Event:
+        return self._refusal(Ask.SIGN_ON, "", heard, message)
+
+    def _sign_off_refused(self, heard: Received, message: radio.SignOffRefused) -> sym.Event:
+        lost = message.reason in LOST_SIGHT
+        return sym.Refused(Ask.SIGN_OFF, "", message.reason.name, lost, self._answers(Ask.SIGN_OFF, heard))
+
+    def _route_refused(self, heard: Received, message: radio.RouteRefused) -> sym.Event:
+        return self._refusal(Ask.ROUTE, message.route_id, heard, message)
+
+    def _refusal(
+        self, ask: Ask, subject: str, heard: Received, message: radio.RouteRefused | radio.SignOnRefused
+    ) -> sym.Event:
+        why = message.reason.name.lower().replace("_", " ")
+        if message.section_id is not None:
+            why += f": section {message.section_id}"
+        if message.holder is not None:
+            why += f" of {message.holder}"
+        return sym.Refused(ask, subject, why, message.reason in LOST_SIGHT, self._answers(ask, heard))
+
+    def _signed_off(self, heard: Received, _message: radio.SignOffAccepted) -> sym.Event:
+        return sym.SignedOff(self._answers(Ask.SIGN_OFF, heard))
+
+    def _granted(self, heard: Received, message: radio.RouteGranted) -> sym.Event:
+        return sym.Granted(
+            message.route_id,
+            message.section_ids,
+            tuple(dict.fromkeys(c.section_id for c in message.capabilities)),
+            self._answers(Ask.ROUTE, heard),
+            heard.fresh,
+            message.token > self.token,
+        )
+
+    def _confirmed(self, heard: Received, message: radio.HoldingConfirmed) -> sym.Event:
+        answers = self._answers(Ask.REPORT, heard)
+        return sym.Confirmed(message.section_ids, answers, message.token > self.token)
+
+    def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
+        good = message.locked and message.detected and message.position is not None
+        position = message.position.value if good and message.position is not None else None
+        return sym.Proof(message.points_id, heard.source, position, self._mine(message))
+
+    def _points_refused(self, heard: Received, message: radio.PointsRefused) -> sym.Event:
+        why = message.reason.name.lower().replace("_", " ")
+        return sym.PointsDenied(message.points_id, heard.source, why, self._mine(message))
+
+    def _mine(self, message: radio.PointsProof | radio.PointsRefused) -> bool:
+        known = self._commanded.get(message.points_id)
+        return known is not None and known.token == message.token
+
+
+_READERS: Final[Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any], sym.Event]]] = {
+    radio.SignOnAccepted: Letters._signed_on,
+    radio.SignOnRefused: Letters._sign_on_refused,
+    radio.SignOffAccepted: Letters._signed_off,
+    radio.SignOffRefused: Letters._sign_off_refused,
+    radio.RouteGranted: Letters._granted,
+    radio.RouteRefused: Letters._route_refused,
+    radio.PointsProof: Letters._proof,
+    radio.PointsRefused: Letters._points_refused,
+    radio.HoldingConfirmed: Letters._confirmed,
+    radio.ClaimQuery: lambda *_: sym.Queried(),
+    radio.Restarted: lambda *_: sym.PeerRestarted(),
+}

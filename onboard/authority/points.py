@@ -1,0 +1,119 @@
+"""Commanding points (進路構成機能, Sugiyama et al. 2017, table 1).
+
+Invariant: points count as proven only while their section is held and by a proof for the position and token of the
+unit's own command, or by the crew's eye; a proof that no longer holds is dropped at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from onboard import notes
+from onboard.authority.records import (
+    Action,
+    Authority,
+    CheckedByCrew,
+    Command,
+    Commit,
+    PointsDenied,
+    Proof,
+    SetTimer,
+    StopTimer,
+    Throw,
+    Withdrawn,
+    Write,
+)
+from onboard.authority.tables import REFUSED_REPEAT_S, Result, Standing, Table
+
+
+def throw(state: Authority, event: Throw) -> Result:
+    """Commands points of sections held, with the capability of the grant, until they are proven."""
+    under_way = {command.needed for command in state.commands} | set(state.proven)
+    new = tuple(n for n in event.points if n.section_id in state.commandable and n not in under_way)
+    commanded = replace(state, commands=(*state.commands, *(Command(needed) for needed in new)))
+    return commanded, tuple(Commit(needed) for needed in new)
+
+
+def checked_by_crew(state: Authority, event: CheckedByCrew) -> Result:
+    """Counts these points as proven: the crew has seen how they lie."""
+    needed = event.points
+    if needed in state.proven:
+        return state, ()
+    over = [c for c in state.commands if c.needed == needed]
+    checked = replace(
+        state,
+        proven=(*state.proven, needed),
+        commands=tuple(c for c in state.commands if c not in over),
+    )
+    note = notes.Proven(points_id=needed.points_id, position=needed.position, token=0, by_crew=True)
+    return checked, (*(StopTimer(c.timer) for c in over), Write(note))
+
+
+def withdrawn(state: Authority, event: Withdrawn) -> Result:
+    """Throws still open are given up: the front may have come onto those points."""
+    gone = tuple(c for c in state.commands if c.needed.section_id in event.section_ids)
+    kept = tuple(c for c in state.commands if c not in gone)
+    left = replace(state, commands=kept, unsaid=(*state.unsaid, *(c.needed for c in gone)))
+    return left, tuple(StopTimer(c.timer) for c in gone)
+
+
+def proof(state: Authority, event: Proof) -> Result:
+    """Proven, if detected and locked as commanded, under that token; a proof that no longer holds is dropped."""
+    for needed in (*(c.needed for c in state.commands), *state.unsaid):
+        if (needed.points_id, needed.terminal_id) != (event.points_id, event.terminal_id):
+            continue
+        if event.position != needed.position.value or not event.mine:
+            return state, ()
+        over = [c for c in state.commands if c.needed == needed]
+        proven = replace(
+            state,
+            commands=tuple(c for c in state.commands if c not in over),
+            unsaid=tuple(other for other in state.unsaid if other != needed),
+            proven=(*state.proven, needed),
+        )
+        note = notes.Proven(points_id=needed.points_id, position=needed.position, token=0)
+        return proven, (*(StopTimer(c.timer) for c in over), Write(note))
+    return _lost(state, event)
+
+
+def _lost(state: Authority, event: Proof) -> Result:
+    shown = (event.points_id, event.terminal_id)
+    lost = [n for n in state.proven if (n.points_id, n.terminal_id) == shown]
+    if not lost or event.position == lost[0].position.value:
+        return state, ()
+    held = tuple(needed for needed in lost if state.holds(needed.section_id))
+    kept = tuple(needed for needed in state.proven if needed not in lost)
+    dropped = replace(state, proven=kept, unsaid=(*state.unsaid, *held))
+    actions: tuple[Action, ...] = tuple(Commit(needed) for needed in held)
+    return dropped, (*actions, Write(notes.ProofDropped(points_id=event.points_id)))
+
+
+def denied(state: Authority, event: PointsDenied) -> Result:
+    """Commands again later."""
+    commands: list[Command] = []
+    actions: list[Action] = []
+    for command in state.commands:
+        needed = command.needed
+        if (needed.points_id, needed.terminal_id) != (event.points_id, event.terminal_id) or not event.mine:
+            commands.append(command)
+            continue
+        if command.refusal != event.why:
+            actions.append(Write(notes.ThrowDenied(points_id=event.points_id, why=event.why)))
+        commands.append(replace(command, sent=True, refusal=event.why))
+        actions.append(SetTimer(command.timer, REFUSED_REPEAT_S))
+    return replace(state, commands=tuple(commands)), tuple(actions)
+
+
+TABLE: Final[Table] = MappingProxyType(
+    {
+        (Standing.ON_LINE, Throw): throw,
+        (Standing.SIGNING_ON, CheckedByCrew): checked_by_crew,
+        (Standing.ON_LINE, CheckedByCrew): checked_by_crew,
+        (Standing.ON_LINE, Withdrawn): withdrawn,
+        (Standing.SIGNING_ON, Proof): proof,
+        (Standing.ON_LINE, Proof): proof,
+        (Standing.ON_LINE, PointsDenied): denied,
+    }
+)

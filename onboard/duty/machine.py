@@ -1,0 +1,404 @@
+"""The duty of an on-board unit: what it does next on its way through a train number's plan.
+
+Invariant: in every phase something is outstanding, a timer runs, or the duty is over; the train goes nowhere that its
+authority has not opened, and gives back nothing that its safe rear has not left.
+
+A pure machine: `step(plan, parameters, state, event, place, now_s) -> (state, actions)`. `TABLE` is the whole of it:
+what it does not name is refused and changes nothing. After every event `settle` draws what follows from the state as
+it is then. Sugiyama et al. 2017, section 2.2, 4.4 and table 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any, Final
+
+from network.model import TagPurpose
+from onboard import notes
+from onboard.authority.records import (
+    Ask,
+    BeginOnLine,
+    Cleared,
+    Due,
+    EndOnLine,
+    GiveBack,
+    Throw,
+    TurnedBack,
+    Withdrawn,
+)
+from onboard.authority.stop_limit import (
+    cleared_sections,
+    entered_on_proof,
+    next_rear_span,
+    points_perhaps_under,
+    stop_limit,
+)
+from onboard.duty import on_sight
+from onboard.duty.plan import Plan
+from onboard.duty.records import (
+    ASK,
+    LEAVE,
+    RELEASE,
+    Accepted,
+    AtMark,
+    Begin,
+    ChangeEnds,
+    Command,
+    Duty,
+    Event,
+    Finished,
+    Heard,
+    How,
+    Leave,
+    LeftLine,
+    Looked,
+    Order,
+    Phase,
+    Place,
+    PointsSeen,
+    PointsWrong,
+    PositionLost,
+    SetBack,
+    Started,
+    Stopped,
+    SwitchedOn,
+    TagPassed,
+    TimerDue,
+)
+from onboard.duty.turn import Action, DutyParameters, Turn
+from radio.table import Row, rows
+
+Handler = Callable[[Turn, Any], None]
+
+
+def step(
+    plan: Plan, parameters: DutyParameters, state: Duty, event: Event, place: Place, now_s: float
+) -> tuple[Duty, tuple[Action, ...]]:
+    """Next state and what to do. An event that does not fit the phase changes nothing but what is due anyway."""
+    turn = Turn(plan, parameters, now_s, replace(state, place=place))
+    handler = TABLE.get((state.phase, type(event)))
+    if handler is not None:
+        handler(turn, event)
+    settle(turn)
+    return turn.state, tuple(turn.actions)
+
+
+# what people do -------------------------------------------------------------------------------------------------
+
+
+def begin(turn: Turn, event: Begin) -> None:
+    """Takes up the train where its stock stands; stock that comes onto the line signs on first."""
+    plan = event.plan
+    fresh = Duty(place=turn.state.place, authority=turn.state.authority, released=turn.state.released)
+    turn.state = fresh
+    turn.note(notes.MissionBegun(train=plan.number, direction=plan.direction))
+    turn.schedule(turn.now_s, 0)
+    if turn.state.place.emergency:
+        turn.await_release()
+    if event.signs_on:
+        turn.set(phase=Phase.SIGNING_ON)
+        turn.authority(BeginOnLine((plan.spans[0].section_id,), plan.enters))
+    elif turn.state.place.known:
+        turn.set(phase=Phase.STANDING)
+    else:
+        turn.set(phase=Phase.ON_SIGHT, stands_at=0)
+
+
+def change_ends(turn: Turn, _event: ChangeEnds) -> None:
+    """What was behind is ahead; the next train number follows."""
+    turn.authority(TurnedBack())
+    turn.note(notes.ChangedEnds())
+
+
+def leave(turn: Turn, _event: Leave) -> None:
+    """Signs off at the portal."""
+    turn.set(phase=Phase.SIGNING_OFF)
+    turn.authority(EndOnLine())
+
+
+def set_back(turn: Turn, event: SetBack) -> None:
+    """Standing surely short of it, gives the route ahead back and asks for none for a while."""
+    state, plan = turn.state, turn.plan
+    own, place = plan.stops[state.at].span, state.place
+    if not place.known:
+        turn.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
+        return
+    if not place.stands or place.perhaps > own + 1:
+        turn.note(notes.GiveBackDenied(why="the train may have entered the route"))
+        return
+    ahead = tuple(s.section_id for s in plan.spans[place.perhaps :] if state.authority.holds(s.section_id))
+    turn.schedule(turn.now_s + event.hold_s + turn.parameters.request_lead_s, state.at)
+    turn.set(wanted=())
+    turn.note(notes.GaveBack(section_ids=ahead))
+    turn.authority(GiveBack(ahead))
+
+
+def set_back_refused(turn: Turn, _event: SetBack) -> None:
+    """Refused: only a train that stands at a stop can set back its route."""
+    turn.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
+
+
+# what localisation and driving report ------------------------------------------------------------------------------
+
+
+def tag_passed(turn: Turn, event: TagPassed) -> None:
+    """At the approach tag (④), or at the next one if that was missed: throws arrival points, asks beyond a track passed."""
+    if event.found:
+        turn.note(notes.PositionFound())
+    plan = turn.plan
+    passed = plan.tags[: event.tag + 1]
+    last = max((i for i, tag in enumerate(passed) if tag.purpose is TagPurpose.APPROACH), default=None)
+    if last is None or any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):
+        return
+    turn.want(plan.arrival_points(passed[last]))
+    track = plan.track_ahead(passed[-1])
+    if track is not None and not plan.calls_at(track.section_id):
+        turn.ask(plan.leg_beyond(track.section_id))
+
+
+def started(turn: Turn, _event: Started) -> None:
+    """Notes that the wheels turn."""
+    turn.note(notes.Moving())
+
+
+def stopped(turn: Turn, event: Stopped) -> None:
+    """At or beyond its mark it has arrived; short of it, it asks for what it lacks to go on."""
+    emergency_stopped(turn, event)
+    state, plan = turn.state, turn.plan
+    if event.how is How.SHORT:
+        turn.note(notes.StoppedShort(short_m=round(-event.away_m, 2), why=state.limit.why))
+        turn.ask(plan.leg_beyond(plan.spans[state.place.here].section_id))
+        return
+    if event.how is How.BEYOND:  # no train sets back here: it counts as arrived, as far as it went
+        turn.note(notes.Overran(beyond_m=round(event.away_m, 2)))
+    turn.set(at=state.at + 1, phase=Phase.STANDING)
+    turn.schedule(turn.now_s + turn.parameters.dwell_min_s, state.at + 1)
+    turn.note(notes.Arrived(station=turn.stop(state.at + 1).place, error_m=round(event.away_m, 3)))
+
+
+def emergency_stopped(turn: Turn, _event: Stopped) -> None:
+    """After an emergency stop the driver's acknowledgement is awaited."""
+    if turn.state.place.emergency:
+        turn.await_release()
+
+
+def looked(turn: Turn, _event: Looked) -> None:
+    """Sends what is due where the radio reaches again, frees what the safe rear has left."""
+    if turn.state.authority.waits_for_radio:
+        turn.authority(Due(None))
+
+
+# time and radio ----------------------------------------------------------------------------------------------------
+
+
+def timer_due(turn: Turn, event: TimerDue) -> None:
+    """A route may be asked for, the train may leave, an emergency stop is acknowledged, or a request is due again."""
+    match event.timer:
+        case timer if timer == ASK:
+            turn.set(may_ask=True)
+        case timer if timer == LEAVE:
+            turn.set(may_leave=True)
+        case timer if timer == RELEASE:
+            turn.set(released=True)
+            turn.note(notes.EmergencyReleased())
+            turn.actions.append(Order.RELEASE)
+        case timer:
+            turn.authority(Due(timer))
+
+
+def heard(turn: Turn, event: Heard) -> None:
+    """As the tables of the authority say; with a route granted, its departure points are to be thrown."""
+    asked = turn.state.authority.open(Ask.ROUTE)
+    remember_entered(turn)
+    turn.authority(event.event)
+    leg = next((x for x in turn.plan.legs if asked is not None and x.route_id == asked.subject), None)
+    if leg is not None and turn.state.authority.open(Ask.ROUTE) is None:
+        turn.want(turn.plan.departure_points(leg.from_section))
+
+
+# what follows from the state as it is ------------------------------------------------------------------------------
+
+
+def settle(turn: Turn) -> None:
+    """What follows from the state as it is now, whatever has led to it."""
+    phase = turn.state.phase
+    if phase in (Phase.OFF, Phase.GONE):
+        return
+    if phase is Phase.SIGNING_ON and turn.state.authority.on_line:
+        turn.set(phase=Phase.STANDING)
+        turn.actions.append(Accepted(turn.plan.number))
+    if phase is Phase.SIGNING_OFF and not turn.state.authority.on_line:
+        turn.set(phase=Phase.GONE)
+        turn.actions.append(LeftLine(turn.plan.number))
+        return
+    if phase is Phase.ON_SIGHT and not on_sight.recovered(turn):
+        return
+    if turn.state.place.known:
+        clear_behind(turn)
+        remember_entered(turn)
+        withdraw_throws(turn)
+        throw_wanted(turn)
+    set_limit(turn)
+    if turn.state.phase is Phase.STANDING:
+        stand(turn)
+
+
+def clear_behind(turn: Turn) -> None:
+    """Give back what the safe rear has left."""
+    place = turn.state.place
+    clear = place.clear_at_mark if turn.state.phase is Phase.STANDING else place.clear
+    cleared = cleared_sections(turn.plan, turn.state.authority, clear)
+    if cleared:
+        turn.authority(Cleared(cleared))
+
+
+def remember_entered(turn: Turn) -> None:
+    """Points that the train has come onto by their proof, before anything can withdraw it."""
+    state = turn.state
+    if state.place.known:
+        entered = entered_on_proof(turn.plan, state.authority, state.place.sure)
+        turn.set(entered=state.entered | entered)
+
+
+def withdraw_throws(turn: Turn) -> None:
+    """No points are asked to move once the front may have come onto them."""
+    sections = points_perhaps_under(turn.plan, turn.state.authority, turn.state.place.perhaps)
+    if sections:
+        turn.authority(Withdrawn(tuple(sorted(sections))))
+
+
+def throw_wanted(turn: Turn) -> None:
+    """Command what is wanted and neither proven nor under way: anew, too, when a proof was withdrawn."""
+    state = turn.state
+    if not state.wanted:
+        return
+    ahead = {span.section_id for span in turn.plan.spans[state.place.perhaps :]}
+    wanted = tuple(needed for needed in state.wanted if needed.section_id in ahead)
+    turn.set(wanted=wanted)
+    under_way = {*state.authority.proven, *(command.needed for command in state.authority.commands)}
+    missing = tuple(needed for needed in wanted if needed not in under_way)
+    if missing:
+        turn.authority(Throw(missing))
+
+
+def set_limit(turn: Turn) -> None:
+    """The stop limit by what is held and proven."""
+    state = turn.state
+    limit = stop_limit(turn.plan, state.authority, state.entered)
+    if limit == state.limit:
+        return
+    turn.set(limit=limit)
+    piece, kilometrage_m = turn.plan.joint(limit.joint)
+    turn.note(
+        notes.LimitSet(
+            kilometrage_m=round(kilometrage_m, 1), piece_id=piece, before=limit.before, why=limit.why
+        )
+    )
+
+
+def stand(turn: Turn) -> None:
+    """At a stop: ask for the next route in time, leave when the time has come and the way is free."""
+    state = turn.state
+    if state.at + 1 >= len(turn.plan.stops):
+        if state.authority.open(Ask.REPORT) is None:
+            turn.set(phase=Phase.FINISHED)
+            turn.actions.append(Finished(turn.plan.number))
+        return
+    if state.may_ask:
+        turn.ask(turn.leg_from_stop(state.at))
+    if state.may_leave and way_is_free(turn):
+        turn.set(phase=Phase.RUNNING)
+        turn.note(notes.Departs(station=turn.stop(state.at).place))
+        turn.actions.append(Order.DEPART)
+
+
+def way_is_free(turn: Turn) -> bool:
+    """The stop limit lies beyond the track where the train stands: no start towards points not proven."""
+    limit, place = turn.state.limit, turn.state.place
+    own = turn.stop(turn.state.at).span
+    beyond = limit.joint > own + 1 or limit.before is None
+    on_track = turn.leg_from_stop(turn.state.at) is not None
+    return place.known and limit.joint >= place.reach and (beyond or not on_track)
+
+
+def command_of(plan: Plan, state: Duty) -> Command:
+    """What the driving part is to do in a state."""
+    on_sight_now = state.phase is Phase.ON_SIGHT
+    running = state.phase is Phase.RUNNING
+    may_run = state.released and (state.stands_at is None or state.may_leave)
+    return Command(
+        drive=running or (on_sight_now and may_run),
+        on_sight=on_sight_now,
+        at_mark=state.phase is Phase.STANDING,
+        target=state.at + 1 if running and state.at + 1 < len(plan.stops) else None,
+        at=state.at,
+        stands_at=state.stands_at,
+        limit=state.limit,
+        rear=None if on_sight_now else next_rear_span(plan, state.authority),
+        await_radio=state.authority.waits_for_radio,
+        held=state.authority.held,
+        proven=state.authority.proven,
+        waits_for=waits_for(state),
+    )
+
+
+def waits_for(state: Duty) -> str:
+    """What the train waits for, in words, for whoever looks on when nothing moves."""
+    authority = state.authority
+    for phase, ask in ((Phase.SIGNING_ON, Ask.SIGN_ON), (Phase.SIGNING_OFF, Ask.SIGN_OFF)):
+        request = authority.open(ask)
+        if state.phase is phase and request is not None:
+            return f"{phase.value}: {request.refusal or 'no answer from the block manager'}"
+    route = authority.open(Ask.ROUTE)
+    if route is not None:
+        return f"route {route.subject}: {route.refusal or 'no answer from the block manager'}"
+    if authority.commands:
+        command = authority.commands[0]
+        return f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
+    if state.place.emergency:
+        return "release of the emergency brake"
+    if state.phase is Phase.STANDING:
+        return "departure time"
+    return "nothing" if state.place.known else "a tag: its position is unknown"
+
+
+_ON_THE_LINE: Final = (
+    Phase.SIGNING_ON,
+    Phase.STANDING,
+    Phase.RUNNING,
+    Phase.ON_SIGHT,
+    Phase.FINISHED,
+    Phase.SIGNING_OFF,
+)
+
+TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
+    {
+        **dict.fromkeys(((p, Begin) for p in (Phase.OFF, Phase.FINISHED, Phase.GONE)), begin),
+        (Phase.OFF, SwitchedOn): on_sight.switched_on,
+        (Phase.FINISHED, ChangeEnds): change_ends,
+        (Phase.FINISHED, Leave): leave,
+        (Phase.STANDING, SetBack): set_back,
+        **dict.fromkeys(((p, SetBack) for p in _ON_THE_LINE if p is not Phase.STANDING), set_back_refused),
+        (Phase.ON_SIGHT, PointsSeen): on_sight.points_seen,
+        (Phase.ON_SIGHT, PointsWrong): on_sight.points_wrong,
+        (Phase.ON_SIGHT, AtMark): on_sight.at_mark,
+        **dict.fromkeys(((p, TagPassed) for p in _ON_THE_LINE), tag_passed),
+        **dict.fromkeys(((p, PositionLost) for p in on_sight.MAY_LOSE), on_sight.lose),
+        **dict.fromkeys(
+            ((p, PositionLost) for p in _ON_THE_LINE if p not in on_sight.MAY_LOSE), on_sight.lose_elsewhere
+        ),
+        (Phase.RUNNING, Started): started,
+        (Phase.RUNNING, Stopped): stopped,
+        **dict.fromkeys(((p, Stopped) for p in _ON_THE_LINE if p is not Phase.RUNNING), emergency_stopped),
+        **dict.fromkeys(((p, Looked) for p in _ON_THE_LINE), looked),
+        **dict.fromkeys(((p, TimerDue) for p in _ON_THE_LINE), timer_due),
+        **dict.fromkeys(((p, Heard) for p in Phase), heard),
+    }
+)
+
+
+def table_rows() -> tuple[Row, ...]:
+    """The table as rows of text."""
+    return rows(TABLE)

@@ -1,0 +1,124 @@
+"""Running on sight (非常運転): a unit that was switched on again or lost its position, until all is known again.
+
+Invariant: without a position nothing is freed and nothing thrown but by the crew's eye; normal running begins again
+only when a tag has told the position and the manager what is held (4.4 (3), table 3).
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from network.model import SectionKind
+from onboard import notes
+from onboard.authority.records import BeginOnLine, CheckedByCrew, Cleared, Throw
+from onboard.authority.stop_limit import cleared_sections
+from onboard.duty.records import (
+    AtMark,
+    Finished,
+    Order,
+    Phase,
+    PointsSeen,
+    PointsWrong,
+    PositionLost,
+    SwitchedOn,
+)
+from onboard.duty.turn import Turn
+
+
+def switched_on(turn: Turn, event: SwitchedOn) -> None:
+    """Forgets position and holdings, signs on with 'I do not know' (in its portal: with that), and runs on sight."""
+    turn.set(phase=Phase.ON_SIGHT, at=event.stands_at or 0, stands_at=event.stands_at)
+    turn.note(notes.MissionBegun(train=turn.plan.number, direction=turn.plan.direction))
+    turn.note(notes.UnitRestarted(epoch=event.epoch))
+    if event.stands_at is None:
+        turn.set(may_ask=True, may_leave=True)
+    else:
+        turn.schedule(turn.now_s, event.stands_at)
+    if turn.state.place.stands:
+        turn.await_release()
+    # That it stands in a portal the crew can see; anywhere else only the manager knows what it holds.
+    in_portal = event.stands_at == 0 and turn.plan.enters
+    turn.authority(BeginOnLine((turn.plan.spans[0].section_id,) if in_portal else None))
+
+
+def lose(turn: Turn, _event: PositionLost) -> None:
+    """Stops by the emergency brake, then runs on sight to a tag."""
+    state = turn.state
+    stands_at = state.at if state.phase is Phase.STANDING else None
+    turn.set(phase=Phase.ON_SIGHT, stands_at=stands_at)
+    lose_elsewhere(turn, _event)
+
+
+def lose_elsewhere(turn: Turn, _event: PositionLost) -> None:
+    """Keeps its phase; the emergency stop is acknowledged after a time."""
+    if turn.state.place.stands:
+        turn.await_release()
+
+
+def points_seen(turn: Turn, event: PointsSeen) -> None:
+    """Counts the points as proven."""
+    turn.authority(CheckedByCrew(event.points))
+
+
+def points_wrong(turn: Turn, event: PointsWrong) -> None:
+    """Commands the points, if it holds their section."""
+    turn.authority(Throw((event.points,)))
+
+
+def at_mark(turn: Turn, event: AtMark) -> None:
+    """Has arrived by the crew's eye, with its whole train (到着確認): what is surely behind is given back."""
+    turn.set(stands_at=event.stop, at=event.stop)
+    turn.schedule(turn.now_s + turn.parameters.dwell_min_s, event.stop)
+    stop = turn.stop(event.stop)
+    turn.note(notes.Arrived(station=stop.place, error_m=None))
+    cleared = cleared_sections(turn.plan, turn.state.authority, stop.clear)
+    if cleared:
+        turn.authority(Cleared(cleared))
+
+
+def recovered(turn: Turn) -> bool:
+    """On sight: whether normal running goes on, a tag having told the position and the manager the holdings."""
+    state = turn.state
+    on_line = state.authority.on_line
+    if state.place.known and on_line:
+        resume(turn)
+        return True
+    if state.stands_at is not None and state.stands_at == len(turn.plan.stops) - 1:
+        if on_line:
+            turn.set(phase=Phase.FINISHED)
+            turn.actions.append(Finished(turn.plan.number))
+        return False
+    if state.stands_at is not None and on_line:
+        turn.ask(turn.leg_from_stop(state.stands_at))
+    return False
+
+
+def resume(turn: Turn) -> None:
+    """Everything is known again: which stop comes next follows from the position."""
+    plan, state = turn.plan, turn.state
+    place, last = state.place, len(plan.stops) - 1
+    at = max(state.at, place.passed)
+    # Beyond the last mark there is nowhere further to go: it counts as arrived, as far as it went.
+    stands = place.stands and (place.near == at or at == last)
+    if not stands:  # beyond the last mark, that one is still to be reached
+        at = min(at, last - 1)
+    ahead = [s for s in plan.spans[place.here + 1 :] if state.authority.holds(s.section_id)]
+    between = next((i for i, s in enumerate(ahead) if s.kind is SectionKind.BETWEEN), len(ahead))
+    # It was running on proofs when it lost its memory: those under the train have done their work.
+    behind = frozenset(span.section_id for span in plan.spans[: place.sure])
+    if stands and state.stands_at != at:
+        turn.schedule(turn.now_s, at)
+    turn.set(
+        at=at,
+        stands_at=None,
+        phase=Phase.STANDING if stands else Phase.RUNNING,
+        entered=state.entered | behind,
+    )
+    turn.want(tuple(needed for span in ahead[: between + 1] for needed in span.points))
+    turn.note(notes.Resumed(next_target=at + 1))
+    if stands and at > 0 and state.stands_at != at:  # it came here while it did not know
+        turn.note(notes.Arrived(station=turn.stop(at).place, error_m=None))
+    turn.actions.append(Order.RESUME)
+
+
+MAY_LOSE: Final = (Phase.STANDING, Phase.RUNNING)

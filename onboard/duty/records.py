@@ -1,0 +1,256 @@
+"""What the duty machine works on: its state, what its sensors and its crew tell it, what it does.
+
+Small and hashable: the place of the train is a handful of counts of joints, marks are indices, timers are names. The
+plan and the times stand outside. All that crosses the unit's one door is a msgspec struct, so that a unit can be a
+process of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+import msgspec
+
+from onboard.authority.records import Authority, Timer
+from onboard.authority.records import Event as AuthorityEvent
+from onboard.duty.plan import Plan, PointsNeeded
+
+
+class Phase(Enum):
+    """Where the unit is in its duty."""
+
+    OFF = "off"
+    SIGNING_ON = "signing on"
+    STANDING = "standing"
+    RUNNING = "running"
+    ON_SIGHT = "on sight"  # switched on again, or lost its position, until all is known again
+    FINISHED = "finished"
+    SIGNING_OFF = "signing off"
+    GONE = "gone"
+
+
+ASK: Final = Timer("ask")  # a route is asked for some time before the departure
+LEAVE: Final = Timer("leave")  # the departure, after the dwell
+RELEASE: Final = Timer("release")  # the driver's acknowledgement after an emergency stop
+
+
+class Place(msgspec.Struct, frozen=True):
+    """Where the train is by its own localisation, in joints; `onboard.motion` makes it of metres.
+
+    `sure` and `perhaps` count the spans whose beginning the front has surely, or perhaps, passed; `clear` those that
+    the safe rear has left, `clear_at_mark` the same for a train whose driver sees that it stands at its mark.
+    `here` is the span of the estimate, `reach` the first joint that lies far enough ahead to start for it. `near` is
+    the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed.
+    """
+
+    known: bool = False
+    covered: bool = True
+    stands: bool = True
+    emergency: bool = False
+    here: int = 0
+    sure: int = 0
+    perhaps: int = 0
+    clear: int = 0
+    clear_at_mark: int = 0
+    reach: int = 0
+    near: int = -1
+    passed: int = 0
+
+
+class Limit(msgspec.Struct, frozen=True):
+    """Where the train must stop (停止限界点): a joint, and the section beyond it that it may not enter."""
+
+    joint: int
+    before: str | None
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Duty:
+    """The state. `at`: the stop where the train stands or that it left last; `stands_at`: the stop at which a train
+    without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
+    `entered`: points sections that the train came onto by their proof.
+    """
+
+    phase: Phase = Phase.OFF
+    place: Place = Place()  # noqa: RUF009 - frozen
+    authority: Authority = Authority()  # noqa: RUF009 - frozen
+    at: int = 0
+    stands_at: int | None = None
+    wanted: tuple[PointsNeeded, ...] = ()
+    entered: frozenset[str] = frozenset()
+    limit: Limit = Limit(0, None, "no mission")  # noqa: RUF009 - frozen
+    may_ask: bool = False
+    may_leave: bool = False
+    released: bool = True  # no emergency stop waits for the driver's acknowledgement
+
+
+# events: people -------------------------------------------------------------------------------------------------
+
+
+class Begin(msgspec.Struct, frozen=True, tag=True):
+    """The crew has entered the train number at the first stop; `signs_on`: the stock comes onto the line."""
+
+    plan: Plan
+    signs_on: bool
+
+
+class SwitchedOn(msgspec.Struct, frozen=True, tag=True):
+    """Power is back: the crew enters the train number and, if it stands at one, the stop (復旧)."""
+
+    plan: Plan
+    stands_at: int | None
+    epoch: int
+
+
+class ChangeEnds(msgspec.Struct, frozen=True, tag=True):
+    """The driver has changed ends; the next train number follows."""
+
+
+class Leave(msgspec.Struct, frozen=True, tag=True):
+    """The train leaves the line from its portal."""
+
+
+class SetBack(msgspec.Struct, frozen=True, tag=True):
+    """The crew sets back the route ahead, and asks for none for `hold_s` (進路取消)."""
+
+    hold_s: float
+
+
+class PointsSeen(msgspec.Struct, frozen=True, tag=True):
+    """The crew has seen that points ahead lie as needed."""
+
+    points: PointsNeeded
+
+
+class PointsWrong(msgspec.Struct, frozen=True, tag=True):
+    """The crew stands before points that lie otherwise, and has the unit command them if it holds them."""
+
+    points: PointsNeeded
+
+
+class AtMark(msgspec.Struct, frozen=True, tag=True):
+    """A train without a position has been brought to a stand at a stop by its driver."""
+
+    stop: int
+
+
+# events: localisation and driving --------------------------------------------------------------------------------
+
+
+class TagPassed(msgspec.Struct, frozen=True, tag=True):
+    """A tag was read and believed; `tag` is its index on the plan. `found`: before it the position was unknown."""
+
+    tag: int
+    found: bool
+
+
+class PositionLost(msgspec.Struct, frozen=True, tag=True):
+    """The position cannot be trusted any more (位置検知異常, table 5)."""
+
+
+class Started(msgspec.Struct, frozen=True, tag=True):
+    """The wheels have begun to turn."""
+
+
+class How(Enum):
+    """How the train stands with respect to its next mark."""
+
+    SHORT = "short"
+    AT = "at"
+    BEYOND = "beyond"
+
+
+class Stopped(msgspec.Struct, frozen=True, tag=True):
+    """The train has come to a stand, `away_m` beyond the mark where it is to stop next; `how`: judged by that."""
+
+    how: How
+    away_m: float
+
+
+class Looked(msgspec.Struct, frozen=True, tag=True):
+    """The place has changed: a joint was passed, or the radio reaches again."""
+
+
+# events: time and radio ------------------------------------------------------------------------------------------
+
+
+class TimerDue(msgspec.Struct, frozen=True, tag=True):
+    """A timer has run out."""
+
+    timer: Timer
+
+
+class Heard(msgspec.Struct, frozen=True, tag=True):
+    """A telegram, as it relates to what is open."""
+
+    event: AuthorityEvent
+
+
+Person = Begin | SwitchedOn | ChangeEnds | Leave | SetBack | PointsSeen | PointsWrong | AtMark
+Sensed = TagPassed | PositionLost | Started | Stopped | Looked
+Event = Person | Sensed | TimerDue | Heard
+
+
+# actions ----------------------------------------------------------------------------------------------------------
+
+
+class SetTimerAt(msgspec.Struct, frozen=True, tag=True):
+    """Start a timer anew, to run out at a time."""
+
+    timer: Timer
+    at_s: float
+
+
+class Finished(msgspec.Struct, frozen=True, tag=True):
+    """To the driver: the plan's last stop is reached and the sections behind are given back."""
+
+    number: str
+
+
+class LeftLine(msgspec.Struct, frozen=True, tag=True):
+    """To the driver: signed off, the train may be taken off the line."""
+
+    number: str
+
+
+class Accepted(msgspec.Struct, frozen=True, tag=True):
+    """To the driver: signed on; who waits outside may enter the portal."""
+
+    number: str
+
+
+Told = Finished | LeftLine | Accepted
+
+
+class Order(Enum):
+    """What the driving part is told once, besides what the command says for as long as it stands."""
+
+    DEPART = "depart"
+    RELEASE = "release"
+    RESUME = "resume"
+
+
+class Command(msgspec.Struct, frozen=True):
+    """What the unit wants of its driving part: run or stand, how far, and what to watch for.
+
+    `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
+    and proven, and what the train waits for, is shown to the driver. `orders` are given once.
+    """
+
+    drive: bool = False
+    on_sight: bool = False
+    at_mark: bool = False
+    target: int | None = None
+    at: int = 0
+    stands_at: int | None = None
+    limit: Limit = Limit(0, None, "no mission")
+    rear: int | None = None
+    await_radio: bool = False
+    orders: tuple[Order, ...] = ()
+    held: tuple[str, ...] = ()
+    proven: tuple[PointsNeeded, ...] = ()
+    waits_for: str = ""
+

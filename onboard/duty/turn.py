@@ -1,0 +1,92 @@
+"""One step of the duty machine under way: the state so far and what has been done. It never outlives its step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import msgspec
+
+from onboard import notes
+from onboard.authority import machine as authority
+from onboard.authority.records import Action as AuthorityAction
+from onboard.authority.records import Ask, AskRoute, Write
+from onboard.authority.records import Event as AuthorityEvent
+from onboard.duty.plan import Leg, Plan, PointsNeeded, Stop
+from onboard.duty.records import ASK, LEAVE, RELEASE, Duty, Order, SetTimerAt, Told
+
+
+class DutyParameters(msgspec.Struct, frozen=True):
+    """Times of the duty, s."""
+
+    dwell_min_s: float
+    request_lead_s: float
+    emergency_release_s: float
+
+
+Action = AuthorityAction | SetTimerAt | Told | Order
+NEVER_S: Final = -math.inf
+
+
+@dataclass(slots=True)
+class Turn:
+    """The step: plan, time, state so far, actions so far."""
+
+    plan: Plan
+    parameters: DutyParameters
+    now_s: float
+    state: Duty
+    actions: list[Action] = field(default_factory=list)
+
+    def set(self, **changes: object) -> None:
+        """Change the state."""
+        self.state = replace(self.state, **changes)  # type: ignore[arg-type]
+
+    def note(self, note: notes.Note) -> None:
+        """Write a line of the journal."""
+        self.actions.append(Write(note))
+
+    def authority(self, event: AuthorityEvent) -> None:
+        """Let the authority take an event."""
+        after, actions = authority.step(self.state.authority, event, covered=self.state.place.covered)
+        self.state = replace(self.state, authority=after)
+        self.actions += actions
+
+    def timer(self, timer: str, at_s: float) -> bool:
+        """Start a timer, unless its time has come; returns whether it has."""
+        named = {"ask": ASK, "leave": LEAVE, "release": RELEASE}[timer]
+        if at_s <= self.now_s:
+            return True
+        self.actions.append(SetTimerAt(named, at_s))
+        return False
+
+    def schedule(self, ready_s: float, stop: int) -> None:
+        """When the route from a stop may be asked for, and when the train may leave it."""
+        planned_s = self.plan.stops[stop].departure_s
+        leave_s = max(ready_s, NEVER_S if planned_s is None else planned_s)
+        ask = self.timer("ask", leave_s - self.parameters.request_lead_s)
+        self.set(may_ask=ask, may_leave=self.timer("leave", leave_s))
+
+    def await_release(self) -> None:
+        """The train stands after an emergency stop: the driver acknowledges it after a time."""
+        self.set(released=False)
+        self.timer("release", self.now_s + self.parameters.emergency_release_s)
+
+    def want(self, points: tuple[PointsNeeded, ...]) -> None:
+        """Throw these as soon as and whenever they can be."""
+        self.set(wanted=tuple(dict.fromkeys((*self.state.wanted, *points))))
+
+    def ask(self, leg: Leg | None) -> None:
+        """Ask for a route that is not wholly held, one at a time."""
+        state = self.state.authority
+        if leg is not None and state.open(Ask.ROUTE) is None and not state.holds_all(leg.section_ids):
+            self.authority(AskRoute(leg.route_id, leg.section_ids))
+
+    def stop(self, index: int) -> Stop:
+        """A stop of the plan."""
+        return self.plan.stops[index]
+
+    def leg_from_stop(self, index: int) -> Leg | None:
+        """The route that begins where the train stands at a stop."""
+        return self.plan.leg_beyond(self.plan.spans[self.plan.stops[index].span].section_id)

@@ -1,0 +1,402 @@
+"""The driving part of the on-board unit between its events: from metres to joints, and from the command to the tick.
+
+It stands beside the compiled tick and shares its row: takes tags, signs and what the tick reports, keeps the position
+and its bounds true to the plan's joints, and sets what the tick works to (stop limit, mark, cruising speed, what to
+watch for). What the train may do is decided by the duty (`onboard.duty`); nothing here grants anything.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Line
+from onboard import notes
+from onboard.authority.coverage import covered_at, next_coverage_m
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.driving.stopping import LIMIT_MARGIN_M
+from onboard.driving.supervision import RESERVE_M
+from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
+from onboard.duty.mission import Mission, PathTag, Target
+from onboard.duty.records import (
+    Command,
+    How,
+    Looked,
+    Order,
+    Place,
+    PositionLost,
+    Sensed,
+    Started,
+    Stopped,
+    TagPassed,
+)
+from onboard.duty.timekeeping import cruise_for
+from onboard.localisation.sighting import NOT_SEEN_M, take_sighting
+from onboard.localisation.tachometer import fix, within_window
+from onboard.localisation.tags import TagDoubt
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_INTERVENTION,
+    EVENT_MOVING,
+    EVENT_POSITION,
+    EVENT_SAFE_REAR,
+    EVENT_STOPPED,
+    EVENT_TACHOMETER,
+    EVENT_TAG_OVERDUE,
+    EVENT_VERDICT,
+    MODE_DRIVE,
+    MODE_HOLD,
+    NO_INTERVENTION,
+)
+from onboard.rows import BehaviourRow, UnitRow
+from onboard.unit_records import UnitParameters
+from vehicle.rows import TrainRow
+
+ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
+
+
+@dataclass(frozen=True, slots=True)
+class PathData:
+    """The unit's path database of one mission: its rows of PATTERN, and where they lie in the pool."""
+
+    rows: NDArray[np.void]
+    offset: int
+
+
+class Motion:
+    """The driving part of one unit. `row` is its row of `onboard.records.UNIT`, shared with the compiled tick."""
+
+    def __init__(
+        self,
+        line: Line,
+        parameters: UnitParameters,
+        row: UnitRow,
+        train: TrainRow,
+        behaviour: BehaviourRow,
+        keeper: StopKeeper,
+    ) -> None:
+        self.row: Final = row
+        self.keeper: Final = keeper
+        self.command = Command()
+        self.load_share = 0.0
+        self.notes: list[notes.Note] = []
+        self._line: Final = line
+        self._parameters: Final = parameters
+        self._train: Final = train
+        self._behaviour: Final = behaviour
+        self._mission: Mission | None = None
+        self._starts_m: list[float] = []
+        self._ends_m: list[float] = []
+        self._tags: Mapping[int, tuple[int, PathTag]] = {}
+        self._doubt: Final = TagDoubt(row, parameters)
+        self._elevation_m: NDArray[np.float64] = np.zeros(1)
+        self._driving_mps: NDArray[np.float64] = np.zeros(1)
+        self._sighted: Target | None = None  # whose sign has been seen
+        self._found = False
+
+    # the path that the train is on ------------------------------------------------------------------------------
+
+    def stand_at_start(self, mission: Mission, path: PathData, odometer_m: float) -> None:
+        """The crew has entered a train number at its first mark: that is where the train stands."""
+        row = self.row
+        row.odometer_m = odometer_m
+        if not row.odometer_scale:
+            row.odometer_scale = 1.0
+        row.bound_growth = self._parameters.wheel_error_share
+        row.position_m = mission.targets[0].mark_m
+        row.bound_ahead_m = row.bound_behind_m = self._parameters.tag_accuracy_m
+        row.position_known = 1
+        row.tag_window_m = self._parameters.tag_window_m
+        self._take_up(mission, path)
+
+    def go_on(self, mission: Mission, path: PathData) -> None:
+        """Another train number in the same direction: the same place on another path."""
+        if self._mission is not None:
+            here = self._mission.path.locate(float(self.row.position_m))
+            self.row.position_m = mission.path.to_path_m(*here)
+        self._take_up(mission, path)
+
+    def turn(self, mission: Mission, path: PathData) -> None:
+        """The driver has changed ends: what was the rear is the front, on the next mission's path."""
+        row = self.row
+        if self._mission is not None:
+            rear = self._mission.path.locate(float(row.position_m) - float(self._train.length_m))
+            row.position_m = mission.path.to_path_m(*rear)
+            row.bound_ahead_m, row.bound_behind_m = row.bound_behind_m, row.bound_ahead_m
+        self._take_up(mission, path)
+
+    def switch_on(self, mission: Mission, path: PathData, odometer_m: float, speed_mps: float) -> None:
+        """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
+        row = self.row
+        row.odometer_m, row.odometer_scale = odometer_m, 1.0
+        row.speed_mps = speed_mps
+        row.bound_growth = self._parameters.wheel_error_share
+        row.tag_window_m = self._parameters.tag_window_m
+        self._take_up(mission, path)
+        row.position_known = 0
+        row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = row.stop_limit_m = math.inf
+        row.intervention = EMERGENCY_INTERVENTION
+
+    def _take_up(self, mission: Mission, path: PathData) -> None:
+        row = self.row
+        self._mission = mission
+        self._starts_m = [span.start_m for span in mission.spans]
+        self._ends_m = [span.end_m for span in mission.spans]
+        self._elevation_m = np.ascontiguousarray(path.rows["elevation_m"])
+        self._driving_mps = np.ascontiguousarray(path.rows["driving_mps"])
+        self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
+        self._doubt.new_path(mission.tags)
+        row.path_offset, row.path_rows = path.offset, len(path.rows)
+        row.mode = MODE_HOLD
+        row.cruise_mps = math.inf
+        row.target_stop_m = row.position_m
+        self._expect_tag()
+
+    # what is reported to the duty ---------------------------------------------------------------------------------
+
+    def place(self) -> Place:
+        """Where the train is now, in joints of the plan."""
+        row, mission = self.row, self._mission
+        emergency = bool(row.intervention == EMERGENCY_INTERVENTION)
+        stands = bool(row.speed_mps == 0.0)
+        if mission is None or not row.position_known:  # who does not know where it is can only try the radio
+            return Place(stands=stands, emergency=emergency)
+        position_m = float(row.position_m)
+        rear_m = position_m - float(row.bound_behind_m) - float(self._train.length_m)
+        joints_m = [*self._starts_m, self._ends_m[-1]]
+        marks_m = [target.mark_m for target in mission.targets]
+        # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
+        within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
+        near = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
+        return Place(
+            known=True,
+            covered=covered_at(self._line, mission.path, position_m),
+            stands=stands,
+            emergency=emergency,
+            here=max(bisect_right(self._starts_m, position_m) - 1, 0),
+            sure=bisect_right(self._starts_m, position_m - float(row.bound_behind_m)),
+            perhaps=bisect_right(self._starts_m, position_m + float(row.bound_ahead_m)),
+            clear=bisect_right(self._ends_m, rear_m - self._doubt.release_margin_m(standing=False)),
+            clear_at_mark=bisect_right(self._ends_m, rear_m),
+            reach=bisect_right(joints_m, position_m + 2.0 * self._parameters.standoff_m),
+            near=near if abs(marks_m[near] - position_m) < ARRIVED_WITHIN_M else -1,
+            passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
+        )
+
+    def taken_notes(self) -> list[notes.Note]:
+        """Lines of the journal since the last call."""
+        taken, self.notes = self.notes, []
+        return taken
+
+    def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
+        """The reader read a tag when the tachometer stood at `odometer_m`."""
+        known = self._tags.get(tag_id)
+        row, tolerance_m = self.row, self._parameters.tag_accuracy_m
+        if known is None or not within_window(row, known[1].position_m, odometer_m, tolerance_m):
+            return self._lose(f"tag {tag_id} where none can be")
+        index, tag = known
+        if not self._doubt.believes(tag, odometer_m):
+            self.notes.append(notes.TagDoubted(tag_id=tag_id))
+            return []
+        self._doubt.take(tag, odometer_m)
+        found = row.position_known != 1
+        correction_m = fix(row, tag.position_m, odometer_m, tolerance_m)
+        row.fix_correction_m += correction_m
+        self.notes.append(
+            notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3))
+        )
+        self._expect_tag(tag.position_m)
+        self._found = self._found or found
+        return [TagPassed(index, found)]
+
+    def frame_taken(self, distance_m: float | None) -> list[Sensed]:
+        """The camera looked for the sign of the next mark: `distance_m` from the front to the sign, None: not seen."""
+        target = self._next_target()
+        if target is None or self.command.target is None:
+            return []
+        correction_m = (
+            None if distance_m is None else take_sighting(self.row, target.mark_m, float(distance_m))
+        )
+        if correction_m is not None and self._sighted != target:
+            self._sighted = target
+            self.notes.append(notes.SignSeen(station=target.station_id, correction_m=round(correction_m, 3)))
+        if self._sighted != target and target.mark_m - self.row.position_m < NOT_SEEN_M:
+            self._impossible(Verdict.TARGET_NOT_SEEN)
+        return []
+
+    def events(self, bits: int) -> list[Sensed]:
+        """What the compiled tick reported."""
+        row = self.row
+        happened: list[Sensed] = []
+        if bits & EVENT_TACHOMETER:
+            self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
+            happened += self._lose("the tachometer shows what cannot be")
+        if bits & EVENT_VERDICT:
+            self._note_impossible()
+        if bits & EVENT_TAG_OVERDUE:
+            if self.command.target is not None:
+                self._impossible(Verdict.TARGET_NOT_SEEN)
+            happened += self._lose("expected tag was not read")
+        if bits & EVENT_INTERVENTION:
+            self.notes.append(notes.Intervention(level=int(row.intervention)))
+        if bits & EVENT_MOVING:
+            happened.append(Started())
+        if bits & EVENT_STOPPED:
+            happened += self._stopped()
+        if bits & (EVENT_POSITION | EVENT_SAFE_REAR):
+            happened.append(Looked())
+        return happened
+
+    def _stopped(self) -> list[Sensed]:
+        row, target = self.row, self._next_target()
+        if target is None or self.command.target is None or self.command.on_sight:
+            return [Stopped(How.AT, 0.0)]
+        away_m = float(row.position_m) - target.mark_m
+        if away_m < -ARRIVED_WITHIN_M and row.bound_ahead_m > self._parameters.doubt_bound_max_m:
+            return self._lose("the bounds leave no room to go on")
+        if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
+            self._impossible(Verdict.SIGN_BEYOND_LIMIT)
+        elif away_m < -ARRIVED_WITHIN_M:
+            row.braking_to_stop = 0
+            return [Stopped(How.SHORT, away_m)]
+        learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
+        if learned is not None:
+            self.notes.append(notes.LearnedFromStop(**learned))
+        return [Stopped(How.BEYOND if away_m > ARRIVED_WITHIN_M else How.AT, away_m)]
+
+    def _stands_at_limit_of(self, target: Target) -> bool:
+        """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
+        reach_m = self.row.stop_limit_m - self.row.bound_ahead_m - LIMIT_MARGIN_M - RESERVE_M
+        if self._mission is None or target.mark_m < reach_m:
+            return False
+        return self._mission.span_at(self.row.position_m).section_id == target.section_id
+
+    def _next_target(self) -> Target | None:
+        following = self.command.at + 1
+        if self._mission is None or following >= len(self._mission.targets):
+            return None
+        return self._mission.targets[following]
+
+    def _impossible(self, verdict: Verdict) -> None:
+        """The stop at the next mark cannot be made as it should; the first reason found stands."""
+        if self.keeper.verdict() is Verdict.POSSIBLE:
+            judge(self.keeper.tasc, int(verdict))
+            self.row.stop_verdict = int(verdict)
+            self._note_impossible()
+
+    def _note_impossible(self) -> None:
+        target = self._next_target()
+        if target is not None:
+            why = self.keeper.verdict().name.lower().replace("_", " ")
+            self.notes.append(
+                notes.StopImpossible(why=why, station=target.station_id or target.section_id)
+            )
+
+    def _expect_tag(self, after_m: float | None = None) -> None:
+        if self._mission is None:
+            return
+        # A tag within the bound may lie behind already: none is due before the front is surely short of it.
+        beyond_m = self.row.position_m + self.row.bound_ahead_m if after_m is None else after_m
+        ahead = (tag.position_m for tag in self._mission.tags if tag.position_m > beyond_m + 0.1)
+        self.row.expected_tag_m = next(ahead, math.inf)
+
+    def _lose(self, why: str) -> list[Sensed]:
+        """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
+        row = self.row
+        self.notes.append(notes.PositionFault(why=why))
+        self._doubt.begin()
+        row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
+        row.position_known = 0
+        row.restricted_mps = self._parameters.restricted_mps
+        row.intervention = EMERGENCY_INTERVENTION
+        return [PositionLost()]
+
+    # what the duty wants ------------------------------------------------------------------------------------------
+
+    def obey(self, command: Command, now_s: float) -> None:
+        """Set what the tick works to."""
+        row = self.row
+        self.command = command
+        if Order.RELEASE in command.orders:
+            row.intervention = NO_INTERVENTION
+        restricted = command.on_sight or not row.position_known
+        row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
+        if command.on_sight:
+            self._run_on_sight(command)
+        else:
+            self._run(command, now_s)
+        self._found = False
+        row.position_trigger_m = math.inf
+        if command.await_radio and row.position_known and self._mission is not None:
+            row.position_trigger_m = next_coverage_m(self._line, self._mission.path, row.position_m)
+
+    def _run_on_sight(self, command: Command) -> None:
+        """No further than the section it is in; to the next mark, if it knows where that is."""
+        row, mission = self.row, self._mission
+        row.rear_trigger_m = row.stop_limit_m = aim_m = math.inf
+        if row.position_known and mission is not None:
+            row.stop_limit_m = mission.span_at(row.position_m).end_m
+            marks_m = [t.mark_m for t in mission.targets if t.mark_m > row.position_m + 1.0]
+            aim_m = min(marks_m, default=math.inf)
+        if aim_m != row.target_stop_m:
+            row.target_stop_m = aim_m
+            row.braking_to_stop = 0
+        may_run = command.drive and row.intervention != EMERGENCY_INTERVENTION
+        row.mode = MODE_DRIVE if may_run else MODE_HOLD
+
+    def _run(self, command: Command, now_s: float) -> None:
+        row, mission = self.row, self._mission
+        if mission is None:
+            return
+        limit_m = self._joint_m(command.limit.joint)
+        moved = limit_m != row.stop_limit_m and row.speed_mps == 0.0
+        row.stop_limit_m = limit_m
+        row.mode = MODE_DRIVE if command.drive else MODE_HOLD
+        if Order.DEPART in command.orders:
+            row.braking_to_stop = 0
+        if Order.DEPART in command.orders or Order.RESUME in command.orders:
+            row.target_stop_m = row.position_m
+        if command.target is not None:
+            if moved or self._found or command.orders:
+                self._choose_cruise(mission.targets[command.target], now_s)
+            self._aim(mission.targets[command.target].mark_m, limit_m)
+        end_m = math.inf if command.rear is None else self._ends_m[command.rear]
+        row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._train.length_m)
+
+    def _joint_m(self, joint: int) -> float:
+        return self._starts_m[joint] if joint < len(self._starts_m) else self._ends_m[-1]
+
+    def _aim(self, mark_m: float, limit_m: float) -> None:
+        """The front stops at the next mark, or before the stop limit if that comes first."""
+        row = self.row
+        aim_m = mark_m if mark_m < limit_m else limit_m - self._parameters.standoff_m
+        if aim_m > row.target_stop_m + 0.01:
+            row.braking_to_stop = 0
+        row.target_stop_m = aim_m
+
+    def _choose_cruise(self, there: Target, now_s: float) -> None:
+        """Cruising speed for what is left of the way to the next stop and of the time."""
+        row, parameters = self.row, self._parameters
+        due_s = there.arrival_s
+        if due_s is not None and there.departure_s is not None:
+            due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
+        row.cruise_mps = math.inf
+        if due_s is None or there.mark_m <= row.position_m:
+            return
+        row.cruise_mps = cruise_for(
+            self._train,
+            self.load_share,
+            self._elevation_m,
+            self._driving_mps,
+            row.position_m,
+            there.mark_m,
+            due_s - now_s - parameters.time_margin_s,
+            self._behaviour.stop_deceleration_mps2,
+            float(row.speed_mps),
+        )
