@@ -48,8 +48,9 @@ from onboard.records import (
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
+    BehaviourRow,
+    UnitRow,
 )
-from onboard.rows import BehaviourRow, UnitRow
 from onboard.unit_records import (
     Finished,
     LeftLine,
@@ -61,7 +62,7 @@ from onboard.unit_records import (
 )
 from radio.envelope import Dropped, Endpoint
 from radio.messages import AnyMessage
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 __all__ = [
     "Finished",
