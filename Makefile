@@ -34,6 +34,7 @@ bench: install
 	$(BIN)/branchline bench $(SCENARIO)
 
 docs: install
+	$(BIN)/python -m documents.busy_line
 	$(BIN)/python -m documents.interlocking
 
 nets: install
