@@ -4,6 +4,9 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 PACKAGES := network sumo_cfg vehicle radio onboard wayside host simulation study documents branchline
 SCENARIO ?= karasuyama_weekday
+# Today's longest; the aim is 250 and 500, which `python -m documents.structure` asks for.
+UNIT_LINES ?= 710
+FILE_LINES ?= 710
 
 .PHONY: install demo test check bench nets docs format clean
 
@@ -25,12 +28,13 @@ check: install
 	$(BIN)/ruff check $(PACKAGES) tests
 	$(BIN)/mypy
 	$(BIN)/basedpyright
-	$(BIN)/lint-imports
+	$(BIN)/python -m documents.structure --unit-lines $(UNIT_LINES) --file-lines $(FILE_LINES)
 
 bench: install
 	$(BIN)/branchline bench $(SCENARIO)
 
 docs: install
+	$(BIN)/python -m documents.busy_line
 	$(BIN)/python -m documents.interlocking
 
 nets: install

@@ -5,43 +5,33 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.board import BoardRow, SensedRow
 from onboard.driving.notches import drive, own_deceleration_mps2
-from onboard.driving.stopping import WaveRow, hold, issued, ride_over_slide
+from onboard.driving.stopping import hold, issued, ride_over_slide
 from onboard.driving.supervision import supervise
-from onboard.driving.tasc import DesignRow, TascRow
 from onboard.localisation.tachometer import locate
 from onboard.records import EVENT_MOVING, EVENT_POSITION, EVENT_STOPPED, MODE_DRIVE
-from onboard.rows import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
-from vehicle.rows import TrainRow
 
 
 @compiled
-def tick(
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    path: NDArray[np.void],
-    odometer_m: float,
-    speed_mps: float,
-    load_share: float,
-    tasc: TascRow,
-    design: DesignRow,
-    wave: WaveRow,
-) -> int:
-    """Take the tachometer's reading, set `unit.notch` and `unit.emergency`; returns event bits."""
+def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void]) -> int:
+    """Take what the sensors show, set `unit.notch` and `unit.emergency`; returns event bits."""
+    unit, train, behaviour, tasc = board.unit, board.kind, board.behaviour, board.tasc
+    speed_mps, step_s = sensed.speed_mps, behaviour.step_s
     before_mps = unit.speed_mps
-    run_m = odometer_m - unit.odometer_m
-    events = locate(unit, train, odometer_m, speed_mps, behaviour.step_s)
+    run_m = sensed.odometer_m - unit.odometer_m
+    unit.wheel_slide = sensed.wheel_slide
+    events = locate(unit, train, sensed.odometer_m, speed_mps, step_s)
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
-    own_mps2 = own_deceleration_mps2(unit, train, path, load_share) if moves else 0.0
-    ride_over_slide(unit, train, tasc, own_mps2, run_m, behaviour.step_s)
+    own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0
+    ride_over_slide(unit, train, tasc, own_mps2, run_m, step_s)
     events |= supervise(unit, train, behaviour, path)
-    drive(unit, train, behaviour, path, load_share, own_mps2, tasc, design)
+    drive(unit, train, behaviour, path, sensed.load_share, own_mps2, tasc, board.design)
     if moves:
-        events |= issued(unit, train, tasc, design, wave, own_mps2)
+        events |= issued(unit, train, tasc, board.design, board.wave, own_mps2)
     else:
-        hold(tasc, wave)
+        hold(tasc, board.wave)
     if before_mps > 0.0 and speed_mps == 0.0:
         events |= EVENT_STOPPED
     elif before_mps == 0.0 and speed_mps > 0.0:

@@ -13,11 +13,11 @@ import numpy as np
 
 from host.devices import Fleet
 from network.model import Direction, Leg
-from onboard.records import EVENT_STOPPED, MODE_DRIVE
+from onboard.records import EVENT_STOPPED
 from onboard.unit import Finished, LeftLine, Noted, Phase, Transmit, UnitAction
 from radio.air import Air
 from simulation.agenda import Agenda, Due
-from simulation.carriers.carrier import Carrier
+from simulation.carriers.carrier import Carrier, Truth
 from simulation.faults.injector import Injector
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
@@ -26,7 +26,7 @@ from simulation.sensors.eyes import Eyes
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
-from simulation.world.kernel import advance
+from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.points import WaysideWorld, header_of
 from simulation.world.records import (
     EVENT_CAMERA,
@@ -35,7 +35,6 @@ from simulation.world.records import (
     EVENT_TAG,
     EVENT_UNIT_BITS,
     TRACE,
-    TRACE_EVERY_STEPS,
 )
 from simulation.world.roster import Duty, draw_up, stabled_at_start
 from simulation.world.trains import Trains
@@ -43,8 +42,6 @@ from sumo_cfg.truth_map import NetMap
 from wayside.config import MANAGER_ID
 from wayside.said import ConfirmOutside
 
-MOVING_STEPS_MAX: Final = 50  # the kernel runs ahead of the carrier by at most this
-STANDING_STEPS_MAX: Final = 600
 TRACE_ROWS_FIRST: Final = 200_000
 PORTAL_RETRY_S: Final = 10.0
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
@@ -100,7 +97,7 @@ class Simulation:
         self._books = Books(self.trains)
         self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
         self._trace_used = 0
-        self._speeds = np.zeros((STANDING_STEPS_MAX, len(self.trains.stock_ids)))
+        self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
         self._timer_steps: dict[str, int] = {}
         self._broken = ""
@@ -203,39 +200,18 @@ class Simulation:
 
     def _advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
-        trains = self.trains
-        active = trains.active()
-        moving = [slot for slot in active if trains.units[slot].mode == MODE_DRIVE]
-        moving += [s for s in active if s not in moving and trains.plants[s].speed_mps > 0.0]
-        moving.sort()
-        steps = MOVING_STEPS_MAX if moving else STANDING_STEPS_MAX
+        trains, sheet = self.trains, self._sheet
+        steps = min(STANDING_STEPS_MAX, self._limit_step - self._step)
         next_due = self._agenda.next_step()
         if next_due is not None:
             steps = min(steps, next_due - self._step)
-        steps = min(steps, self._limit_step - self._step)
-        if self._trace_used + steps * len(active) + 16 > self._trace.size:
+        if self._trace_used + steps * len(trains.stock_ids) > self._trace.size:
             self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
-        done, self._trace_used = advance(
-            trains.truths,
-            trains.plants,
-            trains.units,
-            trains.bodies,
-            trains.kinds,
-            trains.behaviours,
-            trains.tascs,
-            trains.designs,
-            trains.waves,
-            trains.pool.profile,
-            trains.pool.pattern,
-            trains.pool.tag_positions_m,
-            self._speeds,
-            self._trace,
-            self._trace_used,
-            self._step,
-            steps,
-            TRACE_EVERY_STEPS,
+        done, self._trace_used, count = advance(
+            trains.stock, trains.pool.track, sheet, self._trace, self._trace_used, self._step, steps
         )
-        bits = [(slot, int(trains.truths[slot].events)) for slot in active]
+        moving: list[int] = sheet.movers[:count].tolist()
+        bits = [(slot, events) for slot, events in enumerate(sheet.events.tolist()) if events]
         for slot, events in bits:
             if events & EVENT_FRONT and trains.at_end_of_track(slot):
                 self._unsafe(slot, "ran off the end of the track")
@@ -243,40 +219,39 @@ class Simulation:
                 return
             if events & EVENT_FRONT:
                 self._cross_points(slot)
-        columns = [(trains.stock_ids[slot], self._speeds[:done, slot].tolist()) for slot in moving]
-        hit = self._carrier.run(columns, done)
+        speeds = sheet.speeds_mps[:count, :done].tolist()
+        hit = self._carrier.run(
+            [(trains.stock_ids[s], row) for s, row in zip(moving, speeds, strict=True)], done
+        )
         self._step += hit or done
         if moving:
             self._moved_step = self._step
         if hit:  # the kernel may have run on beyond it, so its sums are no measure any more
-            self._observe(active, compare=False)
+            self._observe(trains.active())
             self._collided()
             return
-        self._observe(moving)
+        if moving:
+            self._compare(moving, self._observe(moving))
         for slot, events in bits:
-            if events:
-                self._report(slot, events)
+            self._report(slot, events)
 
-    def _observe(self, slots: list[int], *, compare: bool = True) -> None:
+    def _observe(self, slots: list[int]) -> list[Truth]:
         """Truth to the checkers; only trains that moved can have changed anything."""
         now_s = self.now_s
-        for slot in slots:
+        seen = [self._carrier.truth(self.trains.stock_ids[slot]) for slot in slots]
+        for slot, truth in zip(slots, seen, strict=True):
+            edge = truth.piece_id + SIGN[truth.direction]
             stock_id = self.trains.stock_ids[slot]
-            seen = self._carrier.truth(stock_id)
-            if compare:
-                self.trains.compare(slot, seen)
-            edge = seen.piece_id + SIGN[seen.direction]
-            self.checkers.observe(now_s, stock_id, edge, seen.offset_m, seen.speed_mps)
-            truth, unit = self.trains.truths[slot], self.trains.units[slot]
-            if compare and unit.position_known and not self.trains.misled(slot):
-                self.checkers.bounds(
-                    now_s,
-                    stock_id,
-                    float(truth.position_m),
-                    float(unit.position_m),
-                    float(unit.bound_behind_m),
-                    float(unit.bound_ahead_m),
-                )
+            self.checkers.observe(now_s, stock_id, edge, truth.offset_m, truth.speed_mps)
+        return seen
+
+    def _compare(self, slots: list[int], seen: list[Truth]) -> None:
+        """The carrier's positions against the kernel's, then what units believe against the carrier's."""
+        now_s, trains, sheet = self.now_s, self.trains, self._sheet
+        known, believed = sheet.known.tolist(), sheet.believed_m.tolist()
+        for mover, (slot, position_m) in enumerate(zip(slots, trains.compare(slots, seen), strict=True)):
+            if known[mover] and not trains.misled(slot):
+                self.checkers.bounds(now_s, trains.stock_ids[slot], position_m, *believed[mover])
 
     def _collided(self) -> None:
         for text in self._carrier.collisions():
@@ -442,7 +417,7 @@ class Simulation:
             self.now_s, "world", "entered", unit=stock_id, train=duty.train.number, edges=under
         )
         self.checkers.entered(stock_id, length_m, under)
-        self._observe([slot])
+        self.trains.compare([slot], self._observe([slot]))
 
     # actions of units ---------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Final
 
 from vehicle.compiled import compiled
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 ROTATING_SHARE_MIN: Final = 0.03  # assumed, where the train file gives no rotating mass
 SLIP_FLOOR_MPS: Final = 1.0  # assumed: slip protection acts on a difference even at the start

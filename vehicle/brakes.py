@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from vehicle.compiled import compiled
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 
 @compiled

@@ -16,7 +16,7 @@ from numba import njit
 from numba.core import config
 
 PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")  # below them too
-MARKS: Final = (b"@compiled", b"numba")  # the second also takes in the records and their sizes
+MARKS: Final = (b"@compiled", b"dtype_of")  # the second takes in the records and their sizes
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -12,10 +12,9 @@ from vehicle.adhesion import adhesion_coefficient, bounded_slip_mps, next_slip_m
 from vehicle.brakes import regenerative_limit_n, service_target_mps2
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
-from vehicle.records import COMMAND_DELAY_STEPS_MAX
+from vehicle.records import COMMAND_DELAY_STEPS_MAX, PlantRow, TrainRow
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
 from vehicle.response import approach, dead_time_steps
-from vehicle.rows import PlantRow, TrainRow
 from vehicle.traction import full_force_n, traction_target_n
 
 __all__ = ["equivalent_mass_kg", "step"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from vehicle.compiled import compiled
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 GRAVITY_MPS2: Final = (
     9.81  # the value papers on running resistance in Japan print, Oda's equation 3 among them

@@ -13,7 +13,7 @@ from typing import Final
 
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 KMH_PER_MPS: Final = 3.6
 STARTING_BAND_KMH: Final = 3.0

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from vehicle.brakes import regenerative_limit_n
 from vehicle.compiled import compiled
 from vehicle.mass import equivalent_mass_kg, mass_kg
+from vehicle.records import TrainRow
 from vehicle.resistance import gradient_force_n, resistance_n
-from vehicle.rows import TrainRow
 from vehicle.traction import full_force_n
 
 STEPS_MAX: Final = 200_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vehicle.compiled import compiled
 from vehicle.mass import mass_kg
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 
 @compiled

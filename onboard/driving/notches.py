@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from onboard.driving.stopping import stop_command_mps2
 from onboard.driving.supervision import RESERVE_M, path_index
 from onboard.driving.tasc import DesignRow, TascRow
-from onboard.records import EMERGENCY_INTERVENTION, MODE_DRIVE, NO_INTERVENTION
-from onboard.rows import BehaviourRow, UnitRow
+from onboard.records import EMERGENCY_INTERVENTION, MODE_DRIVE, NO_INTERVENTION, BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.records import TrainRow
 from vehicle.resistance import resistance_n
-from vehicle.rows import TrainRow
 from vehicle.traction import full_force_n, notch_share
 
 LOOK_AHEAD_S = 1.0

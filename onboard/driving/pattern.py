@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
 
-from onboard.records import PATTERN
-from onboard.rows import BehaviourRow
+from onboard.records import PATTERN, BehaviourRow
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 
 @compiled

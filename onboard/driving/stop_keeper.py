@@ -15,8 +15,8 @@ import numpy as np
 from onboard.driving.stopping import WAVE_STEPS, WaveRow
 from onboard.driving.tasc import DesignRow, TascRow, Verdict
 from onboard.driving.tuning import Learned, StopRecord, approximate, disturbance, learn
-from onboard.rows import BehaviourRow
-from vehicle.rows import TrainRow
+from onboard.records import BehaviourRow
+from vehicle.records import TrainRow
 
 LEAD_STEPS: Final = 25  # before TASC began to brake; the learner wants 2 s of quiet
 END_MPS2: Final = 0.30  # Oda's train in 3.2, as in `branchline reproduce oda-table4`

@@ -6,9 +6,7 @@ stations, or supervision. So whoever braked before, the prediction is right when
 
 from __future__ import annotations
 
-from typing import Final, Protocol
-
-import numpy as np
+from typing import Annotated, Final, Protocol
 
 from onboard.driving.tasc import (
     POSSIBLE,
@@ -22,13 +20,13 @@ from onboard.driving.tasc import (
     tasc_step,
 )
 from onboard.localisation.tachometer import LOST_SHARE
-from onboard.records import EVENT_VERDICT, NO_INTERVENTION
-from onboard.rows import UnitRow
+from onboard.records import EVENT_VERDICT, NO_INTERVENTION, UnitRow
 from vehicle.adhesion import SLIP_FLOOR_MPS
 from vehicle.brakes import service_target_mps2
 from vehicle.compiled import compiled
+from vehicle.record import dtype_of
+from vehicle.records import TrainRow
 from vehicle.response import approach
-from vehicle.rows import TrainRow
 
 LIMIT_MARGIN_M: Final = (
     5.0  # aiming this far before the stop limit the pattern stays under supervision's curve
@@ -37,30 +35,20 @@ FAR_S: Final = 4.0  # beyond this running time and twice the braking distance th
 WAVE_STEPS: Final = 640  # of 0.1 s: a stop from 130 km/h with half the usual deceleration
 ASKED_LEAST_MPS2: Final = 2e-3  # a lag never quite dies away: less than this counts as no brake
 
-WAVE: Final = np.dtype(
-    [
-        ("head", "i8"),
-        ("steps", "i8"),  # since TASC began to brake
-        ("disturbed", "i8"),  # in this stop wheels slid, or supervision braked
-        ("speed_mps", "f8"),  # at the last step
-        ("built_mps2", "f8"),  # what the command gives after the designed lag, without dead time
-        ("designed_mps2", "f8", (WAVE_STEPS,)),  # 設計減速度
-        ("actual_mps2", "f8", (WAVE_STEPS,)),  # 発生減速度, gradient and running resistance taken off
-    ],
-    align=True,
-)
-
 
 class WaveRow(Protocol):
-    """One record of WAVE: the last minute of a train's deceleration as designed and as it was, m/s^2."""
+    """The last minute of a train's deceleration as designed and as it was, m/s^2."""
 
     head: int
-    steps: int
-    disturbed: int
-    speed_mps: float
-    built_mps2: float
-    designed_mps2: list[float]
-    actual_mps2: list[float]
+    steps: Annotated[int, "since TASC began to brake"]
+    disturbed: Annotated[int, "in this stop wheels slid, or supervision braked"]
+    speed_mps: Annotated[float, "at the last step"]
+    built_mps2: Annotated[float, "what the command gives after the designed lag, without dead time"]
+    designed_mps2: Annotated[list[float], WAVE_STEPS, "設計減速度"]
+    actual_mps2: Annotated[list[float], WAVE_STEPS, "発生減速度, gradient and running resistance taken off"]
+
+
+WAVE: Final = dtype_of(WaveRow)
 
 
 @compiled

@@ -18,11 +18,12 @@ from onboard.records import (
     EVENT_INTERVENTION,
     NO_INTERVENTION,
     SERVICE_INTERVENTION,
+    BehaviourRow,
+    UnitRow,
 )
-from onboard.rows import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 RESERVE_M: Final = (
     1.0  # assumed: a descent adds at most g*i*t^2/2 in the reaction time, 0.3 m at 30 permille and 1.4 s

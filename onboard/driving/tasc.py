@@ -11,11 +11,10 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
-from typing import Final, Protocol
-
-import numpy as np
+from typing import Annotated, Final, Protocol
 
 from vehicle.compiled import compiled
+from vehicle.record import dtype_of
 from vehicle.response import approach, dead_time_steps
 
 PENDING_MAX: Final = 64
@@ -45,81 +44,49 @@ TARGET_NOT_SEEN: Final = int(Verdict.TARGET_NOT_SEEN)
 SIGN_BEYOND_LIMIT: Final = int(Verdict.SIGN_BEYOND_LIMIT)
 
 
-DESIGN: Final = np.dtype(
-    [
-        ("pattern_mps2", "f8"),  # deceleration of the target-speed pattern (目標速度パターン)
-        ("pattern_least_mps2", "f8"),  # a corrected pattern is never flatter: the brake is released instead
-        ("brake_max_mps2", "f8"),
-        ("command_jerk_mps3", "f8"),
-        ("end_mps2", "f8"),  # deceleration left when the train comes to rest
-        ("end_jerk_mps3", "f8"),  # at which the pattern falls to it
-        ("gain_per_s", "f8"),  # proportional; the other two make it PID
-        ("integral_gain_per_s2", "f8"),
-        ("derivative_gain", "f8"),
-        ("dead_time_s", "f8"),  # the brake as the controller believes it: file values, then learned ones
-        ("lag_s", "f8"),
-        ("offset_mps2", "f8"),  # actual less designed deceleration at the pattern's (減速度偏差)
-        ("correction_least_m", "f8"),  # a fix that moves the estimate by less leaves the pattern as it is
-        ("step_s", "f8"),
-    ],
-    align=True,
-)
-
-TASC: Final = np.dtype(
-    [
-        ("braking", "i8"),
-        ("pattern_mps2", "f8"),  # of the pattern as corrected; 0: not begun
-        ("built_mps2", "f8"),  # what the brake gives now, by the controller's model
-        ("demand_mps2", "f8"),  # last brake demand, before the bias correction
-        ("integral_m", "f8"),
-        ("error_mps", "f8"),
-        ("speed_mps", "f8"),  # at the last step; 0: none
-        ("actual_mean_mps2", "f8"),  # what the brake gave of late, and below what the model expected,
-        ("expected_mean_mps2", "f8"),  # both under the same first-order mean
-        ("weak_s", "f8"),  # for how long the brake has been found too weak
-        ("verdict", "i8"),
-        ("head", "i8"),
-        ("pending_mps2", "f8", (PENDING_MAX,)),  # what the model expects of each command under way
-    ],
-    align=True,
-)
-
-
 class DesignRow(Protocol):
-    """One record of DESIGN."""
+    """How one train stops at the mark: what was chosen for it, and what it has learned."""
 
-    pattern_mps2: float
-    pattern_least_mps2: float
+    pattern_mps2: Annotated[float, "deceleration of the target-speed pattern (目標速度パターン)"]
+    pattern_least_mps2: Annotated[
+        float, "a corrected pattern is never flatter: the brake is released instead"
+    ]
     brake_max_mps2: float
     command_jerk_mps3: float
-    end_mps2: float
-    end_jerk_mps3: float
-    gain_per_s: float
+    end_mps2: Annotated[float, "deceleration left when the train comes to rest"]
+    end_jerk_mps3: Annotated[float, "at which the pattern falls to it"]
+    gain_per_s: Annotated[float, "proportional; the other two make it PID"]
     integral_gain_per_s2: float
     derivative_gain: float
-    dead_time_s: float
+    dead_time_s: Annotated[float, "the brake as the controller believes it: file values, then learned ones"]
     lag_s: float
-    offset_mps2: float
-    correction_least_m: float
+    offset_mps2: Annotated[float, "actual less designed deceleration at the pattern's (減速度偏差)"]
+    correction_least_m: Annotated[float, "a fix that moves the estimate by less leaves the pattern as it is"]
     step_s: float
 
 
+DESIGN: Final = dtype_of(DesignRow)
+
+
 class TascRow(Protocol):
-    """One record of TASC."""
+    """What one stop at the mark has come to."""
 
     braking: int
-    pattern_mps2: float
-    built_mps2: float
-    demand_mps2: float
+    pattern_mps2: Annotated[float, "of the pattern as corrected; 0: not begun"]
+    built_mps2: Annotated[float, "what the brake gives now, by the controller's model"]
+    demand_mps2: Annotated[float, "last brake demand, before the bias correction"]
     integral_m: float
     error_mps: float
-    speed_mps: float
-    actual_mean_mps2: float
-    expected_mean_mps2: float
-    weak_s: float
+    speed_mps: Annotated[float, "at the last step; 0: none"]
+    actual_mean_mps2: Annotated[float, "what the brake gave of late, and below what the model expected,"]
+    expected_mean_mps2: Annotated[float, "both under the same first-order mean"]
+    weak_s: Annotated[float, "for how long the brake has been found too weak"]
     verdict: int
     head: int
-    pending_mps2: list[float]
+    pending_mps2: Annotated[list[float], PENDING_MAX, "what the model expects of each command under way"]
+
+
+TASC: Final = dtype_of(TascRow)
 
 
 @compiled

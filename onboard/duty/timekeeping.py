@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
 
 CRUISE_MIN_KMH: Final = 25

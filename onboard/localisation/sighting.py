@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from onboard.rows import UnitRow
+from onboard.records import UnitRow
 
 PITCH_BOUND_RAD: Final = 2.0e-3  # assumed: over six times the pitch that vibration gives the line camera
 LENS_OVER_SIGN_M: Final = 1.8  # of that camera and its sign

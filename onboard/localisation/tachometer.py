@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from onboard.records import EVENT_SAFE_REAR, EVENT_TACHOMETER, EVENT_TAG_OVERDUE
-from onboard.rows import UnitRow
+from onboard.records import EVENT_SAFE_REAR, EVENT_TACHOMETER, EVENT_TAG_OVERDUE, UnitRow
 from vehicle.compiled import compiled
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 ACCELERATION_SMOOTHING_S = 0.5
 TACHOMETER_DOUBT_S = 4.0  # assumed: well over dead time and lag of traction and brakes

@@ -12,7 +12,7 @@ from typing import Final
 
 from onboard.duty.mission import PathTag
 from onboard.localisation.tachometer import calibrated_scale
-from onboard.rows import UnitRow
+from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 
 

@@ -7,25 +7,65 @@ executes the very speeds, and its positions are compared with these before anyth
 
 from __future__ import annotations
 
+from typing import Final, NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.records import MODE_DRIVE
-from onboard.rows import UnitRow
+from onboard.records import MODE_DRIVE, UnitRow
 from onboard.tick import tick
-from simulation.world.records import EVENT_CAMERA, EVENT_FRONT, EVENT_REAR, EVENT_TAG
-from simulation.world.rows import TruthRow
+from simulation.world.records import (
+    EVENT_CAMERA,
+    EVENT_FRONT,
+    EVENT_REAR,
+    EVENT_TAG,
+    TRACE_EVERY_STEPS,
+    StockRow,
+    TraceRow,
+    TruthRow,
+)
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.dynamics import step as move
-from vehicle.rows import PlantRow, TrainRow
+from vehicle.records import PlantRow, TrainRow
 
+MOVING_STEPS_MAX: Final = 50  # it runs ahead of the carrier by at most this
+STANDING_STEPS_MAX: Final = 600
 SIGHT_RESERVE_M = 2.0
 SIGHT_BRAKE_MPS2 = 0.5  # what a driver on sight asks for
 SIGHT_MARGIN_MPS = 0.5  # the driver brakes this far above the ceiling, whatever the unit shows
 SLIDE_SEEN_MPS = 0.05  # the slide protection compares axles no finer than this
 
 Rows = NDArray[np.void]
+
+
+class Track(NamedTuple):
+    """The pool of all paths: the real profile, what units know of it, and where tags lie."""
+
+    profile: Rows
+    pattern: Rows
+    tag_positions_m: NDArray[np.float64]
+
+
+class Sheet(NamedTuple):
+    """What Python reads after a stretch, in blocks; the first axis of all but `events` is the order of `movers`."""
+
+    movers: NDArray[np.int64]  # slots of the stock that moved, ascending
+    speeds_mps: NDArray[np.float64]  # (movers, steps): at the end of each step
+    believed_m: NDArray[np.float64]  # (movers, 3): position, bound behind, bound ahead
+    known: NDArray[np.int64]  # 1: the unit knows its position
+    events: NDArray[np.int64]  # by slot: what happened in the last step
+
+
+def new_sheet(slots: int) -> Sheet:
+    """An empty sheet for that many slots."""
+    return Sheet(
+        np.zeros(slots, dtype=np.int64),
+        np.zeros((slots, STANDING_STEPS_MAX)),
+        np.zeros((slots, 3)),
+        np.zeros(slots, dtype=np.int64),
+        np.zeros(slots, dtype=np.int64),
+    )
 
 
 @compiled
@@ -110,86 +150,101 @@ def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: Train
 
 
 @compiled
-def advance(
-    truths: Rows,
-    plants: Rows,
-    units: Rows,
-    bodies: Rows,
-    trains: Rows,
-    behaviours: Rows,
-    tascs: Rows,
-    designs: Rows,
-    waves: Rows,
-    profile: Rows,
-    path: Rows,
-    tag_positions_m: NDArray[np.float64],
-    speeds_mps: NDArray[np.float64],
-    trace: Rows,
-    trace_used: int,
-    first_step: int,
-    steps: int,
-    trace_every: int,
-) -> tuple[int, int]:
-    """Run all active trains for up to `steps` steps from `first_step`; returns (steps done, trace rows used).
+def sense(row: StockRow, wheel_before_m: float, step_s: float) -> None:
+    """Fill the row's `sensed` after its body has moved."""
+    sensed = row.sensed
+    sensed.speed_mps = read_tachometer(row.truth, row.plant, wheel_before_m, step_s)
+    sensed.odometer_m = row.truth.odometer_m
+    sensed.wheel_slide = slide_seen(row.plant)
+    sensed.load_share = row.plant.load_share
 
-    `bodies` are the trains as they are, `trains` as their units believe them to be (both rows of TRAIN).
-    `speeds_mps[k, slot]` is each train's speed at the end of step k; events are left in `truths.events`.
+
+@compiled
+def step_one(row: StockRow, track: Track) -> int:
+    """One stock through one step: its body moves, its sensors show it, its unit ticks; returns event bits."""
+    truth, plant, unit, train = row.truth, row.plant, row.board.unit, row.board.kind
+    step_s = row.board.behaviour.step_s
+    gradient, curvature = track_under(truth, track.profile, train.length_m)
+    wheel_before_m = plant.wheel_travelled_m
+    move(plant, row.body, unit.notch, unit.emergency != 0, gradient, curvature, step_s)
+    truth.position_m = truth.offset_m + plant.travelled_m
+    sense(row, wheel_before_m, step_s)
+    events = world_events(truth, track.tag_positions_m, train.length_m)
+    events |= tick(row.board, row.sensed, track.pattern)
+    if unit.position_known == 0:
+        brake_on_sight(truth, plant, unit, train)
+    return events
+
+
+@compiled
+def sample(trace: TraceRow, row: StockRow, step: int, slot: int) -> None:
+    """Write one row of the trace."""
+    truth, plant, unit = row.truth, row.plant, row.board.unit
+    trace.step = step
+    trace.slot = slot
+    trace.position_m = truth.position_m
+    trace.speed_mps = plant.speed_mps
+    trace.acceleration_mps2 = plant.acceleration_mps2
+    trace.notch = unit.notch
+    trace.intervention = unit.intervention
+    trace.permitted_mps = unit.permitted_mps
+    trace.target_mps = unit.target_mps
+    trace.stop_limit_m = unit.stop_limit_m
+    trace.estimate_error_m = unit.position_m - truth.position_m
+    trace.bound_ahead_m = unit.bound_ahead_m
+    trace.bound_behind_m = unit.bound_behind_m
+
+
+@compiled
+def movers(stock: Rows, sheet: Sheet) -> int:
+    """Write down the slots that drive or roll; returns their number."""
+    count = 0
+    for slot in range(stock.size):
+        row = stock[slot]
+        if row.truth.active != 0 and (row.board.unit.mode == MODE_DRIVE or row.plant.speed_mps > 0.0):
+            sheet.movers[count] = slot
+            count += 1
+    return count
+
+
+@compiled
+def advance(
+    stock: Rows, track: Track, sheet: Sheet, trace: Rows, trace_used: int, first_step: int, steps: int
+) -> tuple[int, int, int]:
+    """Run all active trains for up to `steps` steps from `first_step`; returns steps done, trace rows used, movers.
+
+    The first `movers` rows of the sheet tell of the stock that moved; `sheet.events` tells of every slot. Nothing
+    else has to be read from `stock` after a stretch in which nothing happened.
     """
+    moving = movers(stock, sheet)
+    steps = min(steps, MOVING_STEPS_MAX if moving > 0 else STANDING_STEPS_MAX)
+    sheet.events[:] = 0
     done = 0
-    step_s = behaviours[0].step_s
-    for slot in range(truths.size):
-        truths[slot].events = 0
-    for k in range(steps):
+    while done < steps:
         happened = 0
-        for slot in range(truths.size):
-            truth = truths[slot]
-            if truth.active == 0:
+        mover = 0
+        for slot in range(stock.size):
+            row = stock[slot]
+            if row.truth.active == 0:
                 continue
-            plant = plants[slot]
-            unit = units[slot]
-            train = trains[slot]
-            gradient, curvature = track_under(truth, profile, train.length_m)
-            wheel_before_m = plant.wheel_travelled_m
-            move(plant, bodies[slot], unit.notch, unit.emergency != 0, gradient, curvature, step_s)
-            truth.position_m = truth.offset_m + plant.travelled_m
-            speeds_mps[k, slot] = plant.speed_mps
-            shown_mps = read_tachometer(truth, plant, wheel_before_m, step_s)
-            unit.wheel_slide = slide_seen(plant)
-            events = world_events(truth, tag_positions_m, train.length_m)
-            events |= tick(
-                unit,
-                train,
-                behaviours[slot],
-                path,
-                truth.odometer_m,
-                shown_mps,
-                plant.load_share,
-                tascs[slot],
-                designs[slot],
-                waves[slot],
-            )
-            if unit.position_known == 0:
-                brake_on_sight(truth, plant, unit, train)
-            truth.events = events
+            events = step_one(row, track)
+            if mover < moving and sheet.movers[mover] == slot:
+                sheet.speeds_mps[mover, done] = row.plant.speed_mps
+                mover += 1
+            sheet.events[slot] = events
             happened |= events
-            sample = (first_step + k + 1) % trace_every == 0
-            if (sample and (plant.speed_mps > 0.0 or unit.mode == MODE_DRIVE)) or events != 0:
-                row = trace[trace_used]
+            whole = (first_step + done + 1) % TRACE_EVERY_STEPS == 0
+            if (whole and (row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE)) or events != 0:
+                sample(trace[trace_used], row, first_step + done + 1, slot)
                 trace_used += 1
-                row.step = first_step + k + 1
-                row.slot = slot
-                row.position_m = truth.position_m
-                row.speed_mps = plant.speed_mps
-                row.acceleration_mps2 = plant.acceleration_mps2
-                row.notch = unit.notch
-                row.intervention = unit.intervention
-                row.permitted_mps = unit.permitted_mps
-                row.target_mps = unit.target_mps
-                row.stop_limit_m = unit.stop_limit_m
-                row.estimate_error_m = unit.position_m - truth.position_m
-                row.bound_ahead_m = unit.bound_ahead_m
-                row.bound_behind_m = unit.bound_behind_m
-        done = k + 1
+        done += 1
         if happened != 0:
             break
-    return done, trace_used
+    for mover in range(moving):
+        row = stock[sheet.movers[mover]]
+        unit = row.board.unit
+        sheet.believed_m[mover, 0] = unit.position_m
+        sheet.believed_m[mover, 1] = unit.bound_behind_m
+        sheet.believed_m[mover, 2] = unit.bound_ahead_m
+        sheet.known[mover] = unit.position_known
+    return done, trace_used, moving

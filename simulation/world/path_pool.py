@@ -11,9 +11,9 @@ from network.model import Direction, Line
 from network.path import Path
 from network.profile import PROFILE, profile_of
 from onboard.driving.pattern import pattern_of
-from onboard.records import PATTERN
-from onboard.rows import BehaviourRow
-from vehicle.rows import TrainRow
+from onboard.records import PATTERN, BehaviourRow
+from simulation.world.kernel import Track
+from vehicle.records import TrainRow
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +62,11 @@ class PathPool:
         self.tag_ids.extend(tag_id for _, tag_id in tags)
         self._known[key] = rows
         return rows
+
+    @property
+    def track(self) -> Track:
+        """The arrays as compiled code takes them."""
+        return Track(self.profile, self.pattern, self.tag_positions_m)
 
     def pattern_of(self, rows: PathRows) -> NDArray[np.void]:
         """The unit's path database of one path."""

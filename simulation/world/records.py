@@ -1,13 +1,15 @@
-"""The truth about each train that compiled code works on: one row a train slot.
+"""All that compiled code works on: one row of STOCK a train slot, with the truth about it and what it has on board.
 
-Never handed to `onboard`: the unit sees what the sensors make of it.
+The truth is never handed to `onboard`: the unit sees what the sensors make of it.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Annotated, Final, Protocol
 
-import numpy as np
+from onboard.board import BoardRow, SensedRow
+from vehicle.record import dtype_of
+from vehicle.records import PlantRow, TrainRow
 
 # what the world reports to the event-driven part (bits above those of onboard.records)
 EVENT_TAG: Final = 1 << 8  # the front passed a tag
@@ -16,45 +18,60 @@ EVENT_REAR: Final = 1 << 10  # the rear passed the end of a track piece
 EVENT_CAMERA: Final = 1 << 11  # the front came to where the camera may see the next stop sign
 EVENT_UNIT_BITS: Final = (1 << 8) - 1
 
-TRUTH: Final = np.dtype(
-    [
-        ("active", "i8"),
-        ("position_m", "f8"),  # path coordinate of the front, from the carrier
-        ("offset_m", "f8"),  # position_m - plant.travelled_m
-        ("profile_offset", "i8"),
-        ("profile_rows", "i8"),
-        ("front_boundary_m", "f8"),  # path coordinate at which the front leaves its piece
-        ("rear_boundary_m", "f8"),
-        ("tag_next", "i8"),  # row of the tag pool; the next tag ahead
-        ("tag_end", "i8"),
-        ("odometer_at_tag_m", "f8"),  # latched by the reader when the front passed the tag
-        ("wheel_factor", "f8"),  # true circumference over the one the tachometer is set for
-        ("odometer_m", "f8"),  # what the tachometer has counted
-        ("tachometer_gain", "f8"),  # 1 in order, 0 silent
-        ("tachometer_frozen_mps", "f8"),  # shows this speed for ever; negative: in order
-        ("sight_m", "f8"),  # where the driver stops on sight while the unit does not know its position
-        ("camera_m", "f8"),  # path coordinate from where the next sign may be seen; +inf: none
-        ("events", "i8"),
-    ],
-    align=True,
-)
+
+class TruthRow(Protocol):
+    """Where a train really is."""
+
+    active: int
+    position_m: Annotated[float, "path coordinate of the front, from the carrier"]
+    offset_m: Annotated[float, "position_m - plant.travelled_m"]
+    profile_offset: int
+    profile_rows: int
+    front_boundary_m: Annotated[float, "path coordinate at which the front leaves its piece"]
+    rear_boundary_m: float
+    tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
+    tag_end: int
+    odometer_at_tag_m: Annotated[float, "latched by the reader when the front passed the tag"]
+    wheel_factor: Annotated[float, "true circumference over the one the tachometer is set for"]
+    odometer_m: Annotated[float, "what the tachometer has counted"]
+    tachometer_gain: Annotated[float, "1 in order, 0 silent"]
+    tachometer_frozen_mps: Annotated[float, "shows this speed for ever; negative: in order"]
+    sight_m: Annotated[float, "where the driver stops on sight while the unit does not know its position"]
+    camera_m: Annotated[float, "path coordinate from where the next sign may be seen; +inf: none"]
+
+
+class StockRow(Protocol):
+    """One stock: where it is, what it is, what it senses and what it has on board."""
+
+    truth: Annotated[TruthRow, "where it really is"]
+    plant: Annotated[PlantRow, "the state of its body and machinery"]
+    body: Annotated[TrainRow, "the train as it is; its board holds the train as believed"]
+    sensed: Annotated[SensedRow, "what its sensors show"]
+    board: Annotated[BoardRow, "what it has on board"]
+
+
+TRUTH: Final = dtype_of(TruthRow)
+STOCK: Final = dtype_of(StockRow)
 
 TRACE_EVERY_STEPS: Final = 10  # a sample a second, and one at every event
-TRACE: Final = np.dtype(
-    [
-        ("step", "i8"),
-        ("slot", "i8"),
-        ("position_m", "f8"),
-        ("speed_mps", "f8"),
-        ("acceleration_mps2", "f8"),
-        ("notch", "f8"),
-        ("intervention", "i8"),
-        ("permitted_mps", "f8"),
-        ("target_mps", "f8"),
-        ("stop_limit_m", "f8"),
-        ("estimate_error_m", "f8"),
-        ("bound_ahead_m", "f8"),
-        ("bound_behind_m", "f8"),
-    ],
-    align=True,
-)
+
+
+class TraceRow(Protocol):
+    """One sample of how a train went."""
+
+    step: int
+    slot: int
+    position_m: float
+    speed_mps: float
+    acceleration_mps2: float
+    notch: float
+    intervention: int
+    permitted_mps: float
+    target_mps: float
+    stop_limit_m: float
+    estimate_error_m: float
+    bound_ahead_m: float
+    bound_behind_m: float
+
+
+TRACE: Final = dtype_of(TraceRow)

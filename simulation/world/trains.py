@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +15,11 @@ from network.model import Direction
 from network.path import Path, path_of
 from onboard.authority.coverage import covered_at
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
-from onboard.driving.stopping import WAVE
-from onboard.driving.tasc import DESIGN, TASC
+from onboard.driving.stopping import WaveRow
+from onboard.driving.tasc import DesignRow, TascRow
 from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopRecord as StopWaves
-from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, UNIT
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, BehaviourRow, UnitRow
 from onboard.unit import Unit, UnitFacts
 from radio.chance import generator
 from radio.envelope import Endpoint
@@ -25,9 +27,9 @@ from radio.keys import key_ring
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
-from simulation.world.records import TRUTH
+from simulation.world.records import STOCK, TruthRow
 from simulation.world.roster import Duty
-from vehicle.records import TRAIN
+from vehicle.records import PlantRow, TrainRow
 from vehicle.train_file import new_plant
 from wayside.config import MANAGER_ID
 
@@ -36,6 +38,11 @@ AGREEMENT_M = (
 )
 
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
+
+
+def _rows(part: NDArray[np.void]) -> list[Any]:
+    """One view a slot into a part of `Trains.stock`, its fields as attributes."""
+    return list(part.view(np.recarray))
 
 
 class CarrierDisagrees(RuntimeError):  # noqa: N818 - names what happened
@@ -61,17 +68,24 @@ class Trains:
         self.stock_ids = tuple(d.stock_id for d in setup.timetable.diagrams)
         self.slot_of = {stock_id: slot for slot, stock_id in enumerate(self.stock_ids)}
         n = len(self.stock_ids)
-        self.truths = np.zeros(n, dtype=TRUTH).view(np.recarray)
-        self.plants = new_plant(n).view(np.recarray)
-        self.units = np.zeros(n, dtype=UNIT).view(np.recarray)
-        self.kinds = np.zeros(n, dtype=TRAIN).view(np.recarray)
-        self.bodies = np.zeros(n, dtype=TRAIN).view(
-            np.recarray
-        )  # the trains as they are; `kinds`: as believed
-        self.tascs = np.zeros(n, dtype=TASC).view(np.recarray)
-        self.designs = np.zeros(n, dtype=DESIGN).view(np.recarray)
-        self.waves = np.zeros(n, dtype=WAVE).view(np.recarray)
-        self.behaviours = behaviour_rows(setup, self.stock_ids).view(np.recarray)
+        self.stock = np.zeros(n, dtype=STOCK)
+        self.stock["plant"] = new_plant(n)
+        self.stock["board"]["behaviour"] = behaviour_rows(setup, self.stock_ids)
+        board = self.stock["board"]
+        # Each stock's parts, for what is not done in every stretch: writing to them writes to `stock`.
+        self.truths: Sequence[TruthRow] = _rows(self.stock["truth"])
+        self.plants: Sequence[PlantRow] = _rows(self.stock["plant"])
+        self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
+        self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
+        self.units: Sequence[UnitRow] = _rows(board["unit"])
+        self.behaviours: Sequence[BehaviourRow] = _rows(board["behaviour"])
+        self.tascs: Sequence[TascRow] = _rows(board["tasc"])
+        self.designs: Sequence[DesignRow] = _rows(board["design"])
+        self.waves: Sequence[WaveRow] = _rows(board["wave"])
+        self._active = self.stock["truth"]["active"]
+        self._position_m = self.stock["truth"]["position_m"]
+        self._offset_m = self.stock["truth"]["offset_m"]
+        self._travelled_m = self.stock["plant"]["travelled_m"]
         self.pool = PathPool(setup.line)
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
@@ -93,9 +107,9 @@ class Trains:
             key_ring(master_key, stock_id, (MANAGER_ID, *terminals)) for stock_id in self.stock_ids
         ]
         for slot, stock_id in enumerate(self.stock_ids):
-            self.kinds[slot] = setup.trains[stock_id].row[0]
+            board["kind"][slot] = setup.trains[stock_id].row[0]
             body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, self.kinds[slot])
-            self.bodies[slot] = body[0]
+            self.stock["body"][slot] = body[0]
             self._keepers.append(self._new_keeper(slot))
             self.on_board.append(self._new_unit(slot))
             sigma = setup.sensors.wheel_factor_sigma
@@ -159,7 +173,8 @@ class Trains:
 
     def active(self) -> list[int]:
         """Slots of the trains on the line."""
-        return [slot for slot in range(len(self.stock_ids)) if self.truths[slot].active]
+        slots: list[int] = np.flatnonzero(self._active).tolist()
+        return slots
 
     def true_path(self, slot: int) -> Path:
         """The path that the train is really on. RuntimeError before it is on the line."""
@@ -179,19 +194,25 @@ class Trains:
             return True
         return covered_at(self.setup.line, self.true_path(slot), float(self.truths[slot].position_m))
 
-    def compare(self, slot: int, seen: Truth) -> None:
-        """Take the carrier's position as the truth; CarrierDisagrees when it is not where the speeds lead."""
-        truth = self.truths[slot]
-        step = self.true_path(slot).step_of(seen.piece_id)
-        position_m = step.start_m + seen.offset_m
-        if abs(position_m - truth.position_m) > AGREEMENT_M:
-            message = (
-                f"{self.stock_ids[slot]}: carrier has it at {position_m:.6f} m of its path on {seen.piece_id},"
-                f" its speeds at {float(truth.position_m):.6f} m"
-            )
-            raise CarrierDisagrees(message)
-        truth.position_m = position_m
-        truth.offset_m = position_m - self.plants[slot].travelled_m
+    def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> list[float]:
+        """Take the carrier's positions as the truth and return them, m, as path coordinates.
+
+        Raises CarrierDisagrees when a train is not where its speeds lead.
+        """
+        ran_to_m = self._position_m[slots].tolist()
+        positions_m = []
+        for slot, truth, expected_m in zip(slots, seen, ran_to_m, strict=True):
+            position_m = self.true_path(slot).step_of(truth.piece_id).start_m + truth.offset_m
+            if abs(position_m - expected_m) > AGREEMENT_M:
+                message = (
+                    f"{self.stock_ids[slot]}: carrier has it at {position_m:.6f} m of its path on"
+                    f" {truth.piece_id}, its speeds at {expected_m:.6f} m"
+                )
+                raise CarrierDisagrees(message)
+            positions_m.append(position_m)
+        self._position_m[slots] = positions_m
+        self._offset_m[slots] = positions_m - self._travelled_m[slots]
+        return positions_m
 
     # coming, going, turning --------------------------------------------------------------------------------------
 

@@ -27,8 +27,7 @@ from onboard.localisation.vision import (
     search_window,
     sight,
 )
-from onboard.records import BEHAVIOUR, UNIT
-from onboard.rows import BehaviourRow, UnitRow
+from onboard.records import BEHAVIOUR, UNIT, BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.sensors.camera import (
     PAPER_CAMERA,
@@ -46,8 +45,8 @@ from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.dynamics import step
 from vehicle.mass import equivalent_mass_kg, mass_kg
+from vehicle.records import PlantRow, TrainRow
 from vehicle.resistance import resistance_n
-from vehicle.rows import PlantRow, TrainRow
 from vehicle.train_file import load_train, new_plant, shipped_train
 
 Floats = NDArray[np.float64]

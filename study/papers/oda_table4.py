@@ -15,7 +15,7 @@ from network.units import mps
 from onboard.driving.tasc import Verdict
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.papers.single_stop import StopResult, design_row, new_stops, one_stop
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
 SPEED_KMH: Final = 70.0

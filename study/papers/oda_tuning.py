@@ -28,7 +28,7 @@ from radio.chance import generator
 from study.papers.oda_table4 import BEACONS_M, controller, oda_train
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.papers.single_stop import STEPS_MAX, StopResult, new_stops, one_stop
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 TRAINS: Final = 100
 TRAINS_QUICK: Final = 12

@@ -30,9 +30,8 @@ from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.dynamics import step
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
-from vehicle.records import PLANT
+from vehicle.records import PLANT, PlantRow, TrainRow
 from vehicle.resistance import gradient_force_n, resistance_n
-from vehicle.rows import PlantRow, TrainRow
 
 FIXES_MAX: Final = 8
 STEPS_MAX: Final = 3000

@@ -18,9 +18,8 @@ from onboard.driving.stopping import WAVE
 from onboard.driving.tasc import DESIGN, TASC
 from onboard.driving.tuning import Learned
 from onboard.duty.mission import Mission, plan_mission
-from onboard.records import BEHAVIOUR, MODE_DRIVE, UNIT
-from onboard.rows import BehaviourRow, UnitRow
-from vehicle.rows import TrainRow
+from onboard.records import BEHAVIOUR, MODE_DRIVE, UNIT, BehaviourRow, UnitRow
+from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
 Rows = NDArray[np.void]

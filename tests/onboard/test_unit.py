@@ -23,8 +23,9 @@ from onboard.records import (
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
+    BehaviourRow,
+    UnitRow,
 )
-from onboard.rows import BehaviourRow, UnitRow
 from onboard.unit import (
     Finished,
     LeftLine,
@@ -54,7 +55,7 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
 )
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 

@@ -13,14 +13,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from onboard.board import BOARD, SENSED, BoardRow, SensedRow
 from onboard.driving.notches import power_notch
 from onboard.driving.pattern import pattern_of
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION
-from onboard.rows import BehaviourRow, UnitRow
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION, BehaviourRow, UnitRow
 from onboard.tick import tick
 from vehicle.dynamics import step
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 from vehicle.traction import full_force_n
 from vehicle.train_file import new_plant
 
@@ -40,6 +40,7 @@ class Course:
     target_mps: list[float] = field(default_factory=list)
     notch: list[float] = field(default_factory=list)
     interventions: int = 0
+    emergency: bool = False  # in the last step
 
 
 def drive_along(
@@ -56,26 +57,25 @@ def drive_along(
     """Run the unit and the plant on a steady gradient until the train stands, or for `steps` of 0.1 s."""
     plant = new_plant(1, speed_mps).view(np.recarray)[0]
     plant.load_share = load_share
+    rows = np.zeros(1, dtype=BOARD)
+    for name, part in (("unit", unit), ("kind", train), ("behaviour", behaviour)):
+        rows[name][0] = part
+    rows["tasc"][0], rows["design"][0], rows["wave"][0] = kept.tasc, kept.design, kept.wave
+    board: BoardRow = rows.view(np.recarray)[0]
+    sensed: SensedRow = np.zeros(1, dtype=SENSED).view(np.recarray)[0]
+    sensed.load_share = load_share
+    unit = board.unit
     unit.speed_mps, unit.path_rows = speed_mps, path.size
     course = Course()
     for _ in range(steps):
         step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
-        tick(
-            unit,
-            train,
-            behaviour,
-            path,
-            plant.wheel_travelled_m,
-            plant.wheel_speed_mps,
-            load_share,
-            kept.tasc,
-            kept.design,
-            kept.wave,
-        )
+        sensed.odometer_m, sensed.speed_mps = plant.wheel_travelled_m, plant.wheel_speed_mps
+        tick(board, sensed, path)
         course.position_m.append(START_M + float(plant.travelled_m))
         course.speed_mps.append(float(plant.speed_mps))
         course.target_mps.append(float(unit.target_mps))
         course.notch.append(float(unit.notch))
+        course.emergency = unit.emergency != 0
         course.interventions += unit.intervention != NO_INTERVENTION
         if plant.speed_mps == 0.0 and len(course.notch) > 50:
             break
@@ -190,9 +190,9 @@ def test_supervision_overrules_the_driver(
     track: Callable[..., Rows],
 ) -> None:
     unit.intervention = EMERGENCY_INTERVENTION
-    drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, 10.0, 1)
-    assert unit.emergency == 1
-    assert unit.notch == -train.brake_notches
+    course = drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, 10.0, 1)
+    assert course.emergency
+    assert course.notch == [-train.brake_notches]
 
 
 @compiled_test

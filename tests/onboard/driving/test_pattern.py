@@ -10,8 +10,8 @@ from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
 from onboard.driving.pattern import braking_curve, limit_for_length, mean_over_length, pattern_of
-from onboard.rows import BehaviourRow
-from vehicle.rows import TrainRow
+from onboard.records import BehaviourRow
+from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 

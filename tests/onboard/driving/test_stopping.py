@@ -20,9 +20,8 @@ from onboard.driving.stopping import (
 )
 from onboard.driving.tasc import Verdict, judge
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
-from onboard.records import EMERGENCY_INTERVENTION, EVENT_VERDICT
-from onboard.rows import BehaviourRow, UnitRow
-from vehicle.rows import TrainRow
+from onboard.records import EMERGENCY_INTERVENTION, EVENT_VERDICT, BehaviourRow, UnitRow
+from vehicle.records import TrainRow
 
 STEP_S = 0.1
 compiled_test = settings(

@@ -18,9 +18,10 @@ from onboard.records import (
     NO_INTERVENTION,
     SERVICE_INTERVENTION,
     UNIT,
+    BehaviourRow,
+    UnitRow,
 )
-from onboard.rows import BehaviourRow, UnitRow
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
 

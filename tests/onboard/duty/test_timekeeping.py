@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from onboard.duty.timekeeping import CRUISE_MIN_KMH, STEP_MPS, cruise_for
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
 
 Rows = NDArray[np.void]

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from onboard.localisation.sighting import SIGN_BEYOND_MARK_M, accuracy_m, take_sighting
-from onboard.rows import UnitRow
+from onboard.records import UnitRow
 
 MARK_M = 500.0
 

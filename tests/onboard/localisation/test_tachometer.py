@@ -6,9 +6,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from onboard.localisation.tachometer import calibrated_scale, fix, locate, within_window
-from onboard.records import EVENT_SAFE_REAR, EVENT_TAG_OVERDUE, UNIT
-from onboard.rows import UnitRow
-from vehicle.rows import TrainRow
+from onboard.records import EVENT_SAFE_REAR, EVENT_TAG_OVERDUE, UNIT, UnitRow
+from vehicle.records import TrainRow
 
 ACCURACY_M = 0.5
 STEP_S = 0.1

@@ -9,10 +9,9 @@ from network.profile import PROFILE
 from onboard.records import EVENT_STOPPED, MODE_DRIVE
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
-from simulation.world.kernel import advance, track_under, world_events
-from simulation.world.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG, TRACE, TRUTH
+from simulation.world.kernel import advance, new_sheet, track_under, world_events
+from simulation.world.records import EVENT_FRONT, EVENT_REAR, EVENT_TAG, TRACE, TRUTH, TruthRow
 from simulation.world.roster import draw_up
-from simulation.world.rows import TruthRow
 from simulation.world.trains import Trains
 
 STEPS, EVERY = 50, 10
@@ -33,7 +32,7 @@ class Bench:
             speed_mps,
         )
         unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = np.inf
-        self.speeds = np.zeros((STEPS, 1))
+        self.sheet = new_sheet(1)
         self.trace = np.zeros(5000, dtype=TRACE)
         self.used, self.step = 0, 0
         self.seen: list[int] = []
@@ -41,30 +40,14 @@ class Bench:
     def advance(self, steps: int = STEPS) -> int:
         """One turn; returns the events."""
         trains, pool = self.trains, self.trains.pool
-        done, self.used = advance(
-            trains.truths,
-            trains.plants,
-            trains.units,
-            trains.bodies,
-            trains.kinds,
-            trains.behaviours,
-            trains.tascs,
-            trains.designs,
-            trains.waves,
-            pool.profile,
-            pool.pattern,
-            pool.tag_positions_m,
-            self.speeds,
-            self.trace,
-            self.used,
-            self.step,
-            steps,
-            EVERY,
+        done, self.used, movers = advance(
+            trains.stock, pool.track, self.sheet, self.trace, self.used, self.step, steps
         )
-        trains.carrier.run([("K1", self.speeds[:done, 0].tolist())], done)
+        self.course = self.sheet.speeds_mps[:movers, :done].tolist()
+        trains.carrier.run([("K1", course) for course in self.course], done)
         self.step += done
-        trains.compare(0, trains.carrier.truth("K1"))
-        events = int(trains.truths[0].events)
+        trains.compare([0], [trains.carrier.truth("K1")])
+        events = int(self.sheet.events[0])
         if events & EVENT_TAG:
             tag_id, _, odometer_m = trains.read_tag(0)
             self.seen.append(tag_id)
@@ -102,9 +85,8 @@ def test_the_turns_do_not_change_the_course(rtri_setup: Setup) -> None:
     for steps in (1, 7, STEPS):
         bench, course = Bench(rtri_setup), []
         while bench.step < 700:
-            before = bench.step
             bench.advance(min(steps, 700 - bench.step))
-            course.extend(bench.speeds[: bench.step - before, 0].tolist())
+            course.extend(bench.course[0])
         courses.append(course)
     assert courses[0] == courses[1] == courses[2]
 
@@ -132,29 +114,10 @@ def test_the_trace_has_every_tenth_step_while_the_train_moves(rtri_setup: Setup)
 def test_a_stock_off_the_line_is_left_alone(rtri_setup: Setup) -> None:
     bench = Bench(rtri_setup)
     bench.trains.truths[0].active = 0
-    before = bench.trains.plants.copy()
-    done, used = advance(
-        bench.trains.truths,
-        bench.trains.plants,
-        bench.trains.units,
-        bench.trains.bodies,
-        bench.trains.kinds,
-        bench.trains.behaviours,
-        bench.trains.tascs,
-        bench.trains.designs,
-        bench.trains.waves,
-        bench.trains.pool.profile,
-        bench.trains.pool.pattern,
-        bench.trains.pool.tag_positions_m,
-        bench.speeds,
-        bench.trace,
-        0,
-        0,
-        STEPS,
-        EVERY,
-    )
-    assert (done, used) == (STEPS, 0)
-    assert np.array_equal(bench.trains.plants, before)
+    before = bench.trains.stock.copy()
+    done = advance(bench.trains.stock, bench.trains.pool.track, bench.sheet, bench.trace, 0, 0, STEPS)
+    assert done == (STEPS, 0, 0)
+    assert np.array_equal(bench.trains.stock, before)
 
 
 def truth_at(position_m: float, rows: int) -> TruthRow:

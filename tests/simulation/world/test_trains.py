@@ -65,11 +65,11 @@ def test_before_it_is_on_the_line(rtri_setup: Setup) -> None:
 
 def test_the_carrier_is_the_judge_of_the_position(placed: Trains) -> None:
     moved(placed, 40.0)
-    placed.compare(0, placed.carrier.truth("K1"))
+    placed.compare([0], [placed.carrier.truth("K1")])
     assert placed.truths[0].position_m == pytest.approx(MARK_A_M + 40.0)
     placed.truths[0].position_m += 2.0 * AGREEMENT_M
     with pytest.raises(CarrierDisagrees, match=r"K1: carrier has it at 120\.000000 m"):
-        placed.compare(0, placed.carrier.truth("K1"))
+        placed.compare([0], [placed.carrier.truth("K1")])
 
 
 def test_the_next_joints_of_front_and_rear(placed: Trains) -> None:
@@ -109,7 +109,7 @@ def test_changing_ends(placed: Trains, rtri_setup: Setup) -> None:
     assert truth.position_m == pytest.approx(70.0)
     assert unit.position_m == pytest.approx(69.7)  # what it overestimated it now underestimates
     assert (unit.bound_ahead_m, unit.bound_behind_m) == (0.7, 0.1)
-    placed.compare(0, placed.carrier.truth("K1"))
+    placed.compare([0], [placed.carrier.truth("K1")])
     assert placed.pool.tag_ids[truth.tag_next] == 851
     assert placed.on_board[0].load_share == pytest.approx(float(placed.plants[0].load_share))
 
@@ -127,7 +127,7 @@ def test_going_on_as_another_train(placed: Trains, rtri_setup: Setup) -> None:
     assert placed.kilometrage_m(0) == pytest.approx(1020.0)
     assert placed.truths[0].position_m == pytest.approx(80.0)
     assert placed.units[0].position_m == pytest.approx(79.8)
-    placed.compare(0, placed.carrier.truth("K1"))
+    placed.compare([0], [placed.carrier.truth("K1")])
 
 
 def test_a_wrong_way_at_points_is_followed_by_the_truth_only(placed: Trains) -> None:
@@ -142,7 +142,7 @@ def test_a_wrong_way_at_points_is_followed_by_the_truth_only(placed: Trains) -> 
     assert "P7.reverse" not in duty.mission.path
     moved(placed, 20.0)
     assert placed.carrier.truth("K1").piece_id == "P7.reverse"
-    placed.compare(0, placed.carrier.truth("K1"))
+    placed.compare([0], [placed.carrier.truth("K1")])
 
 
 def test_leaving_the_line(placed: Trains) -> None:

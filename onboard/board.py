@@ -1,0 +1,38 @@
+"""What a train carries on board for the compiled tick, as one record, and what its sensors show it.
+
+The truth is in neither: a unit knows of the world what stands in its SENSED row.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Protocol
+
+from onboard.driving.stopping import WaveRow
+from onboard.driving.tasc import DesignRow, TascRow
+from onboard.records import BehaviourRow, UnitRow
+from vehicle.record import dtype_of
+from vehicle.records import TrainRow
+
+
+class SensedRow(Protocol):
+    """What the sensors show in one step; the simulation fills it."""
+
+    odometer_m: Annotated[float, "what the tachometer has counted"]
+    speed_mps: Annotated[float, "what the tachometer shows"]
+    wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
+    load_share: Annotated[float, "from the load sensor: 0 empty, 1 full"]
+
+
+class BoardRow(Protocol):
+    """All that one train's tick reads and writes."""
+
+    unit: Annotated[UnitRow, "what the unit believes and decides"]
+    kind: Annotated[TrainRow, "the train as the unit believes it to be"]
+    behaviour: Annotated[BehaviourRow, "how it drives and supervises"]
+    tasc: Annotated[TascRow, "the present stop at the mark"]
+    design: Annotated[DesignRow, "how it stops at marks"]
+    wave: Annotated[WaveRow, "how its last stop went"]
+
+
+SENSED: Final = dtype_of(SensedRow)
+BOARD: Final = dtype_of(BoardRow)

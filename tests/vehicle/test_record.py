@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Final, Protocol
+
+import numpy as np
+import pytest
+from mypy import api
+
+from vehicle.compiled import compiled, sources_digest
+from vehicle.record import dtype_of, fields_of, unit_of
+
+STEPS: Final = 3
+
+
+class AxleRow(Protocol):
+    speed_mps: Annotated[float, "of the tread"]
+    sliding: int
+
+
+class WheelRow(Protocol):
+    pulses: Annotated[list[int], STEPS, "of the last steps"]
+    axle: AxleRow
+    worn_m: float
+
+
+WHEEL: Final = dtype_of(WheelRow)
+
+
+@compiled
+def turn(wheel: WheelRow) -> float:
+    axle = wheel.axle
+    axle.speed_mps += 2.0
+    wheel.pulses[1] += 5
+    return axle.speed_mps + wheel.worn_m
+
+
+def test_a_record_is_laid_out_as_its_class_says() -> None:
+    assert WHEEL.names == ("pulses", "axle", "worn_m")
+    assert (WHEEL["pulses"].base, WHEEL["pulses"].shape) == (np.dtype("i8"), (STEPS,))
+    assert WHEEL["axle"] == np.dtype([("speed_mps", "f8"), ("sliding", "i8")], align=True)
+    assert WHEEL["worn_m"] == np.dtype("f8")
+    assert WHEEL.isalignedstruct
+
+
+def test_compiled_code_reads_and_writes_a_record_in_a_record() -> None:
+    wheels = np.zeros(2, dtype=WHEEL).view(np.recarray)
+    wheels["worn_m"] = 0.5
+    assert [turn(wheels[1]), turn(wheels[1])] == [2.5, 4.5]
+    assert wheels["axle"]["speed_mps"].tolist() == [0.0, 4.0]
+    assert wheels["pulses"].tolist() == [[0, 0, 0], [0, 10, 0]]
+
+
+def test_a_record_documents_itself() -> None:
+    pulses, axle, worn = fields_of(WheelRow)
+    assert (pulses.name, pulses.kind, pulses.length, pulses.meaning) == (
+        "pulses",
+        int,
+        3,
+        "of the last steps",
+    )
+    assert (axle.kind, worn.unit) == (AxleRow, "m")
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("speed_mps", "m/s"),
+        ("gain_per_s", "1/s"),
+        ("resistance_trailer_linear_n_per_kn_kmh", "N/(kN km/h)"),
+        ("adhesion_speed_factor_s_per_m", "s/m"),
+        ("sliding", ""),
+        ("m", ""),  # a name is not its own unit
+    ],
+)
+def test_the_unit_is_the_longest_that_ends_the_name(name: str, unit: str) -> None:
+    assert unit_of(name) == unit
+
+
+class NoSize(Protocol):
+    pulses: list[int]
+
+
+class Text(Protocol):
+    name: str
+
+
+class SizedScalar(Protocol):
+    speed_mps: Annotated[float, 3]
+
+
+class Empty(Protocol):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("row", "names"),
+    [(NoSize, "NoSize.pulses"), (Text, "Text"), (SizedScalar, "SizedScalar.speed_mps"), (Empty, "Empty")],
+)
+def test_what_no_record_can_hold_is_refused_by_name(row: type, names: str) -> None:
+    with pytest.raises(TypeError, match=re.escape(names)):
+        dtype_of(row)
+
+
+def test_a_field_misspelt_in_a_law_is_an_error_of_the_type_checker(tmp_path: Path) -> None:
+    law = tmp_path / "law.py"
+    text = "from vehicle.records import PlantRow\n\n\ndef law(plant: PlantRow) -> float:\n    return plant.speed_mps\n"
+    law.write_text(text)
+    assert api.run(["--strict", str(law)])[2] == 0
+    law.write_text(text.replace("plant.speed_mps", "plant.sped_mps"))
+    said, _, status = api.run(["--strict", str(law)])
+    assert status == 1
+    assert '"PlantRow" has no attribute "sped_mps"' in said
+
+
+def test_the_cache_moves_when_compiled_code_changes_and_only_then(tmp_path: Path) -> None:
+    package = tmp_path / "vehicle"
+    package.mkdir()
+    (package / "law.py").write_text("@compiled\ndef f(): ...\n")
+    (package / "plain.py").write_text("A = 1\n")
+    first = sources_digest(tmp_path)
+    (package / "plain.py").write_text("A = 2\n")
+    assert sources_digest(tmp_path) == first
+    (package / "law.py").write_text("@compiled\ndef f(): return 1\n")
+    assert sources_digest(tmp_path) != first

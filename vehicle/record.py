@@ -1,0 +1,99 @@
+"""One definition of a record: a class whose annotated fields are its type, its numpy dtype and its documentation.
+
+Structured arrays instead of objects, because a day is some 650,000 steps and the laws of motion are compiled: numba
+reads `row.speed_mps` as it stands. numpy's own type of a record does not know the names, so a record is written as a
+Protocol; a law that takes it and misspells a field is an error of the type checker. `dtype_of` makes the numpy dtype
+of that very class, `fields_of` its documentation:
+
+    class WheelRow(Protocol):
+        speed_mps: float
+        sliding: Annotated[int, "1: adhesion exceeded in this step"]
+        pulses: Annotated[list[int], 16, "of the last steps"]  # a number is the length of an array
+        axle: AxleRow  # a record in a record
+
+    WHEEL: Final = dtype_of(WheelRow)
+
+A record holds float (f8), int (i8), arrays of them and other records, aligned, in the order written.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+SCALARS: Final[dict[object, str]] = {float: "f8", int: "i8"}
+UNITS: Final = {
+    "m": "m",
+    "s": "s",
+    "kg": "kg",
+    "n": "N",
+    "w": "W",
+    "j": "J",
+    "rad": "rad",
+    "mps": "m/s",
+    "mps2": "m/s²",
+    "mps3": "m/s³",
+    "per_s": "1/s",
+    "per_s2": "1/s²",
+    "s_per_m": "s/m",
+    "n_per_kn": "N/kN",
+    "n_per_kmh2": "N/(km/h)²",
+    "n_per_kn_kmh": "N/(kN km/h)",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a record as documented; `length` 0: a single value."""
+
+    name: str
+    kind: type
+    length: int
+    unit: str
+    meaning: str
+
+
+def unit_of(name: str) -> str:
+    """The unit that ends a field's name, as written in text; empty for numbers and states without one."""
+    parts = name.split("_")
+    for first in range(1, len(parts)):
+        unit = UNITS.get("_".join(parts[first:]))
+        if unit is not None:
+            return unit
+    return ""
+
+
+def fields_of(row: type) -> tuple[Field, ...]:
+    """The fields of a record in order. TypeError, naming record and field, for what no record can hold."""
+    fields = []
+    for name, hint in get_type_hints(row, include_extras=True).items():
+        kind, notes = _taken_apart(hint)
+        lengths = [note for note in notes if isinstance(note, int)]
+        meanings = [note for note in notes if isinstance(note, str)]
+        listed = get_origin(kind) is list
+        of = get_args(kind)[0] if listed else kind
+        record = not listed and bool(getattr(of, "__annotations__", None))
+        if len(lengths) != int(listed) or not (of in SCALARS or record):
+            raise TypeError(f"{row.__name__}.{name}: a record holds no {hint}")
+        fields.append(Field(name, of, lengths[0] if listed else 0, unit_of(name), " ".join(meanings)))
+    if not fields:
+        raise TypeError(f"{row.__name__} has no fields")
+    return tuple(fields)
+
+
+def dtype_of(row: type) -> np.dtype[np.void]:
+    """The aligned numpy dtype of a record."""
+    columns: list[Any] = []
+    for field in fields_of(row):
+        kind = SCALARS.get(field.kind) or dtype_of(field.kind)
+        columns.append((field.name, kind, (field.length,)) if field.length else (field.name, kind))
+    return np.dtype(columns, align=True)
+
+
+def _taken_apart(hint: object) -> tuple[Any, tuple[object, ...]]:
+    if get_origin(hint) is Annotated:
+        kind, *notes = get_args(hint)
+        return kind, tuple(notes)
+    return hint, ()
