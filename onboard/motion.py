@@ -8,7 +8,7 @@ watch for). What the train may do is decided by the duty (`onboard.duty`); nothi
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -53,10 +53,11 @@ from onboard.records import (
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
+    BehaviourRow,
+    UnitRow,
 )
-from onboard.rows import BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
-from vehicle.rows import TrainRow
+from vehicle.records import TrainRow
 
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
@@ -294,9 +295,7 @@ class Motion:
         target = self._next_target()
         if target is not None:
             why = self.keeper.verdict().name.lower().replace("_", " ")
-            self.notes.append(
-                notes.StopImpossible(why=why, station=target.station_id or target.section_id)
-            )
+            self.notes.append(notes.StopImpossible(why=why, station=target.station_id or target.section_id))
 
     def _expect_tag(self, after_m: float | None = None) -> None:
         if self._mission is None:

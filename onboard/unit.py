@@ -8,7 +8,6 @@ a function of what it was told.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -22,7 +21,7 @@ from onboard.duty.plan import NO_PLAN, Plan
 from onboard.duty.records import (
     Begin,
     Command,
-    Duty,
+    DutyState,
     Event,
     Heard,
     Order,
@@ -71,11 +70,9 @@ class Answer(msgspec.Struct, frozen=True):
 class Unit:
     """One boot of one on-board unit."""
 
-    def __init__(
-        self, unit_id: str, manager_id: str, parameters: DutyParameters, endpoint: Endpoint
-    ) -> None:
+    def __init__(self, unit_id: str, manager_id: str, parameters: DutyParameters, endpoint: Endpoint) -> None:
         self.unit_id: Final = unit_id
-        self.state = Duty()
+        self.state = DutyState()
         self.plan: Plan = NO_PLAN
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint
@@ -108,6 +105,8 @@ class Unit:
     def _take(self, event: Event, place: Place, now_s: float) -> None:
         if isinstance(event, Begin | SwitchedOn):
             self.plan = event.plan
+        if isinstance(event, SwitchedOn):
+            event = msgspec.structs.replace(event, epoch=self._endpoint.epoch)
         self.state, actions = step(self.plan, self._parameters, self.state, event, place, now_s)
         for action in actions:
             self._do(action, now_s)
@@ -116,9 +115,9 @@ class Unit:
         """A telegram from the air: checked, written down, and put to the machine as it relates to what is open."""
         opened = self._endpoint.open(data, now_s)
         if isinstance(opened, Dropped):
-            self._notes.append(dropped_note(self.unit_id, opened))
+            self._notes.append(opened.noted(self.unit_id))
             return
-        self._notes.append(taken_note(self.unit_id, opened))
+        self._notes.append(opened.noted(self.unit_id))
         event = self._letters.read(opened)
         if event is not None:
             self._take(Heard(event), place, now_s)

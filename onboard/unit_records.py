@@ -1,25 +1,10 @@
-"""What the on-board unit (車上装置) is made of and says: its parameters, fixed data, phases and actions."""
+"""How an on-board unit (車上装置) behaves: its parameters."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
-from network.model import Line
-from onboard.authority.records import Noted
-
-
-class Phase(Enum):
-    """Where the unit is in its duty."""
-
-    OFF = "off"
-    SIGNING_ON = "signing on"
-    STANDING = "standing"
-    RUNNING = "running"
-    RESTARTED = "restarted"  # on sight: switched on again, or lost its position, until all is known again
-    FINISHED = "finished"
-    SIGNING_OFF = "signing off"
-    GONE = "gone"
+from onboard.duty.turn import DutyParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,36 +24,7 @@ class UnitParameters:
     emergency_release_s: float = 30.0  # the driver's acknowledgement after an emergency stop
     restricted_mps: float = 15.0 / 3.6  # on sight while the position is unknown
 
-
-@dataclass(frozen=True, slots=True)
-class UnitFacts:
-    """Fixed data of one unit (固定データ)."""
-
-    unit_id: str
-    line: Line
-    manager_id: str
-    parameters: UnitParameters
-
-
-@dataclass(frozen=True, slots=True)
-class Transmit:
-    """A sealed telegram for the air."""
-
-    destination: str
-    kind: str
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Finished:
-    """The mission's last target is reached and the sections behind are given back."""
-
-    number: str
-
-
-@dataclass(frozen=True, slots=True)
-class LeftLine:
-    """Signed off: the train may be taken off the line."""
-
-
-UnitAction = Transmit | Noted | Finished | LeftLine
+    @property
+    def duty(self) -> DutyParameters:
+        """Those that the duty works with."""
+        return DutyParameters(self.dwell_min_s, self.request_lead_s, self.emergency_release_s)

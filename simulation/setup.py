@@ -9,16 +9,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from host.units import UnitConfig
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned
 from onboard.records import BEHAVIOUR
-from onboard.unit import UnitParameters
+from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
+from radio.keys import KeyRing, key_ring
 from simulation.faults.script import Script
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
-from wayside.config import ReentryMode
+from wayside.config import MANAGER_ID, ReentryMode
 
 STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
 STEP_S: Final = 0.1
@@ -136,3 +138,15 @@ def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
         ):
             row[name] = getattr(driving, name)
     return rows
+
+
+def unit_configs(setup: Setup, master_key: bytes) -> tuple[tuple[UnitConfig, KeyRing], ...]:
+    """What every on-board unit of the run knows when it is switched on, with the keys of its own pairs."""
+    terminals = sorted({points.terminal_id for points in setup.line.points.values()})
+    return tuple(
+        (
+            UnitConfig(setup.line.id, diagram.stock_id, MANAGER_ID, setup.unit.duty),
+            key_ring(master_key, diagram.stock_id, (MANAGER_ID, *terminals)),
+        )
+        for diagram in setup.timetable.diagrams
+    )

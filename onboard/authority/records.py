@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from onboard.duty.plan import PointsNeeded
 from onboard import notes
+from onboard.duty.plan import PointsNeeded
 
 
 class Ask(Enum):

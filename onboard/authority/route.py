@@ -11,7 +11,18 @@ from types import MappingProxyType
 from typing import Final
 
 from onboard import notes
-from onboard.authority.records import AskRoute, Ask, Authority, GiveBack, Granted, Refused, Renew, Request, Take, Write
+from onboard.authority.records import (
+    Ask,
+    AskRoute,
+    Authority,
+    GiveBack,
+    Granted,
+    Refused,
+    Renew,
+    Request,
+    Take,
+    Write,
+)
 from onboard.authority.report import dropped
 from onboard.authority.tables import Result, Standing, Table, closed, holds, opened, refused, report_now
 

@@ -46,7 +46,7 @@ from onboard.duty.records import (
     Begin,
     ChangeEnds,
     Command,
-    Duty,
+    DutyState,
     Event,
     Finished,
     Heard,
@@ -74,8 +74,8 @@ Handler = Callable[[Turn, Any], None]
 
 
 def step(
-    plan: Plan, parameters: DutyParameters, state: Duty, event: Event, place: Place, now_s: float
-) -> tuple[Duty, tuple[Action, ...]]:
+    plan: Plan, parameters: DutyParameters, state: DutyState, event: Event, place: Place, now_s: float
+) -> tuple[DutyState, tuple[Action, ...]]:
     """Next state and what to do. An event that does not fit the phase changes nothing but what is due anyway."""
     turn = Turn(plan, parameters, now_s, replace(state, place=place))
     handler = TABLE.get((state.phase, type(event)))
@@ -91,7 +91,7 @@ def step(
 def begin(turn: Turn, event: Begin) -> None:
     """Takes up the train where its stock stands; stock that comes onto the line signs on first."""
     plan = event.plan
-    fresh = Duty(place=turn.state.place, authority=turn.state.authority, released=turn.state.released)
+    fresh = DutyState(place=turn.state.place, authority=turn.state.authority, released=turn.state.released)
     turn.state = fresh
     turn.note(notes.MissionBegun(train=plan.number, direction=plan.direction))
     turn.schedule(turn.now_s, 0)
@@ -323,7 +323,7 @@ def way_is_free(turn: Turn) -> bool:
     return place.known and limit.joint >= place.reach and (beyond or not on_track)
 
 
-def command_of(plan: Plan, state: Duty) -> Command:
+def command_of(plan: Plan, state: DutyState) -> Command:
     """What the driving part is to do in a state."""
     on_sight_now = state.phase is Phase.ON_SIGHT
     running = state.phase is Phase.RUNNING
@@ -338,13 +338,14 @@ def command_of(plan: Plan, state: Duty) -> Command:
         limit=state.limit,
         rear=None if on_sight_now else next_rear_span(plan, state.authority),
         await_radio=state.authority.waits_for_radio,
+        on_line=state.authority.on_line,
         held=state.authority.held,
         proven=state.authority.proven,
         waits_for=waits_for(state),
     )
 
 
-def waits_for(state: Duty) -> str:
+def waits_for(state: DutyState) -> str:
     """What the train waits for, in words, for whoever looks on when nothing moves."""
     authority = state.authority
     for phase, ask in ((Phase.SIGNING_ON, Ask.SIGN_ON), (Phase.SIGNING_OFF, Ask.SIGN_OFF)):

@@ -68,7 +68,7 @@ class Limit(msgspec.Struct, frozen=True):
 
 
 @dataclass(frozen=True, slots=True)
-class Duty:
+class DutyState:
     """The state. `at`: the stop where the train stands or that it left last; `stands_at`: the stop at which a train
     without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
     `entered`: points sections that the train came onto by their proof.
@@ -102,7 +102,7 @@ class SwitchedOn(msgspec.Struct, frozen=True, tag=True):
 
     plan: Plan
     stands_at: int | None
-    epoch: int
+    epoch: int = 0  # of this boot; the unit fills it in
 
 
 class ChangeEnds(msgspec.Struct, frozen=True, tag=True):
@@ -250,7 +250,7 @@ class Command(msgspec.Struct, frozen=True):
     rear: int | None = None
     await_radio: bool = False
     orders: tuple[Order, ...] = ()
+    on_line: bool = False
     held: tuple[str, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
     waits_for: str = ""
-

@@ -14,7 +14,7 @@ from onboard.authority.records import Action as AuthorityAction
 from onboard.authority.records import Ask, AskRoute, Write
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Stop
-from onboard.duty.records import ASK, LEAVE, RELEASE, Duty, Order, SetTimerAt, Told
+from onboard.duty.records import ASK, LEAVE, RELEASE, DutyState, Order, SetTimerAt, Told
 
 
 class DutyParameters(msgspec.Struct, frozen=True):
@@ -36,7 +36,7 @@ class Turn:
     plan: Plan
     parameters: DutyParameters
     now_s: float
-    state: Duty
+    state: DutyState
     actions: list[Action] = field(default_factory=list)
 
     def set(self, **changes: object) -> None:

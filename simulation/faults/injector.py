@@ -20,6 +20,7 @@ from wayside.config import MANAGER_ID
 from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input
 
 if TYPE_CHECKING:
+    from simulation.world.on_board import OnBoard
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
@@ -51,6 +52,7 @@ class Injector:
         script: Script,
         seed: int,
         trains: Trains,
+        on_board: OnBoard,
         wayside: WaysideWorld,
         journal: Journal,
         agenda: Agenda,
@@ -59,6 +61,7 @@ class Injector:
     ) -> None:
         self._script = script
         self._trains = trains
+        self._on_board = on_board
         self._wayside = wayside
         self._journal = journal
         self._agenda = agenda
@@ -229,10 +232,10 @@ class Injector:
     def _reenter(self, act: Act) -> None:
         """Every section of the line by what the crews say they hold, then the whole picture (手動入力)."""
         holder = {
-            section_id: unit.facts.unit_id
-            for unit in self._trains.on_board
-            if unit.authority.on_line  # who has not been accepted holds nothing yet, whatever it wishes
-            for section_id in unit.authority.section_ids()
+            section_id: stock_id
+            for slot, stock_id in enumerate(self._trains.stock_ids)
+            if self._on_board.shown(slot).on_line  # who has not been accepted holds nothing yet
+            for section_id in self._on_board.shown(slot).held
         }
         entries = [EnterSection(s, holder.get(s), act.person) for s in self._wayside.section_ids]
         self._enter([*entries, AcceptPicture(act.person)], act.pace_s)

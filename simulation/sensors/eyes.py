@@ -8,12 +8,12 @@ as many vibrating); a test compares them with it.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from onboard.localisation.sighting import SIGN_BEYOND_MARK_M
-from onboard.unit_records import Phase
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.setup import STEPS_PER_S
@@ -48,8 +48,9 @@ def line_sightings() -> SightingModel:
 class Eyes:
     """When which camera looks, and what it sees; only at stations that have signs."""
 
-    def __init__(self, trains: Trains, agenda: Agenda) -> None:
+    def __init__(self, trains: Trains, agenda: Agenda, next_target: Callable[[int], int]) -> None:
         self._trains = trains
+        self._next_target = next_target
         self._agenda = agenda
         vision = trains.setup.vision
         self._stations = vision.stations
@@ -88,11 +89,11 @@ class Eyes:
 
     def _sign_m(self, slot: int) -> float | None:
         """Path coordinate of the sign of the next mark; None without one, or when the front is past the mark."""
-        unit, duty = self._trains.on_board[slot], self._trains.duties[slot]
-        if unit.phase is not Phase.RUNNING or unit.mission is None or slot in self._trains.unpowered:
+        duty, following = self._trains.duties[slot], self._next_target(slot)
+        if duty is None or following >= len(duty.mission.targets):
             return None
-        target = unit.mission.targets[unit.at + 1]
-        if duty is None or target.station_id not in self._stations:
+        target = duty.mission.targets[following]
+        if target.station_id not in self._stations:
             return None
         planned = (
             duty.mission.path.piece_ids

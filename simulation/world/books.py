@@ -1,24 +1,36 @@
-"""What is written down about each train as the run goes: its stops by the truth, its energy, where its trace begins."""
+"""What is written down about each train as the run goes: its stops by the truth, its energy, where its trace begins.
+
+Where a train has called is judged by where it truly stands, never by what its unit believes or its driver says.
+"""
 
 from __future__ import annotations
 
-from onboard.unit import Phase
+from collections.abc import Callable
+from typing import Final
+
 from simulation.result import EnergyRecord, StopRecord, TraceSpan, Waiting
 from simulation.world.roster import Duty
 from simulation.world.trains import EnergyMark, Trains
+
+CALLS_SHORT_M: Final = 6.0  # stood this far before the mark, a train calls there all the same
+CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no train sets back
 
 
 class Books:
     """The records of one run."""
 
-    def __init__(self, trains: Trains) -> None:
+    def __init__(
+        self, trains: Trains, finished: Callable[[int], bool], waits_for: Callable[[int], str]
+    ) -> None:
         self.stops: list[StopRecord] = []
         self.energy: list[EnergyRecord] = []
         self.spans: list[TraceSpan] = []
         self.arrived: list[str] = []  # numbers of trains at their last call
         self._trains = trains
+        self._finished = finished
+        self._waits_for = waits_for
         self._open_stop: dict[int, StopRecord | None] = {}
-        self._reached: set[tuple[str, int]] = set()  # train number and target
+        self._at: dict[int, int] = {}  # slot: the target where the train truly called last
 
     def begin_train(self, slot: int, duty: Duty, step: int) -> None:
         """A stock has taken up a train: its trace begins, and its stop at the first station."""
@@ -28,9 +40,22 @@ class Books:
         direction = int(duty.mission.direction)
         span = TraceSpan(slot, step, duty.train.number, direction, starts_m, path.piece_ids, entries_m)
         self.spans.append(span)
+        self._at[slot] = 0
         first = duty.mission.targets[0]
         if first.station_id is not None:
             self._open_stop[slot] = self._record(slot, duty, 0)
+
+    def next_target(self, slot: int) -> int:
+        """Index of the first target at which the train has not called yet; one too many where it has at all."""
+        return self._at.get(slot, 0) + 1
+
+    def stands_at(self, slot: int) -> int | None:
+        """The target at which the train truly stands; None where it moves or stands elsewhere."""
+        duty = self._trains.duties[slot]
+        if duty is None or self._trains.plants[slot].speed_mps > 0.0:
+            return None
+        at = self._at.get(slot, 0)
+        return at if self._calls(slot, duty, at) else None
 
     def look_for_departure(self, slot: int, now_s: float) -> None:
         """A train that moves has left the stop that was open."""
@@ -40,24 +65,38 @@ class Books:
             self._open_stop[slot] = None
 
     def look_for_arrival(self, slot: int, now_s: float) -> None:
-        """A unit that stands at a target it had not reached before has arrived there, however it came to know."""
-        unit, duty = self._trains.on_board[slot], self._trains.duties[slot]
-        if duty is None or unit.at == 0 or self._trains.plants[slot].speed_mps > 0.0:
+        """A train that has come to a stand at a target at which it had not called has arrived there."""
+        duty = self._trains.duties[slot]
+        if duty is None or self._trains.plants[slot].speed_mps > 0.0:
             return
-        stands = unit.phase in (Phase.STANDING, Phase.FINISHED) or unit.stands_at == unit.at
-        if not stands or (duty.train.number, unit.at) in self._reached:
+        targets = duty.mission.targets
+        index = next(
+            (i for i in range(self.next_target(slot), len(targets)) if self._calls(slot, duty, i)), None
+        )
+        if index is None:
             return
-        self._reached.add((duty.train.number, unit.at))
+        self._at[slot] = index
         self._trains.begin_leg(slot, now_s)
-        target = duty.mission.targets[unit.at]
+        target = targets[index]
         if target.station_id is None:
             return
-        record = self._record(slot, duty, unit.at)
+        record = self._record(slot, duty, index)
         record.arrival_s = now_s
         record.error_m = float(self._trains.truths[slot].position_m) - target.mark_m
         self._open_stop[slot] = record if target.departure_s is not None else None
-        if target is [t for t in duty.mission.targets if t.station_id is not None][-1]:
+        if target is [t for t in targets if t.station_id is not None][-1]:
             self.arrived.append(duty.train.number)
+
+    def _calls(self, slot: int, duty: Duty, index: int) -> bool:
+        """Whether the front truly is where a train calls at a target, on the way of its own path."""
+        mission, truth = duty.mission, self._trains.truths[slot]
+        target = mission.targets[index]
+        end_m = mission.spans[mission.span_index(target.section_id)].end_m
+        front_m = float(truth.position_m)
+        if not target.mark_m - CALLS_SHORT_M <= front_m <= max(target.mark_m + CALLS_BEYOND_M, end_m):
+            return False
+        planned = mission.path.piece_ids
+        return self._trains.true_path(slot).piece_ids[: len(planned)] == planned
 
     def _record(self, slot: int, duty: Duty, index: int) -> StopRecord:
         """The stop at a target, as planned; a train begins at its first without arriving."""
@@ -102,7 +141,7 @@ class Books:
     def close(self) -> None:
         """The run is over: trains still on their way used energy too."""
         for slot in self._trains.active():
-            if self._trains.on_board[slot].phase is not Phase.FINISHED:
+            if not self._finished(slot):
                 self.close_energy(slot)
 
     def waiting(self) -> list[Waiting]:
@@ -110,12 +149,10 @@ class Books:
         trains, line = self._trains, self._trains.setup.line
         waiting: list[Waiting] = []
         for slot, stock_id in enumerate(trains.stock_ids):
-            unit, duty = trains.on_board[slot], trains.duties[slot]
-            if not trains.truths[slot].active or duty is None or unit.mission is None:
-                continue
-            if unit.phase in (Phase.FINISHED, Phase.GONE):
+            duty = trains.duties[slot]
+            if not trains.truths[slot].active or duty is None or self._finished(slot):
                 continue
             piece_id, at_m = trains.true_path(slot).locate(float(trains.truths[slot].position_m))
             place = f"section {line.pieces[piece_id].section_id} at km {at_m / 1000.0:.3f}"
-            waiting.append(Waiting(stock_id, duty.train.number, place, unit.waits_for()))
+            waiting.append(Waiting(stock_id, duty.train.number, place, self._waits_for(slot)))
         return waiting

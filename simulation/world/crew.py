@@ -10,110 +10,108 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 from network.model import SectionKind
-from onboard.authority.machine import PointsNeeded
-from onboard.authority.stop_limit import points_of
-from onboard.duty.mission import Mission, SectionSpan
-from onboard.unit import Phase, Unit
+from onboard.duty.plan import Plan, PointsNeeded
+from onboard.duty.records import AtMark, Command, Person, PointsSeen, PointsWrong
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
+from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M
+from simulation.world.on_board import OnBoard
 from simulation.world.point_machine import PointMachine
 from simulation.world.trains import Trains
 
 LOOKS_AGAIN_S: Final = 20.0
-OVERRUN_MAX_M: Final = (
-    40.0  # no train sets back: this far beyond the mark on its track it has arrived all the same
-)
 SEES_M: Final = 12.0  # stood this near, the crew sees how the points lie
-
-
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """What the crew of a standing train found: points it may pass, points to be thrown, a target reached."""
-
-    passable: PointsNeeded | None = None
-    to_throw: PointsNeeded | None = None
-    target: int | None = None
+STOPS_SHORT_M: Final = 5.0  # of the end of a track
+SEES_MARK_BEYOND_M: Final = 2.0  # a driver on sight stops with the mark under the cab
 
 
 class Crew:
-    """What the crews of all trains see and do."""
+    """What the crews of all trains see, by what their units show them and by their eyes, and what they do."""
 
-    def __init__(self, trains: Trains, machine_of: Callable[[str], PointMachine], journal: Journal) -> None:
+    def __init__(
+        self,
+        trains: Trains,
+        on_board: OnBoard,
+        machine_of: Callable[[str], PointMachine],
+        journal: Journal,
+    ) -> None:
         self._trains = trains
+        self._on_board = on_board
         self._machine_of = machine_of
         self._journal = journal
 
-    def on_sight(self, slot: int) -> bool:
-        """Whether the train is driven on sight now."""
-        unit = self._trains.on_board[slot]
-        return unit.phase is Phase.RESTARTED and not self._trains.units[slot].position_known
-
     def look_ahead(self, slot: int) -> None:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
-        truth = self._trains.truths[slot]
-        unit = self._trains.on_board[slot]
-        mission = unit.mission
-        if not self.on_sight(slot) or mission is None:
+        truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
+        if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
             truth.sight_m = math.inf
             return
-        front_m = float(truth.position_m)
-        stops = [span.start_m for span, _ in self._unproven(mission, unit, front_m)]
-        stops += [t.mark_m + 2.0 for t in mission.targets[unit.at + 1 :] if t.mark_m > front_m + 1.0]
-        stops.append(self._held_end_m(mission, unit, front_m))
+        front_m, shown = float(truth.position_m), self._on_board.shown(slot)
+        spans = duty.mission.spans
+        stops = [spans[index].start_m for index, _ in self._unproven(slot, plan, shown)]
+        marks_m = [target.mark_m for target in duty.mission.targets[shown.at + 1 :]]
+        stops += [mark_m + SEES_MARK_BEYOND_M for mark_m in marks_m if mark_m > front_m + 1.0]
+        stops.append(self._held_end_m(slot, shown))
         truth.sight_m = min(stops)
 
-    def stand(self, slot: int, now_s: float) -> Seen:
-        """A train on sight stands: what the crew finds. It looks again every `LOOKS_AGAIN_S`."""
-        unit = self._trains.on_board[slot]
-        mission = unit.mission
-        if not self.on_sight(slot) or mission is None:
-            return Seen()
+    def stand(self, slot: int, now_s: float) -> list[Person]:
+        """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
+        plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
+        if self._trains.plants[slot].speed_mps > 0.0 or plan is None or duty is None:
+            return []
+        if not self._on_board.drives_on_sight(slot):
+            return []
+        shown, mission = self._on_board.shown(slot), duty.mission
         front_m = float(self._trains.truths[slot].position_m)
         for index, target in enumerate(mission.targets):
             end_m = mission.spans[mission.span_index(target.section_id)].end_m
-            at_mark = target.mark_m - SEES_M / 2.0 < front_m < min(target.mark_m + OVERRUN_MAX_M, end_m)
-            if index > unit.at and unit.stands_at != index and at_mark:
-                return Seen(target=index)
-        for span, needed in self._unproven(mission, unit, front_m):
-            if span.start_m - front_m > SEES_M:
-                break
-            if not unit.authority.holds(span.section_id):  # it may yet learn that it does
-                break
+            beyond_m = min(target.mark_m + CALLS_BEYOND_M, end_m)
+            at_mark = target.mark_m - CALLS_SHORT_M < front_m < beyond_m
+            if index > shown.at and shown.stands_at != index and at_mark:
+                return [AtMark(index)]
+        for index, needed in self._unproven(slot, plan, shown):
+            start_m = mission.spans[index].start_m
+            # Not held: it may yet learn that it is.
+            if start_m - front_m > SEES_M or needed.section_id not in shown.held:
+                return []
             machine = self._machine_of(needed.points_id)
             right = machine.locked and machine.position is needed.position
-            what = "crew_checked_points" if right else "crew_waits_at_points"
-            lies = "no position" if machine.position is None else machine.position.value
-            self._journal.write(now_s, unit.facts.unit_id, what, points=needed.points_id, lies=lies)
+            seen = CrewCheckedPoints if right else CrewWaitsAtPoints
+            note = seen(points_id=needed.points_id, lies=machine.position)
+            self._journal.write(now_s, self._trains.stock_ids[slot], note)
             if right:
-                return Seen(passable=needed)
-            return Seen(to_throw=needed if span.start_m > front_m else None)  # never under the train
-        return Seen()
+                return [PointsSeen(needed)]
+            return [PointsWrong(needed)] if start_m > front_m else []  # never under the train
+        return []
 
-    def _unproven(
-        self, mission: Mission, unit: Unit, front_m: float
-    ) -> list[tuple[SectionSpan, PointsNeeded]]:
+    def _unproven(self, slot: int, plan: Plan, shown: Command) -> list[tuple[int, PointsNeeded]]:
+        """Points from the front on that the unit does not show as proven, each with the index of its span."""
+        duty, front_m = self._trains.duties[slot], float(self._trains.truths[slot].position_m)
+        spans = () if duty is None else duty.mission.spans
         return [
-            (span, needed)
-            for span in mission.spans
-            if span.end_m > front_m
-            for needed in points_of(span)
-            if needed not in unit.authority.proven
+            (index, needed)
+            for index, span in enumerate(plan.spans)
+            if spans[index].end_m > front_m
+            for needed in span.points
+            if needed not in shown.proven
         ]
 
-    def _held_end_m(self, mission: Mission, unit: Unit, front_m: float) -> float:
+    def _held_end_m(self, slot: int, shown: Command) -> float:
         """End of what the unit holds from where it is; of the section it is in while it does not know."""
-        here = mission.span_at(front_m)
+        duty = self._trains.duties[slot]
+        if duty is None:
+            return math.inf
+        here = duty.mission.span_at(float(self._trains.truths[slot].position_m))
         end_m = here.end_m
         begun = False
-        for span in mission.spans:
+        for span in duty.mission.spans:
             if span is here:
                 begun = True
             elif begun:
-                if not unit.authority.holds(span.section_id):
+                if span.section_id not in shown.held:
                     break
                 end_m = span.end_m
-        stop_short_m = 5.0 if here.kind is SectionKind.TRACK else 0.0
-        return end_m - stop_short_m
+        return end_m - (STOPS_SHORT_M if here.kind is SectionKind.TRACK else 0.0)

@@ -18,7 +18,9 @@ from simulation.world.records import (
     EVENT_CAMERA,
     EVENT_FRONT,
     EVENT_REAR,
+    EVENT_STOOD,
     EVENT_TAG,
+    EVENT_WENT,
     TRACE_EVERY_STEPS,
     StockRow,
     TraceRow,
@@ -166,10 +168,19 @@ def step_one(row: StockRow, track: Track) -> int:
     step_s = row.board.behaviour.step_s
     gradient, curvature = track_under(truth, track.profile, train.length_m)
     wheel_before_m = plant.wheel_travelled_m
-    move(plant, row.body, unit.notch, unit.emergency != 0, gradient, curvature, step_s)
+    before_mps = plant.speed_mps
+    dead = truth.powered == 0
+    notch = -train.brake_notches if dead else unit.notch
+    move(plant, row.body, notch, dead or unit.emergency != 0, gradient, curvature, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
     sense(row, wheel_before_m, step_s)
     events = world_events(truth, track.tag_positions_m, train.length_m)
+    if before_mps > 0.0 and plant.speed_mps == 0.0:
+        events |= EVENT_STOOD
+    elif before_mps == 0.0 and plant.speed_mps > 0.0:
+        events |= EVENT_WENT
+    if dead:
+        return events
     events |= tick(row.board, row.sensed, track.pattern)
     if unit.position_known == 0:
         brake_on_sight(truth, plant, unit, train)

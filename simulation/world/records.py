@@ -16,6 +16,8 @@ EVENT_TAG: Final = 1 << 8  # the front passed a tag
 EVENT_FRONT: Final = 1 << 9  # the front passed the end of a track piece
 EVENT_REAR: Final = 1 << 10  # the rear passed the end of a track piece
 EVENT_CAMERA: Final = 1 << 11  # the front came to where the camera may see the next stop sign
+EVENT_STOOD: Final = 1 << 12  # the train came to a stand
+EVENT_WENT: Final = 1 << 13  # it began to move
 EVENT_UNIT_BITS: Final = (1 << 8) - 1
 
 
@@ -23,6 +25,7 @@ class TruthRow(Protocol):
     """Where a train really is."""
 
     active: int
+    powered: Annotated[int, "0: its unit is dead, and the emergency brake applied"]
     position_m: Annotated[float, "path coordinate of the front, from the carrier"]
     offset_m: Annotated[float, "position_m - plant.travelled_m"]
     profile_offset: int

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,10 @@ from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.authority.coverage import covered_at
-from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
-from onboard.driving.tuning import Learned
-from onboard.driving.tuning import StopRecord as StopWaves
-from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, BehaviourRow, UnitRow
-from onboard.unit import Unit, UnitFacts
+from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
-from radio.envelope import Endpoint
-from radio.keys import key_ring
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
@@ -31,12 +25,12 @@ from simulation.world.records import STOCK, TruthRow
 from simulation.world.roster import Duty
 from vehicle.records import PlantRow, TrainRow
 from vehicle.train_file import new_plant
-from wayside.config import MANAGER_ID
 
 AGREEMENT_M = (
     1e-4  # the carrier's position against the sum of speeds; SUMO takes less than 1 mm/s for standing
 )
 
+SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}  # of SUMO's edges
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
 
@@ -62,7 +56,7 @@ class EnergyMark:
 class Trains:
     """All stocks; arrays are indexed by slot, one slot a stock in the order of the diagrams."""
 
-    def __init__(self, setup: Setup, carrier: Carrier, master_key: bytes) -> None:
+    def __init__(self, setup: Setup, carrier: Carrier) -> None:
         self.setup = setup
         self.carrier = carrier
         self.stock_ids = tuple(d.stock_id for d in setup.timetable.diagrams)
@@ -89,72 +83,26 @@ class Trains:
         self.pool = PathPool(setup.line)
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
-        self.on_board: list[Unit] = []
         self.energy_marks = [EnergyMark() for _ in range(n)]
-        self.unpowered: set[int] = set()
-        self.boots = [1] * n
         self.tachometer_faults: dict[
             int, bool
         ] = {}  # slot: whether it still lies, until the position is sound
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
-        self._keepers: list[StopKeeper] = []
         self._brake_factors = np.ones(n)
         self._adhesion = np.ones(n)  # as the weather has it
         self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
         self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
-        terminals = sorted({points.terminal_id for points in setup.line.points.values()})
-        self._rings = [
-            key_ring(master_key, stock_id, (MANAGER_ID, *terminals)) for stock_id in self.stock_ids
-        ]
         for slot, stock_id in enumerate(self.stock_ids):
             board["kind"][slot] = setup.trains[stock_id].row[0]
             body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, self.kinds[slot])
             self.stock["body"][slot] = body[0]
-            self._keepers.append(self._new_keeper(slot))
-            self.on_board.append(self._new_unit(slot))
+            self.truths[slot].powered = 1
             sigma = setup.sensors.wheel_factor_sigma
             factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
             self.truths[slot].wheel_factor = factor
             self.truths[slot].tachometer_gain = 1.0
             self.truths[slot].tachometer_frozen_mps = -1.0
             self.truths[slot].sight_m = self.truths[slot].camera_m = math.inf
-
-    def _new_keeper(self, slot: int) -> StopKeeper:
-        """The train's memory of its stops, with what it has learned on days before."""
-        train, tuning = self.kinds[slot], self.setup.tuning
-        stock_id = self.stock_ids[slot]
-        learned = tuning.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
-        fill_design(self.designs[slot], train, self.behaviours[slot], learned)
-        return StopKeeper(self.tascs[slot], self.designs[slot], self.waves[slot], learned, tuning.learn)
-
-    def _new_unit(self, slot: int) -> Unit:
-        """An on-board unit that has just been switched on: fixed data and the number of its boot, nothing else."""
-        facts = UnitFacts(self.stock_ids[slot], self.setup.line, MANAGER_ID, self.setup.unit)
-        endpoint = Endpoint(self._rings[slot], epoch=self.boots[slot])
-        return Unit(
-            facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint, self._keepers[slot]
-        )
-
-    def power_off(self, slot: int) -> None:
-        """The unit dies: its outputs fall to the safe side, the emergency brake applies itself."""
-        unit = self.units[slot]
-        self.unpowered.add(slot)
-        unit.mode = MODE_HOLD
-        unit.intervention = EMERGENCY_INTERVENTION
-        unit.position_known = 0
-        unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = math.inf
-        self.truths[slot].sight_m = math.inf
-
-    def power_on(self, slot: int) -> None:
-        """The unit boots: where it is and what it holds are forgotten."""
-        self.unpowered.discard(slot)
-        self.boots[slot] += 1
-        load_share = self.on_board[slot].load_share
-        self.on_board[slot] = self._new_unit(slot)
-        self.on_board[slot].load_share = load_share
-        unit = self.units[slot]
-        unit.odometer_m = self.truths[slot].odometer_m
-        unit.odometer_scale = 1.0
 
     def misled(self, slot: int) -> bool:
         """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""
@@ -223,17 +171,6 @@ class Trains:
         position_m = mission.targets[0].mark_m
         self.truths[slot].active = 1
         self._enter_path(slot, duty, position_m)
-        unit = self.units[slot]
-        accuracy_m = self.setup.unit.tag_accuracy_m
-        unit.odometer_m = self.truths[slot].odometer_m
-        if not unit.odometer_scale:
-            unit.odometer_scale = 1.0
-        unit.bound_growth = self.setup.unit.wheel_error_share
-        unit.position_m = position_m
-        unit.bound_ahead_m = unit.bound_behind_m = accuracy_m
-        unit.position_known = 1
-        unit.restricted_mps = math.inf
-        unit.tag_window_m = self.setup.unit.tag_window_m
         pieces = self.true_path(slot).piece_ids
         step = mission.path.step_at(position_m)
         first = pieces.index(step.piece_id)
@@ -255,12 +192,8 @@ class Trains:
         mission = duty.mission
         old = self.true_path(slot)
         length_m = float(self.kinds[slot].length_m)
-        unit = self.units[slot]
         rear = old.locate(float(self.truths[slot].position_m) - length_m)
-        rear_estimate = old.locate(float(unit.position_m) - length_m)
         self._enter_path(slot, duty, mission.path.to_path_m(*rear))
-        unit.position_m = mission.path.to_path_m(*rear_estimate)
-        unit.bound_ahead_m, unit.bound_behind_m = unit.bound_behind_m, unit.bound_ahead_m
         pieces = self.true_path(slot).piece_ids
         first = pieces.index(mission.path.step_at(float(self.truths[slot].position_m) - 1e-6).piece_id)
         self.carrier.reverse(self.stock_ids[slot], pieces[first:], mission.direction)
@@ -269,13 +202,22 @@ class Trains:
         """Go on in the same direction as another train."""
         old = self.true_path(slot)
         path = duty.mission.path
-        truth, unit = self.truths[slot], self.units[slot]
-        estimate = old.locate(float(unit.position_m))
+        truth = self.truths[slot]
         self._enter_path(slot, duty, path.to_path_m(*old.locate(float(truth.position_m))))
-        unit.position_m = path.to_path_m(*estimate)
         pieces = self.true_path(slot).piece_ids
         first = pieces.index(path.step_at(float(truth.position_m)).piece_id)
         self.carrier.reroute(self.stock_ids[slot], pieces[first:], path.direction)
+
+    def stands_in(self, section_id: str) -> bool:
+        """Whether any train truly stands in a section, wholly or in part."""
+        pieces = set(self.setup.line.sections[section_id].piece_ids)
+        for slot in self.active():
+            front_m = float(self.truths[slot].position_m)
+            rear_m = front_m - float(self.kinds[slot].length_m)
+            steps = self.true_path(slot).steps
+            if any(s.piece_id in pieces and s.end_m > rear_m and s.start_m < front_m for s in steps):
+                return True
+        return False
 
     def remove(self, slot: int) -> None:
         """Take the stock off the line."""
@@ -285,13 +227,11 @@ class Trains:
 
     def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
         self.duties[slot] = duty
-        truth, plant, unit = self.truths[slot], self.plants[slot], self.units[slot]
-        rows = self.rows_of(slot, duty.mission.path)
+        truth, plant = self.truths[slot], self.plants[slot]
         self.paths[slot] = self._onward(duty.mission.path)
         truth.position_m = position_m
         truth.offset_m = position_m - plant.travelled_m
         self._use_rows(slot, self.rows_of(slot, self.true_path(slot)), position_m)
-        unit.path_offset, unit.path_rows = rows.offset, rows.rows
         self.set_boundaries(slot)
         self.begin_leg(slot, duty.enter_s)
         chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
@@ -299,23 +239,12 @@ class Trains:
         plant.load_share = float(
             np.clip(self.setup.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
         )
-        self.on_board[slot].load_share = float(plant.load_share)
         self.energy_marks[slot] = EnergyMark(
             float(plant.energy_traction_j),
             float(plant.energy_regenerated_j),
             float(plant.energy_auxiliary_j),
             float(plant.travelled_m),
         )
-
-    def learned(self) -> dict[str, Learned]:
-        """What the trains know of their brakes, by stock id; empty where none learns."""
-        if not self.setup.tuning.learn:
-            return {}
-        return {keeper.learned.train_id: keeper.learned for keeper in self._keepers}
-
-    def learned_from(self) -> dict[str, StopWaves]:
-        """Waves of the last stop that each train counted."""
-        return {k.learned.train_id: k.last for k in self._keepers if k.learns and k.last is not None}
 
     def begin_leg(self, slot: int, now_s: float) -> None:
         """Draw what passes, for the run to the next stop: the brake's factor, the rail's adhesion."""
@@ -339,13 +268,6 @@ class Trains:
         return self.pool.rows_for(
             path, self.setup.trains[stock_id].id, self.kinds[slot], self.behaviours[slot]
         )
-
-    def pattern_rows(self, slot: int) -> NDArray[np.void]:
-        """The unit's path database on its present mission."""
-        duty = self.duties[slot]
-        if duty is None:
-            raise RuntimeError(f"{self.stock_ids[slot]} has no duty")
-        return self.pool.pattern_of(self.rows_of(slot, duty.mission.path))
 
     def _use_rows(self, slot: int, rows: PathRows, position_m: float) -> None:
         truth = self.truths[slot]

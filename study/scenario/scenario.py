@@ -21,7 +21,7 @@ from network.files.shipped import find_file, shipped_line, shipped_timetable
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.model import Line
 from network.timetable import Timetable, load_timetable
-from onboard.unit import UnitParameters
+from onboard.unit_records import UnitParameters
 from radio.air import AirParameters, DelayShape
 from simulation.setup import STEP_S, Driving, Sensors, Setup
 from study.scenario.fleet_file import ScatterTable, TuningTable, VisionTable, scatter_of, tuning_of, vision_of

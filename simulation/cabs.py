@@ -1,0 +1,133 @@
+"""The cabs of all trains: the world tells the units what happened, and does what they and their crews say.
+
+Here units, crews and cameras meet the agenda, the air and the journal. What a unit tells its driver (the journey is
+finished, the line is left, the portal may be entered) goes on to the duties.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from onboard.duty.records import Person, Sensed, SetBack, Told
+from simulation.agenda import Agenda, Due
+from simulation.events import WORLD, PowerOff, PowerOn
+from simulation.journal import Journal
+from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.world.books import Books
+from simulation.world.crew import LOOKS_AGAIN_S, Crew
+from simulation.world.on_board import OnBoard
+from simulation.world.points import WaysideWorld
+from simulation.world.trains import Trains
+
+CREW: Final = "crew "
+
+
+class Cabs:
+    """What passes between the world and the units."""
+
+    def __init__(
+        self,
+        trains: Trains,
+        on_board: OnBoard,
+        wayside: WaysideWorld,
+        books: Books,
+        agenda: Agenda,
+        journal: Journal,
+    ) -> None:
+        self._trains = trains
+        self._on_board = on_board
+        self._wayside = wayside
+        self._books = books
+        self._agenda = agenda
+        self._journal = journal
+        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal)
+        self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
+        self._timer_steps: dict[int, int] = {}
+        self.told: Callable[[int, Told, int], None] = lambda _slot, _told, _step: None
+        self.looked_ahead: Callable[[int], None] = lambda _slot: None  # eyes, which see signs
+
+    def tell(
+        self, slot: int, step: int, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()
+    ) -> None:
+        """Put what happened to a unit, and do what it says. A unit without power does not hear it."""
+        now_s = step / STEPS_PER_S
+        answered = self._on_board.tell(slot, now_s, happened, telegrams)
+        if answered is None:
+            return
+        answer, notes = answered
+        stock_id = self._trains.stock_ids[slot]
+        for note in notes:
+            self._journal.write(now_s, stock_id, note)
+        for telegram in answer.telegrams:
+            self._wayside.transmit(step, stock_id, telegram.destination, telegram.data)
+        for told in answer.told:
+            self.told(slot, told, step)
+        self._look(slot, step)
+        if answer.wake_at_s is not None:
+            wake_step = max(math.ceil(answer.wake_at_s / STEP_S - 1e-6), step + 1)
+            if self._timer_steps.get(slot) != wake_step:
+                self._timer_steps[slot] = wake_step
+                self._agenda.put(wake_step, Due.UNIT_TIMER, stock_id)
+
+    def _look(self, slot: int, step: int) -> None:
+        """Stops are booked by the truth; the crew looks at the unit's display and at the line."""
+        self._books.look_for_arrival(slot, step / STEPS_PER_S)
+        self._crew.look_ahead(slot)
+        self._keep_looking(slot, step)
+        self.looked_ahead(slot)
+
+    def timer(self, slot: int, step: int) -> None:
+        """A time asked for with `wake_at_s` has come."""
+        if self._timer_steps.get(slot) == step and slot not in self._on_board.unpowered:
+            del self._timer_steps[slot]
+            self.tell(slot, step)
+
+    # crews ----------------------------------------------------------------------------------------------------------
+
+    def crew_looks(self, slot: int, step: int) -> None:
+        """It is time for a crew on sight to look again, whatever the tachometer shows."""
+        self._looking.discard(slot)
+        self.crew_stands(slot, step)
+        self._keep_looking(slot, step)
+
+    def crew_stands(self, slot: int, step: int) -> None:
+        """A train on sight stands: the crew looks at the points, or has reached a mark."""
+        happened = self._crew.stand(slot, step / STEPS_PER_S)
+        if happened:
+            self.tell(slot, step, happened)
+
+    def _keep_looking(self, slot: int, step: int) -> None:
+        if slot in self._looking or not self._on_board.drives_on_sight(slot):
+            return
+        self._looking.add(slot)
+        again = step + round(LOOKS_AGAIN_S * STEPS_PER_S)
+        self._agenda.put(again, Due.SCRIPT, CREW + self._trains.stock_ids[slot])
+
+    def set_back(self, slot: int, step: int, hold_s: float) -> None:
+        """The crew sets back the route ahead (進路取消)."""
+        self.tell(slot, step, (SetBack(hold_s),))
+
+    # power ----------------------------------------------------------------------------------------------------------
+
+    def power_off(self, slot: int, step: int) -> None:
+        """An on-board unit dies; the emergency brake applies itself."""
+        if slot in self._on_board.unpowered:
+            return
+        self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=self._trains.stock_ids[slot]))
+        self._on_board.power_off(slot)
+        self._timer_steps.pop(slot, None)
+        self._trains.truths[slot].sight_m = math.inf
+
+    def power_on(self, slot: int, step: int) -> bool:
+        """It boots, and the crew of a train on the line enters the train number; whether it was off."""
+        if slot not in self._on_board.unpowered:
+            return False
+        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=self._trains.stock_ids[slot]))
+        self._on_board.power_on(slot)
+        duty = self._trains.duties[slot]
+        if duty is not None and self._trains.truths[slot].active:
+            stands_at = self._books.stands_at(slot)
+            self.tell(slot, step, self._on_board.switch_on(slot, duty, stands_at))
+        return True

@@ -1,0 +1,223 @@
+"""Which train each stock runs now and next: coming onto the line, turning back, leaving it (運用).
+
+A stock that enters waits outside the portal until the manager has accepted its sign-on and no train truly stands
+there; only then is it on the line. Everything here follows from the roster, the truth and what drivers are told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import Final
+
+from onboard.duty.records import Accepted, Finished, Leave, Told
+from onboard.notes import MissionDone
+from simulation.agenda import Agenda, Due
+from simulation.cabs import Cabs
+from simulation.events import WORLD, Entered, Left, Reversed
+from simulation.journal import Journal
+from simulation.judge.checkers import Checkers
+from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.world.books import Books
+from simulation.world.on_board import OnBoard
+from simulation.world.points import WaysideWorld
+from simulation.world.roster import Duty, stabled_at_start
+from simulation.world.trains import SIGN, Trains
+from wayside.config import MANAGER_ID
+from wayside.said import ConfirmOutside
+
+PORTAL_RETRY_S: Final = 10.0
+
+
+class Stage(Enum):
+    """Where a stock is in its day."""
+
+    OUTSIDE = "outside"
+    WAITING = "waiting"  # outside its portal, signing on
+    ON_LINE = "on the line"
+    DONE = "done"  # nothing follows: it stands where its day ends, or has left
+
+
+class WrongEnd(RuntimeError):  # noqa: N818 - names what happened
+    """A train overran its track, so that it cannot turn back: the run is over."""
+
+
+class Duties:
+    """The duties of all stocks."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        drawn_up: Mapping[str, tuple[Duty, ...]],
+        trains: Trains,
+        on_board: OnBoard,
+        cabs: Cabs,
+        books: Books,
+        checkers: Checkers,
+        wayside: WaysideWorld,
+        agenda: Agenda,
+        journal: Journal,
+    ) -> None:
+        self._setup = setup
+        self._duties = drawn_up
+        self._trains = trains
+        self._on_board = on_board
+        self._cabs = cabs
+        self._books = books
+        self._checkers = checkers
+        self._wayside = wayside
+        self._agenda = agenda
+        self._journal = journal
+        self._next = dict.fromkeys(trains.stock_ids, 0)
+        self._stage = [Stage.OUTSIDE] * len(trains.stock_ids)
+        self._becoming: list[Duty] = []
+        cabs.told = self.told
+
+    def open(self, step: int) -> None:
+        """The controller says which stock is outside; stock stabled on the line is put there."""
+        for slot, stock_id in enumerate(self._trains.stock_ids):
+            duties = self._duties[stock_id]
+            if stabled_at_start(duties):
+                self._agenda.put(step, Due.DUTY, stock_id)
+                continue
+            self._wayside.input(step, MANAGER_ID, ConfirmOutside(stock_id, "controller"))
+            if duties:
+                self._agenda.put(round(duties[0].enter_s / STEP_S), Due.DUTY, stock_id)
+            else:
+                self._stage[slot] = Stage.DONE
+
+    def finished(self, slot: int) -> bool:
+        """Whether nothing follows for a stock."""
+        return self._stage[slot] is Stage.DONE
+
+    def all_done(self) -> bool:
+        """Whether nothing follows for any stock."""
+        return all(stage is Stage.DONE for stage in self._stage)
+
+    def overdue_s(self, now_s: float) -> float:
+        """For how long the train that is most behind its plan should have gone on, s; 0 where none is."""
+        late_s = 0.0
+        for slot, stock_id in enumerate(self._trains.stock_ids):
+            stage, duty = self._stage[slot], self._trains.duties[slot]
+            if stage is Stage.WAITING:
+                late_s = max(late_s, now_s - self._duties[stock_id][self._next[stock_id] - 1].enter_s)
+            elif stage is Stage.ON_LINE and duty is not None:
+                at = self._books.next_target(slot) - 1
+                due_s = duty.mission.targets[at].departure_s
+                if due_s is None and at + 1 < len(duty.mission.targets):
+                    due_s = duty.enter_s
+                late_s = max(late_s, 0.0 if due_s is None else now_s - due_s)
+        return late_s
+
+    def take_up(self, slot: int, step: int) -> None:
+        """The stock's next train: it waits outside its portal, stands on the line, or turns back.
+
+        Raises WrongEnd where the train stands beyond the track on which it should turn.
+        """
+        stock_id = self._trains.stock_ids[slot]
+        if self._stage[slot] is Stage.WAITING:  # accepted, but its portal was not free
+            self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
+            return
+        duty = self._duties[stock_id][self._next[stock_id]]
+        on_line = self._stage[slot] is Stage.ON_LINE
+        turns = on_line and duty.mission.direction is not self._trains.direction(slot)
+        if turns and not self._trains.can_turn(slot, duty):
+            raise WrongEnd
+        self._next[stock_id] += 1
+        if not on_line and duty.enters:
+            self._stage[slot] = Stage.WAITING
+        elif not on_line:
+            self._put_on_line(slot, duty, step)
+        else:
+            self._books.close_energy(slot)
+            if turns:
+                self._trains.turn(slot, duty)
+                self._checkers.reversed(step / STEPS_PER_S, stock_id)
+                self._journal.write(step / STEPS_PER_S, WORLD, Reversed(unit_id=stock_id))
+            else:
+                self._trains.continue_as(slot, duty)
+            self._begin(slot, duty, step)
+        if slot not in self._on_board.unpowered:
+            happened = self._on_board.enter_number(slot, duty, comes_on_line=not on_line, turned=turns)
+            self._cabs.tell(slot, step, happened)
+
+    def powered_on(self, slot: int, step: int) -> None:
+        """A unit has booted outside its portal: the crew enters the train number again."""
+        if self._stage[slot] is not Stage.WAITING:
+            return
+        stock_id = self._trains.stock_ids[slot]
+        duty = self._duties[stock_id][self._next[stock_id] - 1]
+        self._cabs.tell(slot, step, self._on_board.enter_number(slot, duty, comes_on_line=True, turned=False))
+
+    def told(self, slot: int, told: Told, step: int) -> None:
+        """What a unit tells its driver."""
+        stock_id = self._trains.stock_ids[slot]
+        match told:
+            case Accepted() if self._stage[slot] is Stage.WAITING:
+                self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
+            case Finished():
+                self._finish(slot, step)
+            case _ if self._stage[slot] is Stage.ON_LINE and not isinstance(told, Accepted):
+                self._leave(slot, step)
+
+    def _enter(self, slot: int, duty: Duty, step: int) -> None:
+        """Through the portal, if nothing stands there."""
+        if self._trains.stands_in(duty.mission.spans[0].section_id):
+            again = step + round(PORTAL_RETRY_S / STEP_S)
+            self._agenda.put(again, Due.DUTY, self._trains.stock_ids[slot])
+            return
+        self._put_on_line(slot, duty, step)
+
+    def _put_on_line(self, slot: int, duty: Duty, step: int) -> None:
+        stock_id = self._trains.stock_ids[slot]
+        self._stage[slot] = Stage.ON_LINE
+        self._trains.place(slot, duty)
+        length_m = float(self._trains.kinds[slot].length_m)
+        position_m = float(self._trains.truths[slot].position_m)
+        under = tuple(
+            path_step.piece_id + SIGN[duty.mission.direction]
+            for path_step in duty.mission.path.steps
+            if path_step.end_m > position_m - length_m and path_step.start_m < position_m
+        )
+        entered = Entered(unit_id=stock_id, train=duty.train.number, edge_ids=under)
+        self._journal.write(step / STEPS_PER_S, WORLD, entered)
+        self._checkers.entered(stock_id, length_m, under)
+        seen = self._trains.carrier.truth(stock_id)
+        edge = seen.piece_id + SIGN[seen.direction]
+        self._checkers.observe(step / STEPS_PER_S, stock_id, edge, seen.offset_m, seen.speed_mps)
+        self._trains.compare([slot], [seen])
+        self._begin(slot, duty, step)
+
+    def _begin(self, slot: int, duty: Duty, step: int) -> None:
+        self._on_board.load_is(slot, float(self._trains.plants[slot].load_share))
+        self._books.begin_train(slot, duty, step)
+
+    def _finish(self, slot: int, step: int) -> None:
+        """The journey is done: turn back, leave the line, or stand."""
+        stock_id = self._trains.stock_ids[slot]
+        duty = self._trains.duties[slot]
+        if duty is None:
+            return
+        self._journal.write(step / STEPS_PER_S, stock_id, MissionDone(train=duty.train.number))
+        if duty.leaves:
+            self._cabs.tell(slot, step, (Leave(),))
+        elif duty.becomes is not None and duty not in self._becoming:
+            self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
+            self._agenda.put(step + round(self._setup.change_ends_s / STEP_S), Due.DUTY, stock_id)
+        elif duty.becomes is None:
+            self._books.close_energy(slot)
+            self._stage[slot] = Stage.DONE
+
+    def _leave(self, slot: int, step: int) -> None:
+        stock_id = self._trains.stock_ids[slot]
+        self._books.close_energy(slot)
+        self._trains.remove(slot)
+        self._checkers.left(stock_id)
+        self._journal.write(step / STEPS_PER_S, WORLD, Left(unit_id=stock_id))
+        following = self._next[stock_id]
+        if following >= len(self._duties[stock_id]):
+            self._stage[slot] = Stage.DONE
+            return
+        self._stage[slot] = Stage.OUTSIDE
+        enter_step = round(self._duties[stock_id][following].enter_s / STEP_S)
+        self._agenda.put(max(enter_step, step + 1), Due.DUTY, stock_id)

@@ -1,0 +1,168 @@
+"""What each stock has on board: its unit, its driving part, its power. The one place where the world speaks to a unit.
+
+The world tells a unit what sensors show and what its crew enters, and takes telegrams and commands from it; it never
+writes what a unit believes. What the unit shows its driver is `shown`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from host.units import Units
+from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
+from onboard.driving.tuning import Learned
+from onboard.driving.tuning import StopRecord as StopWaves
+from onboard.duty.mission import Mission
+from onboard.duty.plan import Plan, plan_of
+from onboard.duty.records import Begin, ChangeEnds, Command, Person, Sensed, SwitchedOn
+from onboard.motion import Motion, PathData
+from onboard.notes import Note
+from onboard.unit import Answer, Report
+from simulation.setup import Setup
+from simulation.world.roster import Duty
+from simulation.world.trains import Trains
+
+
+class OnBoard:
+    """The units of all stocks, by slot."""
+
+    def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
+        self.unpowered: Final[set[int]] = set()
+        self._setup: Final = setup
+        self._trains: Final = trains
+        self._units: Final = units
+        self._plans: dict[tuple[str, int], Plan] = {}
+        self._keepers = [self._new_keeper(slot) for slot in range(len(trains.stock_ids))]
+        self._motions = [self._new_motion(slot) for slot in range(len(trains.stock_ids))]
+
+    def _new_keeper(self, slot: int) -> StopKeeper:
+        """The train's memory of its stops, with what it has learned on days before; it outlives the unit's boots."""
+        trains, tuning = self._trains, self._setup.tuning
+        train, stock_id = trains.kinds[slot], trains.stock_ids[slot]
+        learned = tuning.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
+        fill_design(trains.designs[slot], train, trains.behaviours[slot], learned)
+        return StopKeeper(trains.tascs[slot], trains.designs[slot], trains.waves[slot], learned, tuning.learn)
+
+    def _new_motion(self, slot: int) -> Motion:
+        trains, setup = self._trains, self._setup
+        return Motion(
+            setup.line,
+            setup.unit,
+            trains.units[slot],
+            trains.kinds[slot],
+            trains.behaviours[slot],
+            self._keepers[slot],
+        )
+
+    # what people and sensors tell it ------------------------------------------------------------------------------
+
+    def tell(
+        self,
+        slot: int,
+        now_s: float,
+        happened: Sequence[Person | Sensed] = (),
+        telegrams: Sequence[bytes] = (),
+    ) -> tuple[Answer, list[Note]] | None:
+        """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power."""
+        if slot in self.unpowered:
+            return None
+        motion = self._motions[slot]
+        report = Report(motion.place(), tuple(happened))
+        answer = self._units.advance(self._trains.stock_ids[slot], now_s, telegrams, report)
+        motion.obey(answer.command, now_s)
+        return answer, [*motion.taken_notes(), *answer.notes]
+
+    def enter_number(self, slot: int, duty: Duty, *, comes_on_line: bool, turned: bool) -> list[Person]:
+        """The crew enters a train number, after changing ends if it `turned`; what the unit is told of it."""
+        motion, mission = self._motions[slot], duty.mission
+        path = self._path(slot, mission)
+        begin = Begin(self._plan(slot, mission), comes_on_line)
+        if comes_on_line:
+            motion.stand_at_start(mission, path, float(self._trains.truths[slot].odometer_m))
+            return [begin]
+        if turned:
+            motion.turn(mission, path)
+            return [ChangeEnds(), begin]
+        motion.go_on(mission, path)
+        return [begin]
+
+    def tag_read(self, slot: int, tag_id: int, odometer_m: float) -> list[Sensed]:
+        """The reader read a tag."""
+        return [] if slot in self.unpowered else self._motions[slot].tag_read(tag_id, odometer_m)
+
+    def frame_taken(self, slot: int, distance_m: float | None) -> list[Sensed]:
+        """The camera took a frame."""
+        return [] if slot in self.unpowered else self._motions[slot].frame_taken(distance_m)
+
+    def ticked(self, slot: int, bits: int) -> list[Sensed]:
+        """The compiled tick reported."""
+        return [] if slot in self.unpowered else self._motions[slot].events(bits)
+
+    def load_is(self, slot: int, share: float) -> None:
+        """What the load sensor shows: 0 empty, 1 full."""
+        self._motions[slot].load_share = share
+
+    # power --------------------------------------------------------------------------------------------------------
+
+    def power_off(self, slot: int) -> None:
+        """The unit dies: its outputs fall to the safe side, so the emergency brake applies itself."""
+        self.unpowered.add(slot)
+        self._units.kill(self._trains.stock_ids[slot])
+        self._trains.truths[slot].powered = 0
+
+    def power_on(self, slot: int) -> None:
+        """The unit boots."""
+        self.unpowered.discard(slot)
+        self._units.restart(self._trains.stock_ids[slot])
+        self._trains.truths[slot].powered = 1
+        load_share = self._motions[slot].load_share
+        self._motions[slot] = self._new_motion(slot)
+        self._motions[slot].load_share = load_share
+
+    def switch_on(self, slot: int, duty: Duty, stands_at: int | None) -> list[Person]:
+        """After a boot on the line the crew enters the train number and, if it stands at one, the stop."""
+        sensed = self._trains.stock["sensed"][slot]
+        self._motions[slot].switch_on(
+            duty.mission,
+            self._path(slot, duty.mission),
+            float(self._trains.truths[slot].odometer_m),
+            float(sensed["speed_mps"]),
+        )
+        return [SwitchedOn(self._plan(slot, duty.mission), stands_at)]
+
+    # what the driver sees -----------------------------------------------------------------------------------------
+
+    def shown(self, slot: int) -> Command:
+        """What the unit shows its driver."""
+        return self._motions[slot].command
+
+    def plan(self, slot: int) -> Plan | None:
+        """The plan of the train that the stock runs."""
+        duty = self._trains.duties[slot]
+        return None if duty is None else self._plan(slot, duty.mission)
+
+    def drives_on_sight(self, slot: int) -> bool:
+        """Whether the driver drives on sight: the unit shows that it does not know where it is."""
+        powered = slot not in self.unpowered
+        return powered and self.shown(slot).on_sight and not self._trains.units[slot].position_known
+
+    def learned(self) -> dict[str, Learned]:
+        """What the trains know of their brakes, by stock id; empty where none learns."""
+        if not self._setup.tuning.learn:
+            return {}
+        return {keeper.learned.train_id: keeper.learned for keeper in self._keepers}
+
+    def learned_from(self) -> dict[str, StopWaves]:
+        """Waves of the last stop that each train counted."""
+        return {k.learned.train_id: k.last for k in self._keepers if k.learns and k.last is not None}
+
+    def _plan(self, slot: int, mission: Mission) -> Plan:
+        key = (mission.number, slot)
+        if key not in self._plans:
+            self._plans[key] = plan_of(mission, float(self._trains.kinds[slot].length_m))
+        return self._plans[key]
+
+    def _path(self, slot: int, mission: Mission) -> PathData:
+        rows = self._trains.rows_of(slot, mission.path)
+        return PathData(self._trains.pool.pattern_of(rows), rows.offset)
