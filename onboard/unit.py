@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import SectionKind, TagPurpose
+from onboard import notes
 from onboard.authority import machine as auth
 from onboard.authority.coverage import covered_at, next_coverage_m
-from onboard.authority.records import Noted
 from onboard.authority.stop_limit import (
     StopLimit,
     arrival_points,
@@ -66,7 +66,6 @@ from vehicle.rows import TrainRow
 __all__ = [
     "Finished",
     "LeftLine",
-    "Noted",
     "Phase",
     "Transmit",
     "Unit",
@@ -152,7 +151,7 @@ class Unit:
         self.row.intervention = EMERGENCY_INTERVENTION
         if self.row.speed_mps == 0.0:
             self._release_emergency_s = now_s + self.facts.parameters.emergency_release_s
-        self._note("restarted", epoch=self._endpoint.epoch)
+        self._note(notes.UnitRestarted(epoch=self._endpoint.epoch))
         at_portal = stands_at == 0 and mission.targets[0].station_id is None
         # In a portal it wishes to enter, which the crew knows; anywhere else only the manager knows what it holds.
         self._authority(auth.BeginOnLine((mission.spans[0].section_id,) if at_portal else None), now_s)
@@ -172,7 +171,7 @@ class Unit:
         """The crew sets back the route ahead and asks for none for `hold_s`; only standing, with it not entered."""
         mission, row = self.mission, self.row
         if mission is None or self.phase is not Phase.STANDING or not row.position_known:
-            self._note("give_back_refused", why="the train does not stand at a known place")
+            self._note(notes.GiveBackDenied(why="the train does not stand at a known place"))
             return self._taken()
         here_m = row.position_m + row.bound_ahead_m
         ahead = tuple(
@@ -180,11 +179,11 @@ class Unit:
         )
         own = mission.spans[mission.span_index(mission.targets[self.at].section_id)]
         if row.speed_mps > 0.0 or here_m >= own.end_m:
-            self._note("give_back_refused", why="the train may have entered the route")
+            self._note(notes.GiveBackDenied(why="the train may have entered the route"))
             return self._taken()
         self._ready_s = now_s + hold_s + self.facts.parameters.request_lead_s
         self._wanted = ()
-        self._note("gave_back", sections=ahead)
+        self._note(notes.GaveBack(section_ids=ahead))
         self._authority(auth.GiveBack(ahead), now_s)
         return self._done(now_s)
 
@@ -195,7 +194,7 @@ class Unit:
         self._ready_s = now_s + self.facts.parameters.dwell_min_s
         target = None if self.mission is None else self.mission.targets[index]
         if target is not None:
-            self._note("arrived", station=target.station_id or target.section_id, error_m=None)
+            self._note(notes.Arrived(station=target.station_id or target.section_id, error_m=None))
             rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - float(self._train.length_m)
             cleared = cleared_sections(self.mission, self.authority, rear_m) if self.mission else ()
             if cleared:  # the crew sees the mark, and that the whole train has arrived (到着確認)
@@ -216,12 +215,12 @@ class Unit:
         self.row.mode = MODE_HOLD
         self.row.cruise_mps = math.inf
         self.row.target_stop_m = self.row.position_m
-        self._note("mission", train=mission.number, direction=mission.direction.name.lower())
+        self._note(notes.MissionBegun(train=mission.number, direction=mission.direction.name.lower()))
 
     def change_ends(self, now_s: float) -> list[UnitAction]:
         """The driver has changed ends; the next mission follows with `begin`."""
         self._authority(auth.TurnedBack(), now_s)
-        self._note("changed_ends")
+        self._note(notes.ChangedEnds())
         return self._taken()
 
     def leave(self, now_s: float) -> list[UnitAction]:
@@ -234,15 +233,9 @@ class Unit:
         """A telegram from the air."""
         opened = self._endpoint.open(data, now_s)
         if isinstance(opened, Dropped):
-            self._note("telegram_dropped", source=opened.source or "?", reason=opened.reason.value)
+            self._note(opened.noted(self.facts.unit_id))
             return self._taken()
-        self._note(
-            "took_effect",
-            source=opened.source,
-            epoch=opened.epoch,
-            kind=type(opened.message).__name__,
-            correlation=opened.correlation,
-        )
+        self._note(opened.noted(self.facts.unit_id))
         asked = self.authority.asked
         self._remember_entered()
         heard = auth.Heard(opened.source, opened.message, opened.fresh, opened.correlation)
@@ -259,13 +252,13 @@ class Unit:
             self._position_fault(f"tag {tag_id} where none can be", now_s)
             return self._done(now_s)
         if not self._doubt.believes(tag, odometer_m):
-            self._note("tag_doubted", tag=tag_id)
+            self._note(notes.TagDoubted(tag_id=tag_id))
             return self._done(now_s)
         self._doubt.take(tag, odometer_m)
         was_known = self.row.position_known == 1
         correction_m = fix(self.row, tag.position_m, odometer_m, tolerance_m)
         self.row.fix_correction_m += correction_m
-        self._note("tag_read", tag=tag_id, purpose=tag.purpose.value, correction_m=round(correction_m, 3))
+        self._note(notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3)))
         self._expect_tag(tag.position_m)
         if not was_known:
             self._position_found(now_s)
@@ -282,7 +275,7 @@ class Unit:
         )
         if correction_m is not None and self._sighted != target:
             self._sighted = target
-            self._note("sign_seen", station=target.station_id, correction_m=round(correction_m, 3))
+            self._note(notes.SignSeen(station=target.station_id, correction_m=round(correction_m, 3)))
         if self._sighted != target and target.mark_m - self.row.position_m < NOT_SEEN_M:
             self._impossible(Verdict.TARGET_NOT_SEEN)
         return self._taken()
@@ -290,7 +283,7 @@ class Unit:
     def events(self, bits: int, now_s: float) -> list[UnitAction]:
         """What the compiled tick reported."""
         if bits & EVENT_TACHOMETER:
-            self._note("tachometer_fault", speed_mps=round(float(self.row.speed_mps), 2))
+            self._note(notes.TachometerFault(speed_mps=round(float(self.row.speed_mps), 2)))
             self._position_fault("the tachometer shows what cannot be", now_s)
         if bits & EVENT_VERDICT:
             self._note_impossible()
@@ -299,9 +292,9 @@ class Unit:
                 self._impossible(Verdict.TARGET_NOT_SEEN)
             self._position_fault("expected tag was not read", now_s)
         if bits & EVENT_INTERVENTION:
-            self._note("intervention", level=int(self.row.intervention))
+            self._note(notes.Intervention(level=int(self.row.intervention)))
         if bits & EVENT_MOVING and self.phase is Phase.RUNNING:
-            self._note("moving")
+            self._note(notes.Moving())
         if bits & EVENT_STOPPED:
             self._stopped(now_s)
         if bits & EVENT_POSITION:  # the radio reaches again
@@ -313,7 +306,7 @@ class Unit:
         if now_s >= self._release_emergency_s:
             self._release_emergency_s = math.inf
             self.row.intervention = NO_INTERVENTION
-            self._note("emergency_released")
+            self._note(notes.EmergencyReleased())
             self._choose_cruise(now_s)
         self._authority(auth.Tick(), now_s)
         return self._done(now_s)
@@ -342,14 +335,14 @@ class Unit:
             if isinstance(action, auth.Send):
                 self._send(action.destination, action.message, action.correlation, now_s)
             else:
-                self._note(action.what, **action.data)
+                self._note(action)
 
     def _send(self, destination: str, message: AnyMessage, correlation: int, now_s: float) -> None:
         data = self._endpoint.seal(destination, message, now_s, correlation)
         self._actions.append(Transmit(destination, type(message).__name__, data))
 
-    def _note(self, what: str, **data: object) -> None:
-        self._actions.append(Noted(what, data))
+    def _note(self, note: notes.Note) -> None:
+        self._actions.append(note)
 
     def _taken(self) -> list[UnitAction]:
         actions, self._actions = self._actions, []
@@ -375,7 +368,7 @@ class Unit:
 
     def _position_fault(self, why: str, now_s: float) -> None:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
-        self._note("position_fault", why=why)
+        self._note(notes.PositionFault(why=why))
         self._doubt.begin()
         if self.phase in (Phase.RUNNING, Phase.STANDING):
             self.stands_at = self.at if self.phase is Phase.STANDING else None
@@ -389,7 +382,7 @@ class Unit:
 
     def _position_found(self, now_s: float) -> None:
         """A tag has told where the train is; what it holds has not changed, so it runs normally again."""
-        self._note("position_found")
+        self._note(notes.PositionFound())
         if self.phase is Phase.RESTARTED:
             return
         self.row.restricted_mps = math.inf
@@ -420,20 +413,20 @@ class Unit:
         if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
             self._impossible(Verdict.SIGN_BEYOND_LIMIT)
         elif away_m < -ARRIVED_WITHIN_M:
-            self._note("stopped_short", short_m=round(-away_m, 2), why=self.limit.reason)
+            self._note(notes.StoppedShort(short_m=round(-away_m, 2), why=self.limit.reason))
             self.row.braking_to_stop = 0
             self._ask_onward(now_s)
             return
         if away_m > ARRIVED_WITHIN_M:  # no train sets back here: it counts as arrived, as far as it went
-            self._note("overran", beyond_m=round(away_m, 2))
+            self._note(notes.Overran(beyond_m=round(away_m, 2)))
         self.at += 1
         self.phase = Phase.STANDING
         self.row.mode = MODE_HOLD
         self._ready_s = now_s + self.facts.parameters.dwell_min_s
-        self._note("arrived", station=target.station_id or target.section_id, error_m=round(away_m, 3))
+        self._note(notes.Arrived(station=target.station_id or target.section_id, error_m=round(away_m, 3)))
         learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
         if learned is not None:
-            self._note("learned", **learned)
+            self._note(learned)
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
@@ -454,7 +447,7 @@ class Unit:
             return
         target = self.mission.targets[self.at + 1]
         why = self.keeper.verdict().name.lower().replace("_", " ")
-        self._note("stop_impossible", why=why, station=target.station_id or target.section_id)
+        self._note(notes.StopImpossible(why=why, station=target.station_id or target.section_id))
 
     def _ask_onward(self, now_s: float) -> None:
         """A train that stands on a track, its route from there not held (lost, or never asked), asks for it."""
@@ -578,11 +571,11 @@ class Unit:
         self._entered |= {
             s.section_id for s in mission.spans if s.start_m < row.position_m - row.bound_behind_m
         }
-        self._note("resumed", next_target=self.at + 1)
+        self._note(notes.Resumed(next_target=self.at + 1))
         if stands and self.at > 0:  # it came here while it did not know
             target = mission.targets[self.at]
             away_m = round(float(row.position_m) - target.mark_m, 3)
-            self._note("arrived", station=target.station_id or target.section_id, error_m=away_m)
+            self._note(notes.Arrived(station=target.station_id or target.section_id, error_m=away_m))
         self._choose_cruise(now_s)
 
     def _remember_entered(self) -> None:
@@ -619,11 +612,12 @@ class Unit:
                 self._choose_cruise(now_s)
             piece_id, kilometrage_m = mission.path.locate(limit.limit_m)
             self._note(
-                "stop_limit",
-                kilometrage_m=round(kilometrage_m, 1),
-                piece=piece_id,
-                before=limit.before_section or "",
-                why=limit.reason,
+                notes.LimitSet(
+                    kilometrage_m=round(kilometrage_m, 1),
+                    piece_id=piece_id,
+                    before=limit.before_section,
+                    why=limit.reason,
+                )
             )
         self.row.stop_limit_m = limit.limit_m
 
@@ -664,7 +658,7 @@ class Unit:
         self.phase = Phase.RUNNING
         self._choose_cruise(now_s)
         station = mission.targets[self.at].station_id
-        self._note("departs", station=station or mission.targets[self.at].section_id)
+        self._note(notes.Departs(station=station or mission.targets[self.at].section_id))
 
     def _choose_cruise(self, now_s: float) -> None:
         """Cruising speed for what is left of the way to the next target and of the time."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from network.model import Line
-from onboard.authority.records import Noted
+from onboard.notes import Note
 
 
 class Phase(Enum):
@@ -71,4 +71,4 @@ class LeftLine:
     """Signed off: the train may be taken off the line."""
 
 
-UnitAction = Transmit | Noted | Finished | LeftLine
+UnitAction = Transmit | Note | Finished | LeftLine

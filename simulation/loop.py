@@ -13,11 +13,14 @@ import numpy as np
 
 from host.devices import Fleet
 from network.model import Direction, Leg
+from onboard.notes import MissionDone
 from onboard.records import EVENT_STOPPED, MODE_DRIVE
-from onboard.unit import Finished, LeftLine, Noted, Phase, Transmit, UnitAction
+from onboard.unit import Finished, LeftLine, Phase, Transmit, UnitAction
 from radio.air import Air
+from radio.noted import LostWhere
 from simulation.agenda import Agenda, Due
 from simulation.carriers.carrier import Carrier
+from simulation.events import WORLD, Collision, Entered, Left, PowerOff, PowerOn, Reversed, TagPassed, Unsafe
 from simulation.faults.injector import Injector
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
@@ -27,7 +30,7 @@ from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.kernel import advance
-from simulation.world.points import WaysideWorld, header_of
+from simulation.world.points import WaysideWorld
 from simulation.world.records import (
     EVENT_CAMERA,
     EVENT_FRONT,
@@ -86,14 +89,13 @@ class Simulation:
             self._agenda,
             self.journal,
             self.trains.covered,
-            self.trains.stock_ids,
         )
         facts = {
             p.id: PointsFacts(p.section_id, p.stem_piece, p.normal_piece, p.reverse_piece, p.initial)
             for p in setup.line.points.values()
         }
         portals = [s.id for s in setup.line.sections.values() if s.kind.value == "portal"]
-        self.checkers = Checkers(net, facts, portals)
+        self.checkers = Checkers(net, facts, portals, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
         self._link = link
         self._next_duty = dict.fromkeys(self.trains.stock_ids, 0)
@@ -177,11 +179,10 @@ class Simulation:
             elif item.kind is Due.TO_UNIT and item.data is not None:
                 slot = self.trains.slot_of[item.subject]
                 if slot in self.trains.unpowered:
-                    self.journal.write(now_s, "world", "lost_at_dead_device", device=item.subject)
+                    self.wayside.lost(self._step, item.subject, item.data, LostWhere.RECEIVER_OFF)
                     continue
                 actions = self.trains.on_board[slot].receive(item.data, now_s)
-                header = header_of(item.data)
-                self._apply(slot, actions, None if header is None else header.sequence)
+                self._apply(slot, actions)
             elif item.kind is Due.UNIT_TIMER:
                 slot = self.trains.slot_of[item.subject]
                 if self._timer_steps.get(item.subject) == self._step and slot not in self.trains.unpowered:
@@ -280,7 +281,7 @@ class Simulation:
 
     def _collided(self) -> None:
         for text in self._carrier.collisions():
-            self.journal.write(self.now_s, "world", "collision", text=text)
+            self.journal.write(self.now_s, WORLD, Collision(text=text))
         self._broken = "a collision"
 
     def _cross_points(self, slot: int) -> None:
@@ -305,7 +306,7 @@ class Simulation:
                 self.wayside.force(self._step, leaving.points_id)
 
     def _unsafe(self, slot: int, text: str) -> None:
-        self.journal.write(self.now_s, "world", "unsafe", unit=self.trains.stock_ids[slot], text=text)
+        self.journal.write(self.now_s, WORLD, Unsafe(unit_id=self.trains.stock_ids[slot], text=text))
 
     def _report(self, slot: int, events: int) -> None:
         """Tell the unit what its sensors saw at the end of this step."""
@@ -317,7 +318,7 @@ class Simulation:
         self._books.look_for_departure(slot, now_s)
         if events & EVENT_TAG:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
-            self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
+            self.journal.write(now_s, WORLD, TagPassed(unit_id=unit.facts.unit_id, tag_id=tag_id))
             if read_id is not None and slot not in trains.unpowered:
                 self._apply(slot, unit.tag_read(read_id, odometer_m, now_s))
                 if trains.units[slot].position_known:
@@ -337,7 +338,8 @@ class Simulation:
         slot = self.trains.slot_of[stock_id]
         if on == (slot not in self.trains.unpowered):
             return
-        self.journal.write(self.now_s, "world", "power_on" if on else "power_off", device=stock_id)
+        switched = PowerOn if on else PowerOff
+        self.journal.write(self.now_s, WORLD, switched(device_id=stock_id))
         if not on:
             self.trains.power_off(slot)
             return
@@ -407,7 +409,7 @@ class Simulation:
                 self._books.close_energy(slot)
                 self.trains.turn(slot, duty)
                 self.checkers.reversed(now_s, stock_id)
-                self.journal.write(now_s, "world", "reversed", unit=stock_id)
+                self.journal.write(now_s, WORLD, Reversed(unit_id=stock_id))
                 actions += unit.change_ends(now_s)
             else:
                 self._books.close_energy(slot)
@@ -438,29 +440,25 @@ class Simulation:
             for step in path.steps
             if step.end_m > position_m - length_m and step.start_m < position_m
         ]
-        self.journal.write(
-            self.now_s, "world", "entered", unit=stock_id, train=duty.train.number, edges=under
-        )
+        entered = Entered(unit_id=stock_id, train=duty.train.number, edge_ids=tuple(under))
+        self.journal.write(self.now_s, WORLD, entered)
         self.checkers.entered(stock_id, length_m, under)
         self._observe([slot])
 
     # actions of units ---------------------------------------------------------------------------------------------
 
-    def _apply(self, slot: int, actions: list[UnitAction], sequence: int | None = None) -> None:
+    def _apply(self, slot: int, actions: list[UnitAction]) -> None:
         unit = self.trains.on_board[slot]
         stock_id = self.trains.stock_ids[slot]
         for action in actions:
             if isinstance(action, Transmit):
-                self.wayside.transmit(self._step, stock_id, action.destination, action.data, action.kind)
-            elif isinstance(action, Noted):
-                data = dict(action.data)
-                if action.what == "took_effect" and sequence is not None:
-                    data |= {"receiver": stock_id, "sequence": sequence}
-                self.journal.write(self.now_s, stock_id, action.what, **data)
+                self.wayside.transmit(self._step, stock_id, action.destination, action.data)
             elif isinstance(action, Finished):
                 self._finished(slot)
             elif isinstance(action, LeftLine):
                 self._left(slot)
+            else:
+                self.journal.write(self.now_s, stock_id, action)
         self._books.look_for_arrival(slot, self.now_s)
         self._crew.look_ahead(slot)
         self._keep_looking(slot)
@@ -477,7 +475,7 @@ class Simulation:
         duty = self.trains.duties[slot]
         if duty is None:
             return
-        self.journal.write(self.now_s, stock_id, "mission_done", train=duty.train.number)
+        self.journal.write(self.now_s, stock_id, MissionDone(train=duty.train.number))
         if duty.leaves:
             self._apply(slot, self.trains.on_board[slot].leave(self.now_s))
         elif duty.becomes is not None and duty not in self._becoming:
@@ -492,7 +490,7 @@ class Simulation:
         self._books.close_energy(slot)
         self.trains.remove(slot)
         self.checkers.left(stock_id)
-        self.journal.write(self.now_s, "world", "left", unit=stock_id)
+        self.journal.write(self.now_s, WORLD, Left(unit_id=stock_id))
         following = self._next_duty[stock_id]
         if following < len(self._duties[stock_id]):
             enter_step = round(self._duties[stock_id][following].enter_s / STEP_S)

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Final
 
+from onboard import notes
 from onboard.authority.records import (
     NEVER,
     Action,
@@ -31,7 +32,6 @@ from onboard.authority.records import (
     GiveBack,
     Heard,
     Held,
-    Noted,
     PointsNeeded,
     Send,
     Throw,
@@ -76,7 +76,6 @@ __all__ = [
     "GiveBack",
     "Heard",
     "Held",
-    "Noted",
     "PointsNeeded",
     "Send",
     "Throw",
@@ -112,8 +111,8 @@ def _begin(state: Authority, event: BeginOnLine, now_s: float, covered: bool) ->
         sign_correlation=state.correlation + 1,
     )
     # Who has just been switched on does not know what it holds, which is not the same as nothing.
-    notes = () if event.section_ids is None else (_holds(begun),)
-    return _due(begun, now_s, covered, notes)
+    said = () if event.section_ids is None else (_holds(begun),)
+    return _due(begun, now_s, covered, said)
 
 
 def _withdrawn(state: Authority, event: Withdrawn, _now_s: float, _covered: bool) -> Result:
@@ -131,8 +130,8 @@ def _checked_by_crew(state: Authority, event: CheckedByCrew, _now_s: float, _cov
         proven=(*state.proven, needed),
         commands=tuple(c for c in state.commands if c.needed != needed),
     )
-    data = {"points": needed.points_id, "position": needed.position.value, "token": state.token, "by": "crew"}
-    return checked, (Noted("proven", data),)
+    note = notes.Proven(points_id=needed.points_id, position=needed.position, token=state.token, by_crew=True)
+    return checked, (note,)
 
 
 def _end(state: Authority, _event: EndOnLine, now_s: float, covered: bool) -> Result:
@@ -180,8 +179,8 @@ def _counted(state: Authority) -> Authority:
     return replace(state, correlation=state.correlation + 1)
 
 
-def _holds(state: Authority) -> Noted:
-    return Noted("holds", {"sections": state.section_ids(), "token": state.token})
+def _holds(state: Authority) -> notes.Holds:
+    return notes.Holds(section_ids=state.section_ids(), token=state.token)
 
 
 def _throw(state: Authority, event: Throw, now_s: float, covered: bool) -> Result:
@@ -253,7 +252,7 @@ def _due(state: Authority, now_s: float, covered: bool, before: tuple[Action, ..
     if state.report_due and state.next_report_s <= now_s:
         report = HoldingReport(state.section_ids(), state.token)
         actions.append(Send(state.manager_id, report, state.report_correlation))
-        actions.append(Noted("reported", {"sections": state.section_ids(), "token": state.token}))
+        actions.append(notes.Reported(section_ids=state.section_ids(), token=state.token))
         state = replace(state, next_report_s=now_s + REPEAT_S)
     return state, tuple(actions)
 
@@ -321,7 +320,7 @@ def _sign_on_accepted(state: Authority, event: Heard, now_s: float, covered: boo
         next_sign_s=NEVER,
         refusal="",
     )
-    return accepted, (Noted("signed_on", {"sections": message.section_ids}), _holds(accepted))
+    return accepted, (notes.SignedOn(section_ids=message.section_ids), _holds(accepted))
 
 
 def _sign_on_refused(state: Authority, event: Heard, now_s: float, _covered: bool) -> Result:
@@ -331,7 +330,7 @@ def _sign_on_refused(state: Authority, event: Heard, now_s: float, _covered: boo
     if event.correlation != state.sign_correlation:
         return state, ()
     waiting = replace(state, next_sign_s=now_s + REFUSED_REPEAT_S, refusal=_why(message))
-    return waiting, (Noted("sign_on_refused", {"why": waiting.refusal}),)
+    return waiting, (notes.SignOnDenied(why=waiting.refusal),)
 
 
 def _sign_off_answer(state: Authority, event: Heard, now_s: float, covered: bool) -> Result:
@@ -342,9 +341,9 @@ def _sign_off_answer(state: Authority, event: Heard, now_s: float, covered: bool
         waiting = replace(state, next_sign_s=now_s + REFUSED_REPEAT_S)
         if message.reason in _LOST_SIGHT and not state.report_due:
             waiting = _report_now(waiting, now_s)
-        return _due(waiting, now_s, covered, (Noted("sign_off_refused", {"why": message.reason.name}),))
+        return _due(waiting, now_s, covered, (notes.SignOffDenied(why=message.reason.name),))
     gone = replace(state, held=(), on_line=False, sign_off=None, next_sign_s=NEVER)
-    return gone, (Noted("signed_off", {}), _holds(gone))
+    return gone, (notes.SignedOff(), _holds(gone))
 
 
 def _granted(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Result:
@@ -367,7 +366,7 @@ def _granted(state: Authority, event: Heard, _now_s: float, _covered: bool) -> R
         # What the crew saw while another could throw the points is no proof any more.
         proven=tuple(needed for needed in state.proven if state.holds(needed.section_id)),
     )
-    note = Noted("route_held", {"route": message.route_id, "token": message.token})
+    note = notes.RouteHeld(route_id=message.route_id, token=message.token)
     return granted, (note, _holds(granted))
 
 
@@ -378,9 +377,8 @@ def _refused(state: Authority, event: Heard, now_s: float, covered: bool) -> Res
     if event.correlation != state.ask_correlation:
         return state, ()
     refusal = _why(message)
-    notes = (
-        () if refusal == state.refusal else (Noted("refused", {"route": message.route_id, "why": refusal}),)
-    )
+    denied = notes.RouteDenied(route_id=message.route_id, why=refusal)
+    said = () if refusal == state.refusal else (denied,)
     again = replace(
         _counted(state),
         next_ask_s=now_s + REFUSED_REPEAT_S,
@@ -389,7 +387,7 @@ def _refused(state: Authority, event: Heard, now_s: float, covered: bool) -> Res
     )
     if message.reason in _LOST_SIGHT and not state.report_due:
         again = _report_now(again, now_s)
-    return _due(again, now_s, covered, notes)
+    return _due(again, now_s, covered, said)
 
 
 def _why(message: RouteRefused | SignOnRefused) -> str:
@@ -418,8 +416,8 @@ def _proof(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Res
             unsaid=tuple(c for c in state.unsaid if c.needed != needed),
             proven=(*state.proven, needed),
         )
-        data = {"points": needed.points_id, "position": needed.position.value, "token": command.token}
-        return proven, (Noted("proven", data),)
+        note = notes.Proven(points_id=needed.points_id, position=needed.position, token=command.token)
+        return proven, (note,)
     lost = [n for n in state.proven if n.points_id == message.points_id and n.terminal_id == event.source]
     if not lost or (good and message.position is lost[0].position):
         return state, ()
@@ -427,7 +425,7 @@ def _proof(state: Authority, event: Heard, _now_s: float, _covered: bool) -> Res
     unsaid = (Command(n, tokens[n.section_id], b"", 0, NEVER) for n in lost if n.section_id in tokens)
     kept = tuple(n for n in state.proven if n not in lost)
     dropped = replace(state, proven=kept, unsaid=(*state.unsaid, *unsaid))
-    return dropped, (Noted("proof_dropped", {"points": message.points_id}),)
+    return dropped, (notes.ProofDropped(points_id=message.points_id),)
 
 
 def _points_refused(state: Authority, event: Heard, now_s: float, _covered: bool) -> Result:
@@ -436,15 +434,15 @@ def _points_refused(state: Authority, event: Heard, now_s: float, _covered: bool
         return state, ()
     why = message.reason.name.lower().replace("_", " ")
     commands: list[Command] = []
-    notes: list[Action] = []
+    denied: list[Action] = []
     for command in state.commands:
         needed = command.needed
         mine = (needed.points_id, needed.terminal_id) == (message.points_id, event.source)
         mine = mine and command.token == message.token
         if mine and command.refusal != why:
-            notes.append(Noted("points_refused", {"points": message.points_id, "why": why}))
+            denied.append(notes.ThrowDenied(points_id=message.points_id, why=why))
         commands.append(replace(command, next_s=now_s + REFUSED_REPEAT_S, refusal=why) if mine else command)
-    return replace(state, commands=tuple(commands)), tuple(notes)
+    return replace(state, commands=tuple(commands)), tuple(denied)
 
 
 def _confirmed(state: Authority, event: Heard, now_s: float, covered: bool) -> Result:
@@ -467,7 +465,7 @@ def _claim_query(state: Authority, event: Heard, _now_s: float, _covered: bool) 
     sections = () if waits_to_enter else state.section_ids()
     return state, (
         Send(state.manager_id, Claim(sections, state.token), event.correlation),
-        Noted("claimed", {"sections": sections, "token": state.token}),
+        notes.Claimed(section_ids=sections, token=state.token),
     )
 
 

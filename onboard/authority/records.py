@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from network.model import Position, Route
+from onboard.notes import Note
 from radio.messages import AnyMessage, SignOff, SignOn
 
 NEVER: Final = math.inf
@@ -187,12 +187,4 @@ class Send:
     correlation: int
 
 
-@dataclass(frozen=True, slots=True)
-class Noted:
-    """Something for the journal."""
-
-    what: str
-    data: Mapping[str, Any]
-
-
-Action = Send | Noted
+Action = Send | Note

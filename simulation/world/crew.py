@@ -17,6 +17,7 @@ from network.model import SectionKind
 from onboard.authority.machine import PointsNeeded
 from onboard.authority.stop_limit import points_of
 from onboard.duty.mission import Mission, SectionSpan
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from onboard.unit import Phase, Unit
 from simulation.journal import Journal
 from simulation.world.point_machine import PointMachine
@@ -84,9 +85,9 @@ class Crew:
                 break
             machine = self._machine_of(needed.points_id)
             right = machine.locked and machine.position is needed.position
-            what = "crew_checked_points" if right else "crew_waits_at_points"
-            lies = "no position" if machine.position is None else machine.position.value
-            self._journal.write(now_s, unit.facts.unit_id, what, points=needed.points_id, lies=lies)
+            seen = CrewCheckedPoints if right else CrewWaitsAtPoints
+            note = seen(points_id=needed.points_id, lies=machine.position)
+            self._journal.write(now_s, unit.facts.unit_id, note)
             if right:
                 return Seen(passable=needed)
             return Seen(to_throw=needed if span.start_m > front_m else None)  # never under the train

@@ -28,7 +28,6 @@ from onboard.rows import BehaviourRow, UnitRow
 from onboard.unit import (
     Finished,
     LeftLine,
-    Noted,
     Phase,
     Transmit,
     Unit,
@@ -54,6 +53,7 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
 )
+from radio.noted import Noted
 from vehicle.rows import TrainRow
 
 Rows = NDArray[np.void]
@@ -132,7 +132,7 @@ class Bench:
 
 
 def notes(actions: list[UnitAction]) -> list[str]:
-    return [action.what for action in actions if isinstance(action, Noted)]
+    return [str(type(action).__struct_config__.tag) for action in actions if isinstance(action, Noted)]
 
 
 def capabilities() -> tuple[Capability, ...]:
