@@ -36,6 +36,7 @@ bench: install
 docs: install
 	$(BIN)/python -m documents.busy_line
 	$(BIN)/python -m documents.interlocking
+	$(BIN)/python -m documents.journal
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -16,6 +16,7 @@ from typing import Final
 from documents.interlocking_hazards import HAZARDS, REMAINING
 from documents.interlocking_runs import restart_rows, run_without_failure, sequence, stop_limits
 from onboard.authority import machine as authority
+from onboard.duty import machine as duty
 from radio.table import Row
 from simulation.judge.checkers import Checker
 from simulation.world import point_machine
@@ -29,42 +30,18 @@ INVARIANTS: Final = (
     ("wayside.reentry", "re-entry after a restart"),
     ("wayside.point_terminal", "point terminal (制御端末装置)"),
     ("simulation.world.point_machine", "point machine (電気転てつ機)"),
-    ("onboard.authority.machine", "on-board unit (車上装置): sections and points"),
+    ("onboard.duty.machine", "on-board unit (車上装置): its duty"),
+    ("onboard.duty.on_sight", "on-board unit: running on sight"),
+    ("onboard.authority.machine", "on-board unit: sections and points"),
+    ("onboard.authority.sign_on", "on-board unit: on and off the line"),
+    ("onboard.authority.route", "on-board unit: routes"),
+    ("onboard.authority.points", "on-board unit: points"),
+    ("onboard.authority.report", "on-board unit: giving back"),
+    ("onboard.authority.letters", "on-board unit: tokens and correlations"),
     ("onboard.localisation.tachometer", "on-board unit: position"),
     ("onboard.driving.supervision", "on-board unit: speed"),
     ("onboard.localisation.reader", "tag reader (車上子)"),
 )
-
-# The handlers of the on-board unit's tables are short and carry no docstrings of their own.
-UNIT_EVENTS: Final[Mapping[str, str]] = {
-    "BeginOnLine": "Signs on with what it claims, or with 'I do not know' after a restart; not twice.",
-    "EndOnLine": "Signs off, if nothing but one section is held.",
-    "Ask": "Requests the route, one at a time, with the same correlation until it is answered.",
-    "Throw": "Commands points of sections held, with the capability of the grant, until they are proven.",
-    "CheckedByCrew": "Counts these points as proven: the crew has seen how they lie.",
-    "Withdrawn": "throws still open are given up: the front may have come onto those points",
-    "Cleared": "Drops sections with their proofs and commands, then reports what is left until that is confirmed.",
-    "GiveBack": "Drops a route not entered and the request still open, then reports what is left.",
-    "TurnedBack": "Turns the order of what is held; forgets proofs and commands of the old way.",
-    "Heard": "Whatever the next table says of the telegram; one that it does not name changes nothing.",
-    "Tick": "Sends what is due, where the radio reaches.",
-}
-UNIT_TELEGRAMS: Final[Mapping[str, str]] = {
-    "SignOnAccepted": "To its sign-on: holds what the manager says. On the line: a greater token only, never sections.",
-    "SignOnRefused": "To its sign-on: waits and asks again.",
-    "SignOffAccepted": "To its sign-off: holds nothing, is off the line.",
-    "SignOffRefused": "To its sign-off: asks again; reports first if the manager has lost sight of it.",
-    "RouteGranted": "Only to the request outstanding, of this boot, with a greater token: holds the sections.",
-    "RouteRefused": "To the request outstanding: asks again under a new correlation; reports first if lost sight of.",
-    "PointsProof": (
-        "Proven, if detected and locked in the position and under the token commanded; a proof that no longer holds"
-        " is dropped."
-    ),
-    "PointsRefused": "Commands again later.",
-    "HoldingConfirmed": "To its last report: done if the register has the same; a greater token is taken.",
-    "ClaimQuery": "Answers at once with all that it holds, or that it does not know.",
-    "Restarted": "All that is open is due again.",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +60,10 @@ def document() -> str:
         ("Block manager", block_manager.table_rows()),
         ("Point terminal", point_terminal.table_rows()),
         ("Point machine", point_machine.table_rows()),
+        ("On-board unit: duty", duty.table_rows()),
+        ("On-board unit: authority", authority.table_rows()),
     ):
         parts += [f"### {title}", _machine(rows)]
-    parts += ["### On-board unit", _unit()]
     run = run_without_failure()
     parts += [
         "## A run",
@@ -150,17 +128,6 @@ def _states(states: tuple[str, ...]) -> str:
         phase, _, standing = state.partition(", ")
         phases.setdefault(phase, []).append(standing)
     return "; ".join(f"{phase}: {', '.join(found)}" for phase, found in phases.items())
-
-
-def _unit() -> str:
-    # A KeyError here means: a new event or telegram needs its words above.
-    events = [(f"`{kind.__name__}`", UNIT_EVENTS[kind.__name__]) for kind in authority._EVENTS]
-    heard = [(f"`{kind.__name__}`", UNIT_TELEGRAMS[kind.__name__]) for kind in authority._HEARD]
-    return (
-        table(("event", "what the unit does"), events)
-        + "\n\n"
-        + table(("telegram heard", "what the unit does"), heard)
-    )
 
 
 def _hazards() -> str:

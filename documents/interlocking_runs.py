@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final, TypeVar
 
 import polars as pl
 
+from network.model import TagPurpose
 from network.timetable import clock
+from onboard.notes import (
+    Arrived,
+    CrewCheckedPoints,
+    CrewWaitsAtPoints,
+    Departs,
+    LimitSet,
+    PositionFound,
+    Proven,
+    Resumed,
+    TagRead,
+    UnitRestarted,
+)
+from radio.noted import Noted, Sent
+from simulation.events import Entry, Event, FaultOver, PointsLocked, PointsMoving
 from simulation.faults.script import Fault, FaultKind, Script, Trigger, matcher_of
 from study.run.run import Link, Run, execute
 from study.scenario.scenario import Scenario, load_scenario
 from wayside.config import MANAGER_ID
+from wayside.said import Freed, Granted
 
-Entry = Mapping[str, Any]
+T = TypeVar("T", bound=Noted)
 
 SCENARIO: Final = "rtri_test_line"
 UNIT: Final = "K1"
@@ -56,9 +72,9 @@ def sequence(run: Run) -> str:
     sent: dict[tuple[str, str, str], float] = {}
     terminals = {p.id: p.terminal_id for p in run.scenario.setup.line.points.values()}
     for entry in run.result.journal.entries:
-        who, what, t_s = str(entry["who"]), str(entry["what"]), float(entry["t"])
-        if what == "sent":
-            key = (who, str(entry["to"]), str(entry["kind"]))
+        who, t_s, event = entry.who, entry.t_s, entry.event
+        if isinstance(event, Sent):
+            key = (who, event.receiver, str(event.kind))
             again = t_s - sent.get(key, -SAME_AGAIN_S) < SAME_AGAIN_S and key[2] in (
                 "PointsCommand",
                 "PointsProof",
@@ -70,8 +86,10 @@ def sequence(run: Run) -> str:
                 parties.setdefault(party, party.replace("-", "_"))
             steps.append((t_s, f"{parties[who]}->>{parties[key[1]]}: {key[2]}"))
             continue
-        over = terminals.get(str(entry.get("points"))) if who == "world" else who
-        note = _note(entry)
+        over: str | None = who
+        if isinstance(event, PointsMoving | PointsLocked):
+            over = terminals.get(event.points_id)
+        note = _note(event)
         if note and over is not None:
             parties.setdefault(over, over.replace("-", "_"))
             steps.append((t_s, f"Note over {parties[over]}: {clock(int(t_s))} {note}"))
@@ -82,29 +100,30 @@ def sequence(run: Run) -> str:
     return "\n".join([*lines, "```"])
 
 
-def _note(entry: Entry) -> str:
-    """What a journal entry says in the diagram; empty for those that are not drawn."""
-    sections = ", ".join(entry.get("sections", ()))
+def _note(event: Event) -> str:
+    """What an event says in the diagram; empty for those that are not drawn."""
     note = ""
-    match entry["what"]:
-        case "granted":
-            note = f"{sections} granted, token {_token(entry['token'])}"
-        case "freed":
-            note = f"{sections} free"
-        case "stop_limit":
-            note = f"stop limit km {entry['kilometrage_m'] / 1000.0:.3f}, {_why(entry)}"
-        case "departs":
-            note = f"departs {entry['station']}"
-        case "arrived":
-            note = f"stands at {entry['station']}"
-        case "tag_read" if entry["purpose"] != "position":
-            note = f"tag {entry['tag']} ({_purpose(entry)})"
-        case "proven":
-            note = f"{entry['points']} proven {entry['position']}"
-        case "points_moving":
-            note = f"{entry['points']} moves to {entry['target']}"
-        case "points_locked":
-            note = f"{entry['points']} locked {entry['position']}"
+    match event:
+        case Granted():
+            note = f"{', '.join(event.section_ids)} granted, token {_token(event.token)}"
+        case Freed():
+            note = f"{', '.join(event.section_ids)} free"
+        case LimitSet():
+            note = f"stop limit km {event.kilometrage_m / 1000.0:.3f}, {_why(event)}"
+        case Departs():
+            note = f"departs {event.station}"
+        case Arrived():
+            note = f"stands at {event.station}"
+        case TagRead() if event.purpose is not TagPurpose.POSITION:
+            note = f"tag {event.tag_id} ({_purpose(event)})"
+        case Proven():
+            note = f"{event.points_id} proven {event.position.value}"
+        case PointsMoving():
+            note = f"{event.points_id} moves to {event.target.value}"
+        case PointsLocked():
+            note = f"{event.points_id} locked {event.position.value}"
+        case _:
+            pass
     return note
 
 
@@ -112,20 +131,20 @@ def _token(token: int) -> str:
     return f"{token >> 32}.{token & 0xFFFFFFFF}"
 
 
-def _purpose(entry: Entry) -> str:
-    return str(entry["purpose"]).replace("_", " ")
+def _purpose(tag: TagRead) -> str:
+    return tag.purpose.value.replace("_", " ")
 
 
-def _why(entry: Entry) -> str:
-    return f"before section {entry['before']}, {entry['why']}" if entry["before"] else str(entry["why"])
+def _why(limit: LimitSet) -> str:
+    return limit.why if limit.before is None else f"before section {limit.before}, {limit.why}"
 
 
 def stop_limits(run: Run) -> tuple[tuple[str, ...], ...]:
     """When the stop limit moved, where to and why there."""
     return tuple(
-        (clock(int(entry["t"])), f"km {float(entry['kilometrage_m']) / 1000.0:.3f}", _why(entry))
+        (clock(int(entry.t_s)), f"km {entry.event.kilometrage_m / 1000.0:.3f}", _why(entry.event))
         for entry in run.result.journal.entries
-        if entry["what"] == "stop_limit"
+        if isinstance(entry.event, LimitSet)
     )
 
 
@@ -138,17 +157,18 @@ def restart_rows() -> tuple[tuple[str, ...], ...]:
 def _restart_row(scenario: Scenario, case: RestartCase) -> tuple[str, ...]:
     run, dark = (_with_restart(scenario, case, radio=radio) for radio in (True, False))
     entries = _after_restart(run)
-    stood_km = _front_km(run, float(entries[0]["t"]))
-    found = _found(entries)
-    resumed = _first(entries, "resumed")
-    later = entries if resumed is None else entries[entries.index(resumed) :]
-    limit = None if resumed is None else _first(later, "stop_limit")
+    stood_km = _front_km(run, entries[0].t_s)
+    said = [entry.event for entry in entries]
+    found = _found(said)
+    resumed = _first(said, Resumed)
+    later = said if resumed is None else said[said.index(resumed) :]
+    limit = None if resumed is None else _first(later, LimitSet)
     position = "not before it is in" if found is None else _found_by(run, found, stood_km)
     return (
         f"{case.place} (km {stood_km:.2f})",
         position,
-        "none" if limit is None else f"km {float(limit['kilometrage_m']) / 1000.0:.2f}, {_why(limit)}",
-        _way_in(entries, resumed),
+        "none" if limit is None else f"km {limit.kilometrage_m / 1000.0:.2f}, {_why(limit)}",
+        _way_in(said, resumed),
         _without_radio(dark),
     )
 
@@ -167,47 +187,49 @@ def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> Run:
 
 def _after_restart(run: Run) -> list[Entry]:
     """What the unit wrote from its restart on; the first entry is the restart."""
-    entries = [e for e in run.result.journal.entries if e["who"] == UNIT]
-    first = next(i for i, entry in enumerate(entries) if entry["what"] == "restarted")
+    entries = [e for e in run.result.journal.entries if e.who == UNIT]
+    first = next(i for i, entry in enumerate(entries) if isinstance(entry.event, UnitRestarted))
     return entries[first:]
 
 
-def _first(entries: Sequence[Entry], *what: str) -> Entry | None:
-    return next((entry for entry in entries if entry["what"] in what), None)
+def _first(said: Sequence[Event], kind: type[T]) -> T | None:
+    return next((event for event in said if isinstance(event, kind)), None)
 
 
-def _found(entries: Sequence[Entry]) -> Entry | None:
+def _found(said: Sequence[Event]) -> TagRead | None:
     """The reading of the tag that gave the position."""
-    tag: Entry | None = None
-    for entry in entries:
-        if entry["what"] == "tag_read":
-            tag = entry
-        if entry["what"] == "position_found":
+    tag: TagRead | None = None
+    for event in said:
+        if isinstance(event, TagRead):
+            tag = event
+        if isinstance(event, PositionFound):
             return tag
     return None
 
 
-def _found_by(run: Run, tag: Entry, stood_km: float) -> str:
-    at_km = run.scenario.setup.line.tags[int(tag["tag"])].position_m / 1000.0
-    return f"by tag {tag['tag']} ({_purpose(tag)}), {round((at_km - stood_km) * 1000.0, -1):.0f} m on"
+def _found_by(run: Run, tag: TagRead, stood_km: float) -> str:
+    at_km = run.scenario.setup.line.tags[tag.tag_id].position_m / 1000.0
+    return f"by tag {tag.tag_id} ({_purpose(tag)}), {round((at_km - stood_km) * 1000.0, -1):.0f} m on"
 
 
-def _way_in(entries: Sequence[Entry], resumed: Entry | None) -> str:
+def _way_in(events: Sequence[Event], resumed: Resumed | None) -> str:
     """In the order of the journal: looks of the crew, normal running, proofs, arrival."""
     said: list[str] = ["on sight at 15 km/h at most"]
-    for entry in entries:
-        match entry["what"]:
-            case "crew_waits_at_points":
-                said.append(f"the crew waits before {entry['points']}")
-            case "crew_checked_points":
-                said.append(f"the crew stops and looks at {entry['points']}")
-            case "resumed":
+    for event in events:
+        match event:
+            case CrewWaitsAtPoints():
+                said.append(f"the crew waits before {event.points_id}")
+            case CrewCheckedPoints():
+                said.append(f"the crew stops and looks at {event.points_id}")
+            case Resumed():
                 said.append("normal running")
-            case "proven" if entry.get("by") != "crew":
-                said.append(f"{entry['points']} proven")
-            case "arrived":
-                said.append(f"stands at {entry['station']}")
-    if _first(entries, "arrived") is None:
+            case Proven(by_crew=False):
+                said.append(f"{event.points_id} proven")
+            case Arrived():
+                said.append(f"stands at {event.station}")
+            case _:
+                pass
+    if _first(events, Arrived) is None:
         said.append("**does not get in**")
     elif resumed is None:
         said.append("on sight to the end")
@@ -218,15 +240,15 @@ def _without_radio(run: Run) -> str:
     """Where it waits when the radio comes back, and whether it gets in afterwards."""
     entries = _after_restart(run)
     over_s = next(
-        float(e["t"])
+        e.t_s
         for e in run.result.journal.entries
-        if e["what"] == "fault_over" and e["kind"] == FaultKind.CUT.value
+        if isinstance(e.event, FaultOver) and e.event.kind == FaultKind.CUT.value
     )
-    before = [entry for entry in entries if float(entry["t"]) < over_s]
-    if (arrived := _first(before, "arrived")) is not None:
-        return f"gets in on sight and stands at {arrived['station']}"
-    known = "position known" if _first(before, "position_found") else "position not known"
-    after = "gets in" if _first(entries, "arrived") else "**does not get in**"
+    before = [entry.event for entry in entries if entry.t_s < over_s]
+    if (arrived := _first(before, Arrived)) is not None:
+        return f"gets in on sight and stands at {arrived.station}"
+    known = "position known" if _first(before, PositionFound) else "position not known"
+    after = "gets in" if _first([entry.event for entry in entries], Arrived) else "**does not get in**"
     return f"waits at km {_front_km(run, over_s):.2f}, {known}; {after} when it reaches again"
 
 

@@ -22,7 +22,7 @@ from wayside.actions import Action, Drive, Send, Show
 from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig
 from wayside.point_terminal import Commanded, Expired, Memory
 from wayside.register import start as start_register
-from wayside.said import Input, Note, NoteKind, Output, PointsDetected
+from wayside.said import Input, InputRefused, Note, Output, PointsDetected, Refused, Started
 
 
 class _Machine(Protocol):
@@ -78,8 +78,8 @@ class _Terminal:
             case Received(message=PointsCommand() as command):
                 step = Commanded(event.source, event.correlation, command)
             case Received():
-                detail = type(event.message).__name__
-                return (Show(Note(NoteKind.REFUSED, event.source, detail=detail)),)
+                why = type(event.message).__name__
+                return (Show(Refused(unit_id=event.source, why=why)),)
             case PointsDetected():
                 step = event
             case _:
@@ -95,7 +95,7 @@ class _Terminal:
 
 
 def _not_for_device(given: Input) -> Sequence[Action]:
-    return (Show(Note(NoteKind.REFUSED, detail=f"input {type(given).__name__}")),)
+    return (Show(InputRefused(why=type(given).__name__)),)
 
 
 class DeviceHost:
@@ -114,7 +114,7 @@ class DeviceHost:
             self._machine = _Manager(config, keys, self._durable)
         else:
             self._machine = _Terminal(config, keys, before.memory)
-        self._notes: list[Note] = [Note(NoteKind.STARTED, token=self._durable.epoch)]
+        self._notes: list[Note] = [Started(epoch=self._durable.epoch)]
 
     @property
     def epoch(self) -> int:
@@ -131,7 +131,9 @@ class DeviceHost:
             opened = self._endpoint.open(data, now_s)
             if isinstance(opened, Dropped):
                 self._note_drop(opened, sends)
-            elif not isinstance(opened.message, Restarted):
+                continue
+            self._notes.append(opened.noted(self._endpoint.owner))
+            if not isinstance(opened.message, Restarted):
                 self._sort(self._machine.take(opened, now_s), sends, outputs)
         self._sort(self._machine.take(None, now_s), sends, outputs)
         if (durable := self._machine.kept(self._durable)) != self._durable:
@@ -155,7 +157,7 @@ class DeviceHost:
                     outputs.append(output)
 
     def _note_drop(self, dropped: Dropped, sends: list[Send]) -> None:
-        self._notes.append(Note(NoteKind.DROPPED, dropped.source or "", detail=dropped.reason.value))
+        self._notes.append(dropped.noted(self._endpoint.owner))
         # Its sender still speaks to the boot before this one: tell it, so that its next telegram counts.
         if dropped.reason is DropReason.EARLIER_BOOT and dropped.source is not None:
             sends.append(Send(dropped.source, Restarted()))

@@ -268,7 +268,7 @@ class Motion:
             return [Stopped(How.SHORT, away_m)]
         learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
         if learned is not None:
-            self.notes.append(notes.LearnedFromStop(**learned))
+            self.notes.append(learned)
         return [Stopped(How.BEYOND if away_m > ARRIVED_WITHIN_M else How.AT, away_m)]
 
     def _stands_at_limit_of(self, target: Target) -> bool:

@@ -89,7 +89,7 @@ class LearnedFromStop(Noted, frozen=True, kw_only=True, tag="learned"):
 
 
 class Intervention(Noted, frozen=True, kw_only=True, tag="intervention"):
-    """Supervision brakes: 1 service brake, 2 emergency brake."""
+    """Supervision brakes (1 service brake, 2 emergency brake), or has ended (0)."""
 
     level: int
 

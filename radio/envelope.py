@@ -28,6 +28,7 @@ import msgspec
 
 from radio.keys import MAC_BYTES, KeyRing, mac, mac_equal
 from radio.messages import AnyMessage
+from radio.noted import TelegramDropped, TookEffect
 
 AGE_MAX_S: Final = 5.0
 TELEGRAM_BYTES_MAX: Final = 4096
@@ -86,6 +87,7 @@ class Received:
 
     source: str
     epoch: int
+    sequence: int
     fresh: bool
     correlation: int
     sent_s: float
@@ -93,19 +95,60 @@ class Received:
     missing: int
     message: AnyMessage
 
+    def noted(self, receiver: str) -> TookEffect:
+        """What its receiver writes in the journal."""
+        return TookEffect(
+            source=self.source,
+            receiver=receiver,
+            epoch=self.epoch,
+            sequence=self.sequence,
+            kind=type(self.message).__name__,
+            correlation=self.correlation,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Dropped:
-    """A telegram that did not. `source` is set once the code has proven it."""
+    """A telegram that did not. `source` and `envelope` are set once the code has proven them."""
 
     reason: DropReason
     source: str | None = None
+    envelope: Envelope | None = None
+
+    def noted(self, receiver: str) -> TelegramDropped:
+        """What its receiver writes in the journal."""
+        envelope = self.envelope
+        return TelegramDropped(
+            source=self.source,
+            receiver=receiver,
+            epoch=None if envelope is None else envelope.epoch,
+            sequence=None if envelope is None else envelope.sequence,
+            kind=None if envelope is None else kind_of(envelope),
+            correlation=None if envelope is None else envelope.correlation,
+            why=self.reason.value,
+        )
 
 
 _HEADER: Final = msgspec.msgpack.Decoder(Envelope)
 _PAYLOAD: Final = msgspec.msgpack.Decoder(AnyMessage)
 _ENCODER: Final = msgspec.msgpack.Encoder()
 _UNREADABLE: Final = (msgspec.MsgspecError, UnicodeDecodeError, RecursionError)
+
+
+def kind_of(envelope: Envelope) -> str | None:
+    """Kind of the message inside, for the journal; None if it is unreadable. Nobody acts on this."""
+    try:
+        return type(_PAYLOAD.decode(envelope.payload)).__name__
+    except _UNREADABLE:
+        return None
+
+
+def header_of(data: bytes) -> Envelope | None:
+    """Header of a telegram, for the journal; None if it is unreadable. Nobody acts on this."""
+    try:
+        return _HEADER.decode(data[:-MAC_BYTES])
+    except _UNREADABLE:
+        return None
 
 
 def encode(key: bytes, envelope: Envelope) -> bytes:
@@ -205,11 +248,11 @@ class Endpoint:
         peer = self.peers.get(envelope.source, Peer())
         heard, reason = check(peer, envelope, self.epoch, now_s, self.age_max_s)
         if reason is not None:
-            return self._drop(reason, envelope.source)
+            return self._drop(reason, envelope)
         try:
             message = _PAYLOAD.decode(envelope.payload)
         except _UNREADABLE:
-            return self._drop(DropReason.CORRUPTED, envelope.source)
+            return self._drop(DropReason.CORRUPTED, envelope)
         same_boot = peer.heard_epoch == envelope.epoch
         missing = envelope.sequence - (peer.heard_sequence if same_boot else -1) - 1
         # What a peer said before this boot first heard it was not meant to reach us: not a gap.
@@ -219,6 +262,7 @@ class Endpoint:
         return Received(
             envelope.source,
             envelope.epoch,
+            envelope.sequence,
             envelope.peer_epoch == self.epoch,
             envelope.correlation,
             envelope.sent_s,
@@ -227,6 +271,6 @@ class Endpoint:
             message,
         )
 
-    def _drop(self, reason: DropReason, source: str | None) -> Dropped:
+    def _drop(self, reason: DropReason, envelope: Envelope | None) -> Dropped:
         self.dropped[reason] += 1
-        return Dropped(reason, source)
+        return Dropped(reason, None if envelope is None else envelope.source, envelope)

@@ -34,14 +34,17 @@ class LostWhere(Enum):
 
 
 class Sent(Noted, frozen=True, kw_only=True, tag="sent"):
-    """A telegram went into the air; `arrives_s` has a time for each copy on its way, none when it is lost."""
+    """A telegram went into the air; `arrives_s` has a time for each copy on its way, none when it is lost.
+
+    None: the sender made what cannot be read.
+    """
 
     source: str
     receiver: str
-    epoch: int
-    sequence: int
-    kind: str
-    correlation: int
+    epoch: int | None
+    sequence: int | None
+    kind: str | None
+    correlation: int | None
     size_bytes: int
     arrives_s: tuple[float, ...]
 

@@ -93,7 +93,7 @@ class Simulation:
         self.on_board = OnBoard(setup, self.trains, LocalUnits(unit_configs(setup, master_key)))
         self._books = Books(
             self.trains,
-            lambda slot: self._duties.finished(slot),
+            lambda slot: self._duties.finished(slot),  # noqa: PLW0108 - made below
             lambda slot: self.on_board.shown(slot).waits_for,
         )
         self._cabs = Cabs(self.trains, self.on_board, self.wayside, self._books, self._agenda, self.journal)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from radio.messages import AnyMessage
-from wayside.said import Note, NoteKind, Output
+from wayside.said import Note, Output
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,15 +32,3 @@ class Drive:
 
 
 Action = Send | Show | Drive
-
-
-def show(
-    kind: NoteKind,
-    unit_id: str = "",
-    section_ids: Iterable[str] = (),
-    token: int = 0,
-    other_id: str = "",
-    detail: str = "",
-) -> Show:
-    """A line of the block manager's journal."""
-    return Show(Note(kind, unit_id, tuple(section_ids), token, other_id, detail))

@@ -16,10 +16,21 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from wayside import reentry
-from wayside.actions import Show, show
+from wayside.actions import Show
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
+from wayside.said import (
+    AcceptPicture,
+    ConfirmedByHand,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    EnterSection,
+    Freed,
+    Outside,
+    Refused,
+    WordTaken,
+)
 
 Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture
 
@@ -63,7 +74,7 @@ def _sections(event: ConfirmOutside | ConfirmHolding) -> tuple[str, ...]:
 
 def _refused(event: Act, why: str, section_ids: tuple[str, ...] = ()) -> Show:
     unit_id = "" if isinstance(event, AcceptPicture) else event.unit_id or ""
-    return show(NoteKind.REFUSED, unit_id, section_ids, detail=f"{event.person}: {why}")
+    return Show(Refused(unit_id=unit_id, section_ids=section_ids, why=f"{event.person}: {why}"))
 
 
 def _senseless(register: Register, event: ConfirmOutside | ConfirmHolding) -> Show | None:
@@ -85,8 +96,8 @@ def _confirm_outside(register: Register, event: ConfirmOutside) -> Step:
     freed = register.held_by(unit_id)
     unit = Unit(Standing.OUTSIDE, register.unit(unit_id).epoch)
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
-    shows = [show(NoteKind.FREED, unit_id, freed, detail=event.person)] if freed else []
-    return register, (*shows, show(NoteKind.OUTSIDE, unit_id, detail=event.person))
+    shows = [Show(Freed(unit_id=unit_id, section_ids=freed, by=event.person))] if freed else []
+    return register, (*shows, Show(Outside(unit_id=unit_id, by=event.person)))
 
 
 def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
@@ -95,7 +106,11 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
     if (senseless := _senseless(register, event)) is not None:
         return register, (senseless,)
     if (conflict := register.other_holder(unit_id, section_ids)) is not None:
-        return register, (show(NoteKind.CONTRADICTION, unit_id, conflict[:1], 0, conflict[1], event.person),)
+        section_id, other_id = conflict
+        against = Contradicted(
+            unit_id=unit_id, section_ids=(section_id,), other_id=other_id, why=f"entered by {event.person}"
+        )
+        return register, (Show(against),)
     freed = tuple(section_id for section_id in register.held_by(unit_id) if section_id not in section_ids)
     if freed:
         register = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
@@ -104,9 +119,11 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
     register, token = reentry.without_words(register, unit_id).next_token()
     register = register.with_held(unit_id, section_ids)
     register = register.with_unit(unit_id, Unit(Standing.BY_HAND, register.unit(unit_id).epoch, token))
-    shows = [show(NoteKind.FREED, unit_id, freed, token, detail=event.person)] if freed else []
+    by = event.person
+    shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
     held = register.held_by(unit_id)
-    return register, (*shows, show(NoteKind.BY_HAND, unit_id, held, token, detail=event.person))
+    confirmed = ConfirmedByHand(unit_id=unit_id, section_ids=held, token=token, by=by)
+    return register, (*shows, Show(confirmed))
 
 
 def _refuse_unit_speaks(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
@@ -123,7 +140,7 @@ def _take_word(register: Register, event: ConfirmOutside | ConfirmHolding) -> St
     changed = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
     if not section_ids and unit_id in register.ledger and reentry.agreed(changed, unit_id) is None:
         return _as_changed(register, changed), (_refused(event, _SECOND_PERSON),)
-    note = show(NoteKind.ENTERED, unit_id, section_ids, detail=event.person)
+    note = Show(WordTaken(unit_id=unit_id, section_ids=section_ids, by=event.person))
     return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
 
 
@@ -134,7 +151,7 @@ def _take_correction(register: Register, event: ConfirmOutside | ConfirmHolding)
     if frozenset(own) != frozenset(_sections(event)):
         return _refuse_unit_speaks(register, event)
     changed = reentry.with_word(register, person_key(event.person), event.unit_id, own)
-    note = show(NoteKind.ENTERED, event.unit_id, own, detail=event.person)
+    note = Show(WordTaken(unit_id=event.unit_id, section_ids=own, by=event.person))
     return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
 
 
@@ -143,8 +160,7 @@ def _enter_section(register: Register, event: EnterSection) -> Step:
     if event.section_id not in register.plan.order:
         return register, (_refused(event, "unknown section", (event.section_id,)),)
     changed = reentry.with_entry(register, person_key(event.person), event.section_id, event.unit_id)
-    detail = event.person if event.unit_id is not None else f"{event.person}: free"
-    note = show(NoteKind.ENTERED, event.unit_id or "", (event.section_id,), detail=detail)
+    note = Show(WordTaken(unit_id=event.unit_id or "", section_ids=(event.section_id,), by=event.person))
     return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
 
 
@@ -172,11 +188,7 @@ def _as_changed(before: Register, after: Register) -> Register:
 
 def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
     known = reentry.contradictions(before)
-    return tuple(
-        show(NoteKind.CONTRADICTION, found.unit_id, (found.section_id,), 0, found.other_id, found.clash.value)
-        for found in reentry.contradictions(after)
-        if found not in known
-    )
+    return tuple(reentry.shown(found) for found in reentry.contradictions(after) if found not in known)
 
 
 _SECOND_PERSON: Final = "it may be on the line; a second person must say the same"

@@ -42,10 +42,10 @@ from radio.messages import (
 )
 from radio.table import Row, rows
 from wayside import acts, reentry
-from wayside.actions import Action, Send, Show, show
+from wayside.actions import Action, Send, Show
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
-from wayside.said import NoteKind
+from wayside.said import Accepted, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
 
@@ -89,7 +89,7 @@ def wake_at_s(register: Register) -> float | None:
 
 def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if heard.unit_id not in register.plan.unit_ids:
-        return register, (show(NoteKind.REFUSED, heard.unit_id, detail="not on the fleet list"),)
+        return register, (Show(Refused(unit_id=heard.unit_id, why="not on the fleet list")),)
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
@@ -145,7 +145,10 @@ def _grant(register: Register, heard: Heard[RouteRequest], held: tuple[str, ...]
         register, token = register.next_token()
         unit = replace(unit, token=token, route_id=message.route_id, correlation=heard.correlation)
         register = register.with_held(unit_id, (*held, *message.section_ids)).with_unit(unit_id, unit)
-        actions.append(show(NoteKind.GRANTED, unit_id, message.section_ids, token, detail=message.route_id))
+        note = Granted(
+            unit_id=unit_id, section_ids=message.section_ids, token=token, route_id=message.route_id
+        )
+        actions.append(Show(note))
     capabilities = register.capabilities(unit_id, message.section_ids, unit.token)
     granted = RouteGranted(message.route_id, message.section_ids, unit.token, capabilities)
     return register, (*actions, Send(unit_id, granted, heard.correlation))
@@ -186,19 +189,21 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
         return register, (_show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
     if message.token != unit.token:
         return register, (_show_refusal(unit_id, RefusalReason.STALE_TOKEN), confirmed)
-    if extra := [section_id for section_id in message.section_ids if section_id not in held]:
+    if extra := tuple(section_id for section_id in message.section_ids if section_id not in held):
         # It believes to hold more than the register says: a contradiction, so nothing of it is freed.
         holder = register.holders.get(extra[0], "")
-        return register, (show(NoteKind.CONTRADICTION, unit_id, extra, unit.token, holder), confirmed)
+        against = Contradicted(unit_id=unit_id, section_ids=extra, token=unit.token, other_id=holder)
+        return register, (Show(against), confirmed)
     if not listed:
-        detail = "an empty report; sign off to leave the line"
-        return register, (show(NoteKind.REFUSED, unit_id, held, unit.token, detail=detail), confirmed)
+        why = "an empty report; sign off to leave the line"
+        refused = Refused(unit_id=unit_id, section_ids=held, token=unit.token, why=why)
+        return register, (Show(refused), confirmed)
     freed = tuple(section_id for section_id in held if section_id not in listed)
     if not freed:
         return register, (confirmed,)
     kept = tuple(section_id for section_id in held if section_id in listed)
     return reentry.released(register.with_held(unit_id, kept), unit_id, freed), (
-        show(NoteKind.FREED, unit_id, freed, unit.token),
+        Show(Freed(unit_id=unit_id, section_ids=freed, token=unit.token)),
         Send(unit_id, HoldingConfirmed(kept, unit.token), heard.correlation),
     )
 
@@ -258,19 +263,20 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
         register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
         disputed = replace(unit, standing=Standing.DISPUTED, epoch=heard.epoch, claim=claimed)
         register = register.with_unit(unit_id, disputed)
-        shown = show(NoteKind.CONTRADICTION, unit_id, conflict[:1], unit.token, conflict[1])
-        register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
-        return register, (shown, *refusal)
+        section_id, other_id = conflict
+        shown = Contradicted(unit_id=unit_id, section_ids=(section_id,), token=unit.token, other_id=other_id)
+        register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, section_id, other_id)
+        return register, (Show(shown), *refusal)
     return _accept_claim(register, heard, claimed)
 
 
 def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
     """It says that it is outside, persons say it holds something: it would never report, so persons must."""
     unit_id = heard.unit_id
-    detail = "entered by hand, says it is outside"
-    shown = show(NoteKind.CONTRADICTION, unit_id, register.held_by(unit_id), detail=detail)
+    why = "entered by hand, says it is outside"
+    shown = Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=why)
     register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
-    return register, (shown, *refusal)
+    return register, (Show(shown), *refusal)
 
 
 def _doubt(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
@@ -280,9 +286,9 @@ def _doubt(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
         return register, ()
     if register.restoring:
         return replace(register, foreign_token=token), ()
-    detail = "a token that this manager does not remember; the line must be restored"
-    doubt = show(NoteKind.CONTRADICTION, heard.unit_id, token=token, detail=detail)
-    return reentry.lost_again(register, token), (doubt,)
+    why = "a token that this manager does not remember; the line must be restored"
+    doubt = Contradicted(unit_id=heard.unit_id, token=token, why=why)
+    return reentry.lost_again(register, token), (Show(doubt),)
 
 
 def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:
@@ -304,7 +310,7 @@ def _enter(
     shows: tuple[Action, ...] = ()
     if register.unit(unit_id).standing is Standing.UNKNOWN:
         register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, heard.epoch))
-        shows = (show(NoteKind.OUTSIDE, unit_id, detail=Standing.UNKNOWN.value),)
+        shows = (Show(Outside(unit_id=unit_id, was=Standing.UNKNOWN.value)),)
     if not register.defined:
         blocking = (*register.undefined_because_of(), None)
         register, actions = _refuse_claim(register, heard, RefusalReason.UNDEFINED, None, blocking[0])
@@ -331,8 +337,9 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     register = register.with_unit(unit_id, after)
     actions: list[Action] = []
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
-        kind = NoteKind.CLAIMED if held else NoteKind.OUTSIDE
-        actions.append(show(kind, unit_id, held, token, detail=unit.standing.value))
+        was = unit.standing.value
+        taken = Accepted(unit_id=unit_id, section_ids=held, token=token, was=was)
+        actions.append(Show(taken if held else Outside(unit_id=unit_id, token=token, was=was)))
         actions += reentry.shown_against(register, unit_id)
     capabilities = register.capabilities(unit_id, held, token)
     accepted = SignOnAccepted(held, token, after.route_id, capabilities)
@@ -368,8 +375,8 @@ def _sign_off(register: Register, heard: Heard[SignOff]) -> Step:
     # Entering again gives a new token, so nothing said before this counts then.
     register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
     return register, (
-        show(NoteKind.FREED, unit_id, held, unit.token),
-        show(NoteKind.OUTSIDE, unit_id, token=unit.token),
+        Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
+        Show(Outside(unit_id=unit_id, token=unit.token)),
         Send(unit_id, SignOffAccepted(), heard.correlation),
     )
 
@@ -392,14 +399,14 @@ def _sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
 
 
 def _not_for_manager(register: Register, heard: Heard[Any]) -> Step:
-    return register, (show(NoteKind.REFUSED, heard.unit_id, detail=type(heard.message).__name__),)
+    return register, (Show(Refused(unit_id=heard.unit_id, why=type(heard.message).__name__)),)
 
 
 def _show_refusal(
     unit_id: str, reason: RefusalReason, section_id: str | None = None, holder: str | None = None
 ) -> Show:
     sections = () if section_id is None else (section_id,)
-    return show(NoteKind.REFUSED, unit_id, sections, 0, holder or "", reason.name)
+    return Show(Refused(unit_id=unit_id, section_ids=sections, other_id=holder or "", why=reason.name))
 
 
 _Handler = Callable[[Register, Heard[Any]], Step]

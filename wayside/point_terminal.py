@@ -25,7 +25,15 @@ from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusal
 from radio.table import Row, rows
 from wayside.actions import Action, Drive, Send, Show
 from wayside.config import PointsEntry, TerminalConfig
-from wayside.said import Note, NoteKind, PointsDetected, StartThrow, StopThrow
+from wayside.said import (
+    PointsCommanded,
+    PointsDetected,
+    PointsProven,
+    PointsUnproven,
+    StartThrow,
+    StopThrow,
+    ThrowRefused,
+)
 
 _TIME_TOLERANCE_S: Final = 1e-9
 
@@ -164,12 +172,12 @@ def _command(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep
             {**memory.tokens, view.entry.section_id: command.token},
             {**memory.commitments, command.points_id: commitment},
         )
-    note = Note(
-        NoteKind.COMMANDED,
-        event.unit_id,
-        (command.section_id,),
-        command.token,
-        detail=f"{command.points_id} {command.position.value}",
+    note = PointsCommanded(
+        unit_id=event.unit_id,
+        section_id=command.section_id,
+        token=command.token,
+        points_id=command.points_id,
+        position=command.position,
     )
     terminal = replace(terminal, memory=memory)
     if _shows(view.detected, command.position):
@@ -246,12 +254,12 @@ def _expire(terminal: Terminal, now_s: float) -> TerminalStep:
 
 def _refuse(event: Commanded, reason: PointsRefusalReason) -> tuple[Action, ...]:
     command = event.message
-    note = Note(
-        NoteKind.REFUSED,
-        event.unit_id,
-        (command.section_id,),
-        command.token,
-        detail=f"{command.points_id} {reason.name}",
+    note = ThrowRefused(
+        unit_id=event.unit_id,
+        section_id=command.section_id,
+        token=command.token,
+        points_id=command.points_id,
+        why=reason.name,
     )
     refused: AnyMessage = PointsRefused(command.points_id, reason, command.token)
     return Show(note), Send(event.unit_id, refused, event.correlation)
@@ -274,27 +282,25 @@ def _proof(view: PointsView, commitment: Commitment) -> Send:
 
 
 def _proven_note(commitment: Commitment, view: PointsView) -> Show:
-    detail = f"{view.entry.points_id} {commitment.position.value}"
     return Show(
-        Note(
-            NoteKind.PROVEN,
-            commitment.unit_id,
-            (view.entry.section_id,),
-            commitment.token,
-            detail=detail,
+        PointsProven(
+            unit_id=commitment.unit_id,
+            section_id=view.entry.section_id,
+            token=commitment.token,
+            points_id=view.entry.points_id,
+            position=commitment.position,
         )
     )
 
 
 def _unproven_note(commitment: Commitment, view: PointsView, why: str) -> Show:
-    detail = f"{view.entry.points_id} {why}"
     return Show(
-        Note(
-            NoteKind.UNPROVEN,
-            commitment.unit_id,
-            (view.entry.section_id,),
-            commitment.token,
-            detail=detail,
+        PointsUnproven(
+            unit_id=commitment.unit_id,
+            section_id=view.entry.section_id,
+            token=commitment.token,
+            points_id=view.entry.points_id,
+            why=why,
         )
     )
 

@@ -27,10 +27,10 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
-from wayside.actions import Action, show
+from wayside.actions import Action, Show
 from wayside.config import ReentryMode
 from wayside.register import Reentry, Register, Stage, Standing, Unit
-from wayside.said import NoteKind
+from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged
 
 Step = tuple[Register, tuple[Action, ...]]
 
@@ -170,13 +170,21 @@ def _contradictions_at(register: Register, section_id: str) -> list[Contradictio
     return found
 
 
+def shown(found: Contradiction) -> Show:
+    """The contradiction as the operator and the journal get it."""
+    return Show(
+        Contradicted(
+            unit_id=found.unit_id,
+            section_ids=(found.section_id,),
+            other_id=found.other_id,
+            why=found.clash.value,
+        )
+    )
+
+
 def shown_against(register: Register, unit_id: str) -> tuple[Action, ...]:
     """What was entered otherwise than the unit claims, for the journal."""
-    return tuple(
-        show(NoteKind.CONTRADICTION, unit_id, (found.section_id,), 0, found.other_id, found.clash.value)
-        for found in contradictions(register)
-        if found.unit_id == unit_id
-    )
+    return tuple(shown(found) for found in contradictions(register) if found.unit_id == unit_id)
 
 
 def missing(register: Register) -> Missing:
@@ -217,8 +225,8 @@ def settle(register: Register, now_s: float) -> Step:
             register, actions = _define(register, now_s)
         if (now := stage(register)) is not register.reentry.stage:
             register = replace(register, reentry=replace(register.reentry, stage=now))
-            shown = show(NoteKind.PICTURE, detail=f"{now.value} after {register.inputs} inputs")
-            actions = (*actions, shown)
+            changed = PictureChanged(stage=now.value, inputs=register.inputs)
+            actions = (*actions, Show(changed))
     elif register.reentry.complete:
         register = _forget_words_of_speakers(register)
     ledger = frozenset(filter(lambda unit_id: _on_line(register, unit_id), register.plan.unit_ids))
@@ -238,7 +246,7 @@ def _define(register: Register, now_s: float) -> Step:
         said_by = ", ".join(words_for(register, unit_id)) or register.reentry.accepted_by
         if unit.standing is Standing.UNKNOWN and not entered:
             register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
-            actions.append(show(NoteKind.OUTSIDE, unit_id, detail=said_by))
+            actions.append(Show(Outside(unit_id=unit_id, by=said_by)))
             continue
         before = register.held_by(unit_id)
         if entered <= frozenset(before):
@@ -249,7 +257,8 @@ def _define(register: Register, now_s: float) -> Step:
         register = register.with_held(unit_id, (*before, *entered.difference(before)))
         register = register.with_unit(unit_id, unit)
         held = register.held_by(unit_id)
-        actions.append(show(NoteKind.BY_HAND, unit_id, held, unit.token, detail=said_by))
+        confirmed = ConfirmedByHand(unit_id=unit_id, section_ids=held, token=unit.token, by=said_by)
+        actions.append(Show(confirmed))
     past = register.reentry
     done = Reentry(accepted_by=past.accepted_by, inputs=past.inputs, stage=past.stage, defined_s=now_s)
     return replace(register, restoring=False, reentry=done), tuple(actions)

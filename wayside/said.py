@@ -1,4 +1,5 @@
-"""What wayside devices are told and say besides telegrams: inputs, outputs, and lines of their journal.
+"""What wayside devices are told and say besides telegrams: inputs, outputs, and their lines of the journal, one type
+an event. Pure data, without any rule.
 
 Points stand in the simulated world; a terminal drives them by outputs and sees them by inputs, as a real one does by
 relays (転てつ機制御出力・表示入力, table 4 of Sugiyama et al. 2017). Persons' words are inputs of the block manager.
@@ -6,11 +7,10 @@ relays (転てつ機制御出力・表示入力, table 4 of Sugiyama et al. 2017
 
 from __future__ import annotations
 
-from enum import Enum
-
 import msgspec
 
 from network.model import Position
+from radio.noted import Noted, TelegramDropped, TookEffect
 
 
 class ConfirmOutside(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -71,31 +71,162 @@ class StopThrow(msgspec.Struct, frozen=True, array_like=True, tag=2):
 Output = StartThrow | StopThrow
 
 
-class NoteKind(Enum):
-    """What a device writes in the journal."""
+class Started(Noted, frozen=True, kw_only=True, tag="started"):
+    """A device has booted: what it knew is gone but for its durable state."""
 
-    STARTED = "started"  # token: the boot epoch
-    DROPPED = "dropped"  # a telegram; detail: the reason
-    GRANTED = "granted"
-    REFUSED = "refused"  # detail: the reason; other_id: who holds section_ids[0]
-    FREED = "freed"
-    CLAIMED = "claimed"  # taken on the unit's own word: sign-on, claim
-    OUTSIDE = "outside"
-    BY_HAND = "by hand"  # detail: the person
-    ENTERED = "entered"  # re-entry: a person's word taken down, not yet in force; detail: the person
-    PICTURE = "picture"  # re-entry: what the whole line is now; detail: how complete, after how many inputs
-    CONTRADICTION = "contradiction"  # shown to the operator; other_id: the other holder
-    COMMANDED = "commanded"  # points: section_ids[0] is the section, detail the points and position
-    PROVEN = "proven"
-    UNPROVEN = "unproven"
+    epoch: int
 
 
-class Note(msgspec.Struct, frozen=True, array_like=True):
-    """One line of a device's journal. `device_id` and time are added by who keeps the journal."""
+class InputRefused(Noted, frozen=True, kw_only=True, tag="input_refused"):
+    """An input that this kind of device does not take."""
 
-    kind: NoteKind
+    why: str
+
+
+class Granted(Noted, frozen=True, kw_only=True, tag="granted"):
+    """The manager has granted a route whole; its sections are the unit's."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    token: int
+    route_id: str
+
+
+class Refused(Noted, frozen=True, kw_only=True, tag="refused"):
+    """A device refused a telegram or a person's word; `other_id` holds the first of the sections."""
+
     unit_id: str = ""
     section_ids: tuple[str, ...] = ()
     token: int = 0
     other_id: str = ""
-    detail: str = ""
+    why: str
+
+
+class Freed(Noted, frozen=True, kw_only=True, tag="freed"):
+    """The manager has freed sections: by the unit's own word, or `by` a person's."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    token: int = 0
+    by: str = ""
+
+
+class Accepted(Noted, frozen=True, kw_only=True, tag="accepted"):
+    """The manager has taken a sign-on or a claim: the unit, `was` that before, holds exactly these sections."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    token: int
+    was: str
+
+
+class Outside(Noted, frozen=True, kw_only=True, tag="outside"):
+    """The manager has the unit as off the line: it `was` that before, or persons say so."""
+
+    unit_id: str
+    token: int = 0
+    was: str = ""
+    by: str = ""
+
+
+class ConfirmedByHand(Noted, frozen=True, kw_only=True, tag="confirmed_by_hand"):
+    """The manager has what the unit holds from persons (手動入力)."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    token: int
+    by: str
+
+
+class WordTaken(Noted, frozen=True, kw_only=True, tag="word_taken"):
+    """A person's word is taken down but not in force yet; without a unit, the sections are said to be free."""
+
+    unit_id: str = ""
+    section_ids: tuple[str, ...]
+    by: str
+
+
+class PictureChanged(Noted, frozen=True, kw_only=True, tag="picture"):
+    """How far the re-entry has come, after so many inputs of persons."""
+
+    stage: str
+    inputs: int
+
+
+class Contradicted(Noted, frozen=True, kw_only=True, tag="contradiction"):
+    """What the unit, a person or another holder says does not fit; shown to the operator."""
+
+    unit_id: str
+    section_ids: tuple[str, ...] = ()
+    token: int = 0
+    other_id: str = ""
+    why: str = ""
+
+
+class PointsCommanded(Noted, frozen=True, kw_only=True, tag="points_commanded"):
+    """A terminal took a command: the points are the unit's until its section is another's."""
+
+    unit_id: str
+    section_id: str
+    token: int
+    points_id: str
+    position: Position
+
+
+class ThrowRefused(Noted, frozen=True, kw_only=True, tag="throw_refused"):
+    """A terminal refused a command."""
+
+    unit_id: str
+    section_id: str
+    token: int
+    points_id: str
+    why: str
+
+
+class PointsProven(Noted, frozen=True, kw_only=True, tag="points_proven"):
+    """A terminal proved position and lock to the unit that commanded."""
+
+    unit_id: str
+    section_id: str
+    token: int
+    points_id: str
+    position: Position
+
+
+class PointsUnproven(Noted, frozen=True, kw_only=True, tag="points_unproven"):
+    """A terminal withdrew its proof, or the points did not come into position in time."""
+
+    unit_id: str
+    section_id: str
+    token: int
+    points_id: str
+    why: str
+
+
+ManagerNote = (
+    Started
+    | InputRefused
+    | Granted
+    | Refused
+    | Freed
+    | Accepted
+    | Outside
+    | ConfirmedByHand
+    | WordTaken
+    | PictureChanged
+    | Contradicted
+    | TelegramDropped
+    | TookEffect
+)
+TerminalNote = (
+    Started
+    | InputRefused
+    | Refused
+    | PointsCommanded
+    | ThrowRefused
+    | PointsProven
+    | PointsUnproven
+    | TelegramDropped
+    | TookEffect
+)
+Note = ManagerNote | TerminalNote

@@ -113,7 +113,8 @@ def defer(state: Authority) -> Result:
     deferred = _all_due(state)
     if deferred == state:
         return state, ()
-    return deferred, tuple(StopTimer(open_.timer) for open_ in (*state.requests, *state.commands))
+    timers = (*(r.timer for r in state.requests), *(c.timer for c in state.commands))
+    return deferred, tuple(StopTimer(timer) for timer in timers)
 
 
 def _all_due(state: Authority) -> Authority:

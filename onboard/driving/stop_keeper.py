@@ -6,15 +6,15 @@ time alone; Oda's designed deceleration (chapter 4) has no lag in its model.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from onboard.driving.stopping import WAVE_STEPS, WaveRow
 from onboard.driving.tasc import DesignRow, TascRow, Verdict
 from onboard.driving.tuning import Learned, StopRecord, approximate, disturbance, learn
+from onboard.notes import LearnedFromStop
 from onboard.records import BehaviourRow
 from vehicle.records import TrainRow
 
@@ -60,9 +60,7 @@ class StopKeeper:
         """Whether the present stop is possible."""
         return Verdict(int(self.tasc.verdict))
 
-    def stopped(
-        self, train: TrainRow, behaviour: BehaviourRow, load_share: float
-    ) -> Mapping[str, Any] | None:
+    def stopped(self, train: TrainRow, behaviour: BehaviourRow, load_share: float) -> LearnedFromStop | None:
         """Learn from the stop just made and use it from the next one on; what the journal says of it."""
         record = self.record(load_share)
         if not self.learns or record is None:
@@ -73,13 +71,13 @@ class StopKeeper:
         if why is None:
             self.last = record
         fill_design(self.design, train, behaviour, self.learned)
-        return {
-            "left_out": why,
-            "dead_time_s": None if fit is None else round(fit.dead_time_s, 1),
-            "offset_mps2": None if fit is None else round(fit.offset_mps2, 4),
-            "uses_dead_time_s": round(self.learned.dead_time_s, 1),
-            "uses_offset_mps2": round(self.learned.offset_mps2, 4),
-        }
+        return LearnedFromStop(
+            left_out=why,
+            dead_time_s=None if fit is None else round(fit.dead_time_s, 1),
+            offset_mps2=None if fit is None else round(fit.offset_mps2, 4),
+            uses_dead_time_s=round(self.learned.dead_time_s, 1),
+            uses_offset_mps2=round(self.learned.offset_mps2, 4),
+        )
 
     def record(self, load_share: float) -> StopRecord | None:
         """The waves of the stop just made, up to rest; None where TASC did not brake."""

@@ -144,7 +144,7 @@ def set_back_refused(turn: Turn, _event: SetBack) -> None:
 
 
 def tag_passed(turn: Turn, event: TagPassed) -> None:
-    """At the approach tag (④), or at the next one if that was missed: throws arrival points, asks beyond a track passed."""
+    """At the approach tag (④), or the next if that was missed: throws arrival points, asks beyond a track passed."""
     if event.found:
         turn.note(notes.PositionFound())
     plan = turn.plan

@@ -99,7 +99,7 @@ def resume(turn: Turn) -> None:
     place, last = state.place, len(plan.stops) - 1
     at = max(state.at, place.passed)
     # Beyond the last mark there is nowhere further to go: it counts as arrived, as far as it went.
-    stands = place.stands and (place.near == at or at == last)
+    stands = place.stands and at in (place.near, last)
     if not stands:  # beyond the last mark, that one is still to be reached
         at = min(at, last - 1)
     ahead = [s for s in plan.spans[place.here + 1 :] if state.authority.holds(s.section_id)]

@@ -13,6 +13,7 @@ from network.model import Position
 from radio.air import Delivery
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
+from simulation.events import WORLD, Acted, FaultBegan, FaultOver
 from simulation.faults.script import Act, ActKind, Fault, FaultKind, Script, Trigger, Watch
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
@@ -103,8 +104,9 @@ class Injector:
             return
         fault = self._script.faults[key]
         begins = what == "begin"
-        data = {"kind": fault.kind.value, "target": fault.target, **fault.parameters}
-        self._journal.write(step / STEPS_PER_S, "world", "fault" if begins else "fault_over", **data)
+        changed = FaultBegan if begins else FaultOver
+        event = changed(kind=fault.kind.value, target=fault.target, parameters=dict(fault.parameters))
+        self._journal.write(step / STEPS_PER_S, WORLD, event)
         _EFFECTS[fault.kind](self, key, fault, begins)
         if begins and fault.duration_s is not None:
             self._agenda.put(step + round(fault.duration_s * STEPS_PER_S), Due.SCRIPT, f"end {key}")
@@ -206,8 +208,8 @@ class Injector:
     # people -------------------------------------------------------------------------------------------------
 
     def _act(self, act: Act) -> None:
-        data = {"act": act.kind.value, "target": act.target, "sections": list(act.sections)}
-        self._journal.write(self._step / STEPS_PER_S, act.person, "act", **data)
+        acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections)
+        self._journal.write(self._step / STEPS_PER_S, act.person, acted)
         match act.kind:
             case ActKind.CONFIRM_OUTSIDE:
                 self._wayside.input(self._step, MANAGER_ID, ConfirmOutside(act.target, act.person))

@@ -12,7 +12,18 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Final
 
-Entry = Mapping[str, Any]
+from onboard.notes import Arrived, Departs, Holds, MissionBegun, UnitRestarted
+from simulation.events import (
+    Entered,
+    Entry,
+    EventType,
+    PointsLocked,
+    PointsMoving,
+    TagPassed,
+    unit_of,
+    word_of,
+)
+from wayside.said import Started
 
 
 class FaultKind(Enum):
@@ -105,25 +116,32 @@ class Matcher:
     """An event of the journal: who (a party, or the train number it then runs), what, and data that must be equal."""
 
     text: str
-    what: tuple[str, ...]
+    events: tuple[EventType, ...]
     who: str | None = None
     train: str | None = None
-    data: Mapping[str, object] = field(default_factory=dict)
+    data: Mapping[str, object] = field(default_factory=dict)  # by the name of the field
+
+    def __post_init__(self) -> None:
+        for event in self.events:
+            unknown = sorted(set(self.data) - set(event.__struct_fields__))
+            if unknown:
+                raise ValueError(f"{word_of(event)} has no field {', '.join(unknown)}")
 
     def matches(self, entry: Entry, train_of: Mapping[str, str]) -> bool:
         """Whether an entry is this event; `train_of` gives the present train number of each unit."""
-        if entry["what"] not in self.what or (self.who is not None and entry["who"] != self.who):
+        event = entry.event
+        if not isinstance(event, self.events) or (self.who is not None and entry.who != self.who):
             return False
-        if self.train is not None:
-            unit = entry.get("unit", entry["who"])
-            if train_of.get(str(unit)) != self.train:
-                return False
-        return all(_same(entry.get(key), value) for key, value in self.data.items())
+        if self.train is not None and train_of.get(unit_of(entry)) != self.train:
+            return False
+        return all(_same(getattr(event, name), value) for name, value in self.data.items())
 
 
 def _same(actual: object, wanted: object) -> bool:
-    """A wanted list must be contained in the actual one, as must a single value."""
-    if not isinstance(actual, list | tuple):
+    """A wanted list must be contained in the actual one, as must a single value; an enum is its word."""
+    if isinstance(actual, Enum):
+        return actual.value == wanted or actual is wanted
+    if not isinstance(actual, tuple):
         return actual == wanted
     return all(item in actual for item in (wanted if isinstance(wanted, list | tuple) else (wanted,)))
 
@@ -200,24 +218,24 @@ class Script:
 _WORDS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], dict[str, Any]]], ...]] = (
     (
         re.compile(r"train (\S+) passes tag (\d+)"),
-        lambda m: {"what": ("tag_passed",), "train": m[1], "data": {"tag": int(m[2])}},
+        lambda m: {"events": (TagPassed,), "train": m[1], "data": {"tag_id": int(m[2])}},
     ),
     (
         re.compile(r"train (\S+) departs (\S+)"),
-        lambda m: {"what": ("departs",), "train": m[1], "data": {"station": m[2]}},
+        lambda m: {"events": (Departs,), "train": m[1], "data": {"station": m[2]}},
     ),
     (
         re.compile(r"train (\S+) arrives (\S+)"),
-        lambda m: {"what": ("arrived",), "train": m[1], "data": {"station": m[2]}},
+        lambda m: {"events": (Arrived,), "train": m[1], "data": {"station": m[2]}},
     ),
-    (re.compile(r"train (\S+) enters"), lambda m: {"what": ("entered",), "data": {"train": m[1]}}),
+    (re.compile(r"train (\S+) enters"), lambda m: {"events": (Entered,), "data": {"train": m[1]}}),
     (
         re.compile(r"train (\S+) holds (\S+)"),
-        lambda m: {"what": ("holds",), "train": m[1], "data": {"sections": m[2]}},
+        lambda m: {"events": (Holds,), "train": m[1], "data": {"section_ids": m[2]}},
     ),
-    (re.compile(r"points (\S+) move"), lambda m: {"what": ("points_moving",), "data": {"points": m[1]}}),
-    (re.compile(r"points (\S+) lock"), lambda m: {"what": ("points_locked",), "data": {"points": m[1]}}),
-    (re.compile(r"(\S+) restarts"), lambda m: {"what": ("restarted",), "who": m[1]}),
+    (re.compile(r"points (\S+) move"), lambda m: {"events": (PointsMoving,), "data": {"points_id": m[1]}}),
+    (re.compile(r"points (\S+) lock"), lambda m: {"events": (PointsLocked,), "data": {"points_id": m[1]}}),
+    (re.compile(r"(\S+) restarts"), lambda m: {"events": (UnitRestarted, Started), "who": m[1]}),
 )
 WORDS_HELP: Final = (
     "a time (HH:MM:SS), or words such as 'train 323M passes tag 4', 'train 323M departs OGN', 'train 323M arrives"
@@ -244,8 +262,8 @@ class Watch:
 
     def see(self, entry: Entry) -> None:
         """An entry was written. A trigger fires once."""
-        if entry["what"] == "mission":
-            self.train_of[str(entry["who"])] = str(entry["train"])
+        if isinstance(entry.event, MissionBegun):
+            self.train_of[entry.who] = entry.event.train
         if not self._open:
             return
         fired = [
@@ -255,4 +273,4 @@ class Watch:
         ]
         for key in fired:
             trigger = self._open.pop(key)
-            self._due(key, float(entry["t"]) + trigger.after_s)
+            self._due(key, entry.t_s + trigger.after_s)

@@ -12,10 +12,31 @@ nothing: until it says anew what it holds, the manager's word alone counts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from network.model import Position
+from simulation.events import (
+    MANAGER,
+    WORLD,
+    Accepted,
+    Collision,
+    ConfirmedByHand,
+    Entry,
+    Event,
+    Freed,
+    Granted,
+    Holds,
+    Outside,
+    PointsForced,
+    PointsLocked,
+    PointsMoving,
+    PointsUnlocked,
+    ProofDropped,
+    Proven,
+    Reported,
+    Started,
+    TookEffect,
+    UnitRestarted,
+)
 from simulation.judge.body import RESOLUTION_M, Body, Track
 from simulation.judge.log import Checker, Log, Violation
 from simulation.judge.points import PointsFacts, PointsWatch, Proof
@@ -24,21 +45,23 @@ from sumo_cfg.truth_map import NetMap
 
 __all__ = ["Checker", "Checkers", "PointsFacts", "Violation"]
 
-Entry = Mapping[str, Any]
-
-MANAGER: Final = "block-manager"
-WORLD: Final = "world"
-
 
 class Checkers:
     """All checkers of one run. Every method but `violations` and `counts` only takes in what happened."""
 
-    def __init__(self, net: NetMap, points: Mapping[str, PointsFacts], portals: Collection[str]) -> None:
+    def __init__(
+        self,
+        net: NetMap,
+        points: Mapping[str, PointsFacts],
+        portals: Collection[str],
+        unit_ids: Collection[str],
+    ) -> None:
         self._log = Log()
         self._track = Track(net)
         self._points = PointsWatch(points, self._log)
         self._register = RegisterWatch(self._log)
         self._portals = frozenset(portals)
+        self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
         self._own: dict[str, frozenset[str]] = {}  # what each unit counts as held
@@ -47,32 +70,6 @@ class Checkers:
         self._changed: set[str] = set()  # units whose holdings changed at `_changed_s`, not yet judged
         self._changed_s = 0.0
         self._effects: dict[tuple[str, str, int], set[int]] = {}
-        self._handlers: dict[str, dict[str, Callable[[float, Entry], None]]] = {
-            MANAGER: {
-                "granted": self._granted,
-                "freed": self._freed,
-                "signed_on": self._accepted,
-                "claimed": self._accepted,
-                "confirmed_by_hand": self._accepted,
-                "outside": self._outside,
-                "restarted": self._manager_restarted,
-            },
-            WORLD: {
-                "points_moving": self._points_moving,
-                "points_locked": self._points_locked,
-                "points_unlocked": self._points_unlocked,
-                "points_lost": self._points_lost,
-                "points_forced": self._points_lost,
-                "collision": self._collision,
-            },
-        }
-        self._unit_handlers: dict[str, Callable[[float, Entry], None]] = {
-            "holds": self._holds,
-            "reported": self._reported,
-            "proven": self._proven,
-            "proof_dropped": self._proof_dropped,
-            "restarted": self._unit_restarted,
-        }
 
     @property
     def violations(self) -> tuple[Violation, ...]:
@@ -215,40 +212,75 @@ class Checkers:
 
     def journal(self, entry: Entry) -> None:
         """One journal entry, in order. Entries that say nothing to a checker are passed over."""
-        if self._changed and entry["t"] > self._changed_s:
+        if self._changed and entry.t_s > self._changed_s:
             self._judge_changes()
-        what = entry["what"]
-        if what == "took_effect":
-            self._took_effect(entry["t"], entry)
-            return
-        handler = self._handlers.get(entry["who"], self._unit_handlers).get(what)
-        if handler is not None:
-            handler(entry["t"], entry)
+        t_s, who, event = entry.t_s, entry.who, entry.event
+        if isinstance(event, TookEffect):
+            self._took_effect(t_s, who, event)
+        elif who == MANAGER:
+            self._of_manager(t_s, event)
+        elif who == WORLD:
+            self._of_world(t_s, event)
+        else:
+            self._of_unit(t_s, who, event)
 
-    def _granted(self, t_s: float, entry: Entry) -> None:
-        unit_id = entry["unit"]
-        self._register.granted(t_s, unit_id, entry["route"], entry["sections"], entry["token"])
+    def _of_manager(self, t_s: float, event: Event) -> None:
+        match event:
+            case Granted():
+                self._register.granted(t_s, event.unit_id, event.route_id, event.section_ids, event.token)
+            case Freed(unit_id=unit_id, section_ids=section_ids):
+                self._register.freed(unit_id, section_ids)
+                self._note_change(t_s, unit_id)
+            case (
+                Accepted(unit_id=unit_id, section_ids=section_ids)
+                | ConfirmedByHand(unit_id=unit_id, section_ids=section_ids)
+            ):
+                self._register.accepted(t_s, unit_id, section_ids)
+                if unit_id in self._own or unit_id in self._forgetful:
+                    self._except(t_s, unit_id, frozenset())
+            case Outside(unit_id=unit_id):
+                self._register.outside(unit_id)
+                self._except(t_s, unit_id, self._portals)
+            case Started():
+                self._register.restarted(self._unit_ids)
+            case _:
+                pass
 
-    def _freed(self, t_s: float, entry: Entry) -> None:
-        self._register.freed(entry["unit"], entry.get("sections", ()))
-        self._note_change(t_s, entry["unit"])
+    def _of_world(self, t_s: float, event: Event) -> None:
+        bodies = self._bodies.values()
+        match event:
+            case PointsMoving(points_id=points_id):
+                self._points.moving(t_s, points_id, bodies)
+            case PointsLocked(points_id=points_id, position=position):
+                self._points.locked(t_s, points_id, position, bodies)
+            case PointsUnlocked(points_id=points_id):
+                self._points.unlocked(t_s, points_id, bodies)
+            case PointsForced(points_id=points_id):
+                self._points.lost(t_s, points_id, bodies)
+            case Collision(text=text):  # `sumo-collision`: SUMO's own check found two trains in one place
+                self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
+            case _:
+                pass
 
-    def _accepted(self, t_s: float, entry: Entry) -> None:
-        unit_id = entry["unit"]
-        self._register.accepted(t_s, unit_id, entry.get("sections", ()))
-        if unit_id in self._own or unit_id in self._forgetful:
-            self._except(t_s, unit_id, frozenset())
+    def _of_unit(self, t_s: float, unit_id: str, event: Event) -> None:
+        match event:
+            case Holds(section_ids=section_ids):
+                self._holds(t_s, unit_id, frozenset(section_ids))
+            case Reported(section_ids=section_ids):
+                self._reported(t_s, unit_id, frozenset(section_ids))
+            case Proven(points_id=points_id, position=position, token=token):
+                self._proofs.setdefault(unit_id, {})[points_id] = Proof(position, token)
+            case ProofDropped(points_id=points_id):
+                self._proofs.get(unit_id, {}).pop(points_id, None)
+            case UnitRestarted():
+                self._forgetful.add(unit_id)
+                self._own.pop(unit_id, None)
+                self._proofs.pop(unit_id, None)
+            case _:
+                pass
 
-    def _outside(self, t_s: float, entry: Entry) -> None:
-        self._register.outside(entry["unit"])
-        self._except(t_s, entry["unit"], self._portals)
-
-    def _manager_restarted(self, _t_s: float, entry: Entry) -> None:
-        self._register.restarted(entry["registered"])
-
-    def _holds(self, t_s: float, entry: Entry) -> None:
+    def _holds(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
         """`release-behind-rear`, first half: a unit drops no section that its train still occupies."""
-        unit_id, sections = entry["who"], frozenset(entry["sections"])
         before = self._own.get(unit_id, sections)
         self._own[unit_id] = sections
         self._forgetful.discard(unit_id)
@@ -260,11 +292,11 @@ class Checkers:
         self._check_release(t_s, unit_id, before - sections, "drops")
         self._note_change(t_s, unit_id)
 
-    def _reported(self, t_s: float, entry: Entry) -> None:
+    def _reported(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
         """`release-behind-rear`, second half: a report lists every section that the train still occupies."""
-        body = self._bodies.get(entry["who"])
+        body = self._bodies.get(unit_id)
         if body is not None:
-            self._check_release(t_s, body.unit_id, body.sections - frozenset(entry["sections"]), "gives back")
+            self._check_release(t_s, unit_id, body.sections - sections, "gives back")
 
     def _check_release(self, t_s: float, unit_id: str, gone: Iterable[str], verb: str) -> None:
         body = self._bodies.get(unit_id)
@@ -274,42 +306,13 @@ class Checkers:
             text = f"{unit_id} {verb} section {section_id} while its train is in it"
             self._log.note(t_s, Checker.RELEASE_BEHIND_REAR, f"{section_id} {unit_id}", text)
 
-    def _proven(self, _t_s: float, entry: Entry) -> None:
-        proof = Proof(Position(entry["position"]), entry["token"])
-        self._proofs.setdefault(entry["who"], {})[entry["points"]] = proof
-
-    def _proof_dropped(self, _t_s: float, entry: Entry) -> None:
-        self._proofs.get(entry["who"], {}).pop(entry["points"], None)
-
-    def _unit_restarted(self, _t_s: float, entry: Entry) -> None:
-        self._forgetful.add(entry["who"])
-        self._own.pop(entry["who"], None)
-        self._proofs.pop(entry["who"], None)
-
-    def _points_moving(self, t_s: float, entry: Entry) -> None:
-        self._points.moving(t_s, entry["points"], self._bodies.values())
-
-    def _points_locked(self, t_s: float, entry: Entry) -> None:
-        self._points.locked(t_s, entry["points"], Position(entry["position"]), self._bodies.values())
-
-    def _points_unlocked(self, t_s: float, entry: Entry) -> None:
-        self._points.unlocked(t_s, entry["points"], self._bodies.values())
-
-    def _points_lost(self, t_s: float, entry: Entry) -> None:
-        self._points.lost(t_s, entry["points"], self._bodies.values())
-
-    def _collision(self, t_s: float, entry: Entry) -> None:
-        """`sumo-collision`: SUMO's own check found two trains in one place."""
-        self._log.note(t_s, Checker.SUMO_COLLISION, entry["text"], entry["text"])
-
-    def _took_effect(self, t_s: float, entry: Entry) -> None:
-        """`telegram-once`: no telegram of one boot of its source takes effect twice at a receiver."""
-        receiver, source, epoch = entry.get("receiver", entry["who"]), entry["source"], entry["epoch"]
-        done = self._effects.setdefault((receiver, source, epoch), set())
-        sequence = entry["sequence"]
+    def _took_effect(self, t_s: float, who: str, event: TookEffect) -> None:
+        """`telegram-once`: no telegram of one boot of its source takes effect twice at a receiver, whoever it is."""
+        source, epoch, sequence = event.source, event.epoch, event.sequence
+        done = self._effects.setdefault((who, source, epoch), set())
         if sequence in done:
-            text = f"telegram {sequence} of {source}, boot {epoch}, took effect again at {receiver}"
-            self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{receiver} {source} {epoch} {sequence}", text)
+            text = f"telegram {sequence} of {source}, boot {epoch}, took effect again at {who}"
+            self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{who} {source} {epoch} {sequence}", text)
         done.add(sequence)
 
     def _except(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:

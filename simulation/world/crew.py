@@ -60,9 +60,8 @@ class Crew:
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
         plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
-        if self._trains.plants[slot].speed_mps > 0.0 or plan is None or duty is None:
-            return []
-        if not self._on_board.drives_on_sight(slot):
+        stands = self._trains.plants[slot].speed_mps == 0.0 and self._on_board.drives_on_sight(slot)
+        if not stands or plan is None or duty is None:
             return []
         shown, mission = self._on_board.shown(slot), duty.mission
         front_m = float(self._trains.truths[slot].position_m)

@@ -7,42 +7,30 @@ from collections import Counter, defaultdict
 from collections.abc import Callable
 from typing import Final
 
-import msgspec
-
 from host.devices import Advance, Fleet
 from network.model import Line, Position
 from radio.air import Air, Delivery
-from radio.envelope import Envelope
-from radio.keys import MAC_BYTES
-from radio.messages import AnyMessage
+from radio.envelope import header_of, kind_of
+from radio.noted import Lost, LostWhere, Sent
 from simulation.agenda import Agenda, Due
+from simulation.events import (
+    WORLD,
+    PointsForced,
+    PointsLocked,
+    PointsMoving,
+    PointsSetByHand,
+    PointsUnlocked,
+    PowerOff,
+    PowerOn,
+)
 from simulation.journal import Journal
 from simulation.setup import STEP_S, STEPS_PER_S
-from simulation.vocabulary import device_word
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine, Repaired
 from wayside.config import MANAGER_ID
-from wayside.said import Input, Note, NoteKind, Output
+from wayside.said import Input, Output
 
 Disturb = Callable[[int, str, str, tuple[Delivery, ...]], tuple[Delivery, ...]]
-_HEADER: Final = msgspec.msgpack.Decoder(Envelope)
-_PAYLOAD: Final = msgspec.msgpack.Decoder(AnyMessage)
-
-
-def kind_of(data: bytes) -> str:
-    """Kind of the message in a telegram, for the journal; '?' if unreadable. Nobody acts on this."""
-    try:
-        return type(_PAYLOAD.decode(_HEADER.decode(data[:-MAC_BYTES]).payload)).__name__
-    except (msgspec.MsgspecError, UnicodeDecodeError):
-        return "?"
-
-
-def header_of(data: bytes) -> Envelope | None:
-    """Header of a telegram, for the journal; None if it is unreadable. Nobody acts on this."""
-    try:
-        return _HEADER.decode(data[:-MAC_BYTES])
-    except (msgspec.MsgspecError, UnicodeDecodeError):
-        return None
 
 
 class WaysideWorld:
@@ -56,7 +44,6 @@ class WaysideWorld:
         agenda: Agenda,
         journal: Journal,
         covered: Callable[[str], bool],
-        registered: tuple[str, ...],
     ) -> None:
         self.machines: dict[str, PointMachine] = {
             points.id: point_machine.machine_of(points) for points in line.points.values()
@@ -70,7 +57,6 @@ class WaysideWorld:
         self._agenda = agenda
         self._journal = journal
         self._covered = covered
-        self._registered = registered
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
         self._down: set[str] = set()
@@ -88,34 +74,55 @@ class WaysideWorld:
         self._inputs[device_id].append(value)
         self._agenda.put(step, Due.TO_DEVICE, device_id)
 
-    def transmit(self, step: int, source: str, destination: str, data: bytes, kind: str) -> None:
+    def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:
         """Send a telegram through the air."""
         unit_id = destination if source in self._device_ids else source
-        deliveries = self._air.transmit(step, source, destination, data, self._covered(unit_id))
+        covered = self._covered(unit_id)
+        deliveries = self._air.transmit(step, source, destination, data, covered)
         deliveries = self.disturb(step, source, destination, deliveries)
-        count = self.telegrams[source, destination, kind]
+        header = header_of(data)
+        kind = None if header is None else kind_of(header)
+        count = self.telegrams[source, destination, kind or "?"]
         count["sent"] += 1
         count["bytes"] += len(data)
         count["delivered"] += len(deliveries)
         count["lost"] += 0 if deliveries else 1
-        self._journal.write(
-            step / STEPS_PER_S,
-            source,
-            "sent",
-            to=destination,
+        sent = Sent(
+            source=source,
+            receiver=destination,
+            epoch=None if header is None else header.epoch,
+            sequence=None if header is None else header.sequence,
             kind=kind,
-            bytes=len(data),
-            arrives=[round(delivery.step / STEPS_PER_S, 1) for delivery in deliveries],
+            correlation=None if header is None else header.correlation,
+            size_bytes=len(data),
+            arrives_s=tuple(round(delivery.step / STEPS_PER_S, 1) for delivery in deliveries),
         )
+        self._journal.write(step / STEPS_PER_S, source, sent)
+        if not deliveries:
+            self.lost(step, destination, data, LostWhere.AIR if covered else LostWhere.NO_COVERAGE)
         due = Due.TO_DEVICE if destination in self._device_ids else Due.TO_UNIT
         for delivery in deliveries:
             self._agenda.put(delivery.step, due, destination, delivery.data)
 
+    def lost(self, step: int, receiver: str, data: bytes, where: LostWhere) -> None:
+        """Write down that a telegram does not reach its receiver."""
+        header = header_of(data)
+        lost = Lost(
+            source=None if header is None else header.source,
+            receiver=receiver,
+            epoch=None if header is None else header.epoch,
+            sequence=None if header is None else header.sequence,
+            kind=None if header is None else kind_of(header),
+            correlation=None if header is None else header.correlation,
+            where=where,
+        )
+        self._journal.write(step / STEPS_PER_S, WORLD, lost)
+
     def advance(self, step: int, device_id: str, telegrams: list[bytes]) -> None:
         """Let a device act on what has come. A dead one loses it, a frozen one finds it later."""
         if device_id in self._down:
-            if telegrams:
-                self._journal.write(step / STEPS_PER_S, "world", "lost_at_dead_device", device=device_id)
+            for data in telegrams:
+                self.lost(step, device_id, data, LostWhere.RECEIVER_OFF)
             self._inputs.pop(device_id, None)
             return
         if device_id in self._frozen:
@@ -123,16 +130,6 @@ class WaysideWorld:
             return
         inputs = self._inputs.pop(device_id, [])
         done = self._fleet.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
-        for data in telegrams:
-            header = header_of(data)
-            self._journal.write(
-                step / STEPS_PER_S,
-                device_id,
-                "heard",
-                source="?" if header is None else header.source,
-                kind=kind_of(data),
-                sequence=None if header is None else header.sequence,
-            )
         self._take(step, device_id, done)
 
     def points_due(self, step: int, points_id: str) -> None:
@@ -142,7 +139,7 @@ class WaysideWorld:
     def force(self, step: int, points_id: str) -> None:
         """A train has run through points set against it."""
         forced = point_machine.step(self.machines[points_id], point_machine.Forced(), step / STEPS_PER_S)
-        self._journal.write(step / STEPS_PER_S, "world", "points_forced", points=points_id)
+        self._journal.write(step / STEPS_PER_S, WORLD, PointsForced(points_id=points_id))
         self._moved(step, forced)
 
     def position_of(self, points_id: str) -> Position | None:
@@ -151,34 +148,16 @@ class WaysideWorld:
 
     def _take(self, step: int, device_id: str, done: Advance) -> None:
         for note in done.notes:
-            self._note(step, device_id, note)
+            self._journal.write(step / STEPS_PER_S, device_id, note)
         for output in done.outputs:
             self._output(step, output)
         for destination, data in done.telegrams:
-            self.transmit(step, device_id, destination, data, kind_of(data))
+            self.transmit(step, device_id, destination, data)
         if done.wake_at_s is not None:
             wake_step = max(math.ceil(done.wake_at_s / STEP_S - 1e-6), step + 1)
             if self._wakes.get(device_id) != wake_step:
                 self._wakes[device_id] = wake_step
                 self._agenda.put(wake_step, Due.TO_DEVICE, device_id)
-
-    def _note(self, step: int, device_id: str, note: Note) -> None:
-        what = device_word(note.kind)
-        data: dict[str, object] = {}
-        if note.unit_id:
-            data["unit"] = note.unit_id
-        if note.section_ids:
-            data["sections"] = list(note.section_ids)
-        if note.token:
-            data["token"] = note.token
-        if note.other_id:
-            data["other"] = note.other_id
-        if note.detail:
-            data["route" if note.kind is NoteKind.GRANTED else "detail"] = note.detail
-        if note.kind is NoteKind.STARTED:
-            data["epoch"] = note.token
-            data["registered"] = list(self._registered)
-        self._journal.write(step / STEPS_PER_S, device_id, what, **data)
 
     def _output(self, step: int, output: Output) -> None:
         machine = self.machines[output.points_id]
@@ -192,16 +171,14 @@ class WaysideWorld:
         self.machines[machine.points_id] = machine
         points = machine.points_id
         if before.locked and not machine.locked:
-            self._journal.write(step / STEPS_PER_S, "world", "points_unlocked", points=points)
+            self._journal.write(step / STEPS_PER_S, WORLD, PointsUnlocked(points_id=points))
         if machine.target is not None and machine.target is not before.target:
-            self._journal.write(
-                step / STEPS_PER_S, "world", "points_moving", points=points, target=machine.target.value
-            )
+            moving = PointsMoving(points_id=points, target=machine.target)
+            self._journal.write(step / STEPS_PER_S, WORLD, moving)
         settled = not before.locked or machine.position is not before.position
         if machine.locked and settled and machine.position is not None:
-            self._journal.write(
-                step / STEPS_PER_S, "world", "points_locked", points=points, position=machine.position.value
-            )
+            locked = PointsLocked(points_id=points, position=machine.position)
+            self._journal.write(step / STEPS_PER_S, WORLD, locked)
         if machine.done_at_s is not None and machine.done_at_s != before.done_at_s:
             done_step = math.ceil(machine.done_at_s / STEP_S - 1e-6)
             self._agenda.put(done_step, Due.POINTS, points)
@@ -216,9 +193,8 @@ class WaysideWorld:
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""
         repaired = point_machine.step(self.machines[points_id], Repaired(position), step / STEPS_PER_S)
-        self._journal.write(
-            step / STEPS_PER_S, "staff", "points_set_by_hand", points=points_id, position=position.value
-        )
+        by_hand = PointsSetByHand(points_id=points_id, position=position)
+        self._journal.write(step / STEPS_PER_S, "staff", by_hand)
         self._moved(step, repaired)
 
     def power_off(self, step: int, device_id: str) -> None:
@@ -227,7 +203,7 @@ class WaysideWorld:
             return
         self._fleet.kill(device_id)
         self._down.add(device_id)
-        self._journal.write(step / STEPS_PER_S, "world", "power_off", device=device_id)
+        self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
 
     def power_on(self, step: int, device_id: str) -> None:
         """A device boots: a new epoch; terminals are shown their points."""
@@ -235,7 +211,7 @@ class WaysideWorld:
             return
         self._fleet.restart(device_id)
         self._down.discard(device_id)
-        self._journal.write(step / STEPS_PER_S, "world", "power_on", device=device_id)
+        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=device_id))
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))

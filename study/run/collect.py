@@ -6,37 +6,44 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+import msgspec
 import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
 from network.model import Line
+from onboard import notes
+from radio.noted import TelegramDropped
+from simulation import events
+from simulation.events import EventType
 from simulation.result import RunResult, StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
 from study.run.tables import RunTables, make_table
+from wayside import said
 
 JOULE_PER_KWH: Final = 3.6e6
-# journal entries that a person should hear of: kind of the report, and how the text is made
-TOLD: Final[Mapping[str, str]] = {
-    "intervention": "intervention",
-    "refused": "refusal",
-    "points_refused": "refusal",
-    "sign_on_refused": "refusal",
-    "contradiction": "contradiction",
-    "position_fault": "fault",
-    "emergency_released": "intervention",
-    "stopped_short": "stop",
-    "stop_impossible": "stop",
-    "overran": "stop",
-    "unsafe": "unsafe",
-    "collision": "unsafe",
-    "points_forced": "unsafe",
-    "telegram_dropped": "telegram",
-    "dropped": "telegram",
-    "points_unproven": "points",
-    "reversed": "reversal",
-    "entered": "train",
-    "left": "train",
+# events that a person should hear of, and the kind under which the report has them
+TOLD: Final[Mapping[EventType, str]] = {
+    notes.Intervention: "intervention",
+    notes.EmergencyReleased: "intervention",
+    notes.RouteDenied: "refusal",
+    notes.ThrowDenied: "refusal",
+    notes.SignOnDenied: "refusal",
+    said.Refused: "refusal",
+    said.ThrowRefused: "refusal",
+    said.Contradicted: "contradiction",
+    notes.PositionFault: "fault",
+    notes.StoppedShort: "stop",
+    notes.StopImpossible: "stop",
+    notes.Overran: "stop",
+    events.Unsafe: "unsafe",
+    events.Collision: "unsafe",
+    events.PointsForced: "unsafe",
+    TelegramDropped: "telegram",
+    said.PointsUnproven: "points",
+    events.Reversed: "reversal",
+    events.Entered: "train",
+    events.Left: "train",
 }
 _LEVELS: Final = {0: "ended", 1: "service brake", 2: "emergency brake"}
 
@@ -144,32 +151,27 @@ def _blocks(
     grants: list[dict[str, Any]] = []
     open_grants: dict[tuple[str, str], dict[str, Any]] = {}
     for entry in result.journal.entries:
-        if entry["who"] != "block-manager" or entry["what"] not in (
-            "granted",
-            "signed_on",
-            "freed",
-            "outside",
-        ):
-            continue
-        unit = str(entry.get("unit", ""))
-        for section in entry.get("sections", ()):
-            key = (section, unit)
-            if entry["what"] in ("granted", "signed_on"):
-                if key not in open_grants:
-                    grant = {
-                        "section": section,
-                        "unit": unit,
-                        "train": _train_at(result, unit, entry["t"]),
-                        "token": int(entry.get("token", 0)),
-                        "granted_s": float(entry["t"]),
-                        "released_s": None,
-                        "entered_s": None,
-                        "cleared_s": None,
-                    }
-                    open_grants[key] = grant
-                    grants.append(grant)
-            elif key in open_grants:
-                open_grants.pop(key)["released_s"] = float(entry["t"])
+        event = entry.event
+        if isinstance(event, said.Granted | said.Accepted):
+            for section in event.section_ids:
+                if (section, event.unit_id) in open_grants:
+                    continue
+                grant: dict[str, Any] = {
+                    "section": section,
+                    "unit": event.unit_id,
+                    "train": _train_at(result, event.unit_id, entry.t_s),
+                    "token": event.token,
+                    "granted_s": entry.t_s,
+                    "released_s": None,
+                    "entered_s": None,
+                    "cleared_s": None,
+                }
+                open_grants[section, event.unit_id] = grant
+                grants.append(grant)
+        elif isinstance(event, said.Freed):
+            for section in event.section_ids:
+                if (section, event.unit_id) in open_grants:
+                    open_grants.pop((section, event.unit_id))["released_s"] = entry.t_s
     occupied = _occupation(result, spans, line, lengths_m)
     for grant in grants:
         for entered_s, cleared_s in occupied.get((grant["section"], grant["unit"]), ()):
@@ -231,8 +233,8 @@ def _times_left(result: RunResult) -> dict[str, list[float]]:
     """Times, s, at which each unit was taken off the line."""
     times: dict[str, list[float]] = defaultdict(list)
     for entry in result.journal.entries:
-        if entry["who"] == "world" and entry["what"] == "left":
-            times[str(entry["unit"])].append(float(entry["t"]))
+        if isinstance(entry.event, events.Left):
+            times[entry.event.unit_id].append(entry.t_s)
     return times
 
 
@@ -250,10 +252,13 @@ def _section_stretches(span: TraceSpan, line: Line) -> list[tuple[str, float, fl
 
 
 def _telegrams(result: RunResult) -> pl.DataFrame:
-    dropped: dict[tuple[str, str], int] = defaultdict(int)
+    dropped: dict[tuple[str, str, str], int] = defaultdict(int)
     for entry in result.journal.entries:
-        if entry["what"] == "telegram_dropped":
-            dropped[str(entry["source"]), str(entry["who"])] += 1
+        match entry.event:  # what was not proven to be of its source and kind is in no row
+            case TelegramDropped(source=str(source), receiver=receiver, kind=str(kind)):
+                dropped[source, receiver, kind] += 1
+            case _:
+                pass
     rows: list[dict[str, Any]] = []
     for (source, destination, kind), count in sorted(result.telegrams.items()):
         rows.append(
@@ -264,7 +269,7 @@ def _telegrams(result: RunResult) -> pl.DataFrame:
                 "sent": count["sent"],
                 "delivered": count["delivered"],
                 "lost": count["lost"],
-                "dropped": dropped.pop((source, destination), 0),
+                "dropped": dropped[source, destination, kind],
                 "bytes": count["bytes"],
             }
         )
@@ -297,17 +302,9 @@ def _energy(result: RunResult) -> pl.DataFrame:
 def _events(result: RunResult) -> pl.DataFrame:
     told: list[tuple[float, str, str, str]] = []
     for entry in result.journal.entries:
-        kind = TOLD.get(entry["what"])
-        if kind is None:
-            continue
-        data = {key: value for key, value in entry.items() if key not in ("t", "who", "what")}
-        if entry["what"] == "intervention":
-            text = _LEVELS.get(int(data["level"]), "?")
-        else:
-            text = (
-                entry["what"].replace("_", " ") + ": " + ", ".join(f"{k} {_text(v)}" for k, v in data.items())
-            )
-        told.append((float(entry["t"]), str(entry["who"]), kind, text))
+        kind = TOLD.get(type(entry.event))
+        if kind is not None:
+            told.append((entry.t_s, entry.who, kind, _told(entry.event)))
     return make_table(
         "events",
         {
@@ -317,6 +314,15 @@ def _events(result: RunResult) -> pl.DataFrame:
             "text": [row[3] for row in told],
         },
     )
+
+
+def _told(event: events.Event) -> str:
+    """An event as the report says it: its word, then its data."""
+    if isinstance(event, notes.Intervention):
+        return _LEVELS.get(event.level, "?")
+    data = msgspec.to_builtins(event)
+    word = data.pop("what").replace("_", " ")
+    return f"{word}: " + ", ".join(f"{k} {_text(v)}" for k, v in data.items() if v is not None)
 
 
 def _text(value: object) -> str:

@@ -20,6 +20,7 @@ from network.graph import all_routes
 from network.meets import meet_text, unresolvable_meets
 from network.model import Line
 from simulation.carriers.carrier import Carrier
+from simulation.events import Unsafe
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup
@@ -196,7 +197,8 @@ def _write_files(run: Run, out: Path, folder: Path) -> None:
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     """What makes a run a failure: collisions, broken invariants, trains that did not arrive and why."""
     broken = [*result.collisions]
-    broken += [f"{e['unit']} {e['text']}" for e in result.journal.entries if e["what"] == "unsafe"]
+    happened = (entry.event for entry in result.journal.entries)
+    broken += [f"{event.unit_id} {event.text}" for event in happened if isinstance(event, Unsafe)]
     broken += [f"{v.checker}: {v.text}" for v in result.violations if v.checker != "everyone-arrives"]
     missing = [
         n

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import polars as pl
 
 from network.timetable import clock
+from onboard.notes import MissionBegun
+from simulation.events import Entry
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.result import RunResult
 from study.run.tables import RunTables
@@ -44,21 +45,21 @@ class _Journal:
     def __init__(self, result: RunResult) -> None:
         self.result = result
         self.end_s = result.end_step / 10
-        self._rows: list[tuple[float, Mapping[str, Any], dict[str, str]]] = []
+        self._rows: list[tuple[Entry, dict[str, str]]] = []
         train_of: dict[str, str] = {}
         for entry in result.journal.entries:
-            if entry["what"] == "mission":
-                train_of = {**train_of, str(entry["who"]): str(entry["train"])}
-            self._rows.append((float(entry["t"]), entry, train_of))
+            if isinstance(entry.event, MissionBegun):
+                train_of = {**train_of, entry.who: entry.event.train}
+            self._rows.append((entry, train_of))
 
     def first(
         self, matcher: Matcher, from_s: float, to_s: float, strictly_after: bool = False
     ) -> float | None:
         """Time of the first entry that matches in [from, to]."""
-        for t_s, entry, train_of in self._rows:
-            late_enough = t_s > from_s if strictly_after else t_s >= from_s
-            if late_enough and t_s <= to_s and matcher.matches(entry, train_of):
-                return t_s
+        for entry, train_of in self._rows:
+            late_enough = entry.t_s > from_s if strictly_after else entry.t_s >= from_s
+            if late_enough and entry.t_s <= to_s and matcher.matches(entry, train_of):
+                return entry.t_s
         return None
 
 

@@ -10,11 +10,14 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+import msgspec
 from pydantic import Field
 
 from network.errors import InputError
 from network.files.toml_input import Record, one_of
 from network.timetable import Timetable
+from radio.noted import key_of
+from simulation.events import EVENTS
 from simulation.faults.injector import ANY, link_ends
 from simulation.faults.script import (
     NEEDS,
@@ -33,7 +36,6 @@ from simulation.faults.script import (
     matcher_of,
 )
 from simulation.setup import Setup
-from simulation.vocabulary import WORDS
 from wayside.config import MANAGER_ID
 
 _CLOCK: Final = re.compile(r"(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
@@ -262,16 +264,14 @@ def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: _Names)
     matcher = matcher_of(given) if isinstance(given, str) else _table_matcher(file, key, given)
     if matcher is None:
         raise InputError(file, key, given, WORDS_HELP)
-    for what in matcher.what:
-        if what not in WORDS:
-            raise InputError(file, f"{key}.what", what, one_of(sorted(WORDS), what))
     if matcher.who is not None and matcher.who not in names.parties:
         raise InputError(file, f"{key}.who", matcher.who, one_of(names.parties, matcher.who))
     checks = {
-        "tag": names.tags,
-        "points": names.points,
-        "sections": names.sections,
-        "unit": names.units,
+        "tag_id": names.tags,
+        "points_id": names.points,
+        "section_ids": names.sections,
+        "section_id": names.sections,
+        "unit_id": names.units,
         "train": names.trains,
         "station": (*names.stations, *names.sections),
     }
@@ -279,15 +279,23 @@ def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: _Names)
         known = checks.get(name)
         for item in value if isinstance(value, list) else (value,):
             if known is not None and str(item) not in known:
-                raise InputError(file, f"{key}: {name}", item, one_of(known, str(item)))
+                raise InputError(file, f"{key}: {key_of(name)}", item, one_of(known, str(item)))
     return matcher
 
 
 def _table_matcher(file: str, key: str, given: Mapping[str, Any]) -> Matcher:
     data = dict(given)
     what = data.pop("what", None)
-    if not isinstance(what, str):
-        raise InputError(file, f"{key}.what", what, one_of(sorted(WORDS)))
+    event = EVENTS.get(what) if isinstance(what, str) else None
+    if event is None:
+        raise InputError(file, f"{key}.what", what, one_of(sorted(EVENTS), str(what)))
     who, train = data.pop("who", None), data.pop("of_train", None)
     text = " ".join(str(part) for part in (who or train or "someone", what, *data.values()))
-    return Matcher(text, (what,), who, train, data)
+    field_of = {field.encode_name: field.name for field in msgspec.structs.fields(event)}
+    for name, value in data.items():
+        if name not in field_of:
+            raise InputError(
+                file, f"{key}.{name}", value, f"data of {what}: {one_of(sorted(field_of), name)}"
+            )
+    wanted = {field_of[name]: value for name, value in data.items()}
+    return Matcher(text, (event,), who, train, wanted)

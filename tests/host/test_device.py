@@ -27,6 +27,7 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
 )
+from radio.noted import TelegramDropped, TookEffect
 from wayside.config import (
     MANAGER_ID,
     ManagerConfig,
@@ -38,7 +39,15 @@ from wayside.config import (
     encode_config,
 )
 from wayside.point_terminal import Commitment, Memory
-from wayside.said import ConfirmOutside, NoteKind, PointsDetected, StartThrow
+from wayside.said import (
+    ConfirmOutside,
+    InputRefused,
+    PointsCommanded,
+    PointsDetected,
+    Refused,
+    Started,
+    StartThrow,
+)
 
 MASTER = b"m" * 32
 MANAGER = ManagerConfig(
@@ -111,7 +120,7 @@ def test_every_boot_has_a_new_epoch_and_says_so() -> None:
         host = manager(store)
         assert host.epoch == epoch
         (note, *_) = host.advance(0.0, []).notes
-        assert (note.kind, note.token) == (NoteKind.STARTED, epoch)
+        assert note == Started(epoch=epoch)
 
 
 def test_a_terminal_remembers_its_tokens_over_a_power_cut() -> None:
@@ -133,28 +142,40 @@ def test_a_telegram_for_the_boot_before_takes_no_effect_and_is_answered() -> Non
     heard(train, host.advance(1.0, [train.seal("t", command(grant), 1.0)]), 1.0)
     again = terminal(store)
     answer = again.advance(2.0, [train.seal("t", command(grant), 2.0)])
-    assert [note.kind for note in answer.notes] == [NoteKind.STARTED, NoteKind.DROPPED]
+    assert [type(note) for note in answer.notes] == [Started, TelegramDropped]
     assert heard(train, answer, 2.0) == [Restarted()]
     # Now it knows the new boot; the command repeated counts.
     answer = again.advance(3.0, [train.seal("t", command(grant), 3.0)])
-    assert NoteKind.COMMANDED in [note.kind for note in answer.notes]
+    assert PointsCommanded in [type(note) for note in answer.notes]
 
 
 def test_noise_and_copies_change_nothing() -> None:
     train, host = unit(), manager()
     data = train.seal(MANAGER_ID, Claim((), 0), 0.0)
     notes = host.advance(0.0, [b"noise", data, data]).notes
-    assert [note.kind for note in notes] == [NoteKind.STARTED, NoteKind.DROPPED, NoteKind.DROPPED]
-    assert [note.detail for note in notes[1:]] == ["corrupted", "repeated"]
+    started, noise, heard_first, repeated = notes
+    assert started == Started(epoch=1)
+    unread = {"source": None, "epoch": None, "sequence": None, "kind": None, "correlation": None}
+    assert noise == TelegramDropped(receiver=MANAGER_ID, why="corrupted", **unread)
+    telegram = {
+        "source": "u1",
+        "receiver": MANAGER_ID,
+        "epoch": 1,
+        "sequence": 0,
+        "kind": "Claim",
+        "correlation": 0,
+    }
+    assert heard_first == TookEffect(**telegram)
+    assert repeated == TelegramDropped(why="repeated", **telegram)
 
 
 def test_inputs_and_messages_for_other_devices_are_refused() -> None:
     train = unit()
     notes = manager().advance(0.0, [], [PointsDetected("p", None, False)]).notes
-    assert NoteKind.REFUSED in [note.kind for note in notes]
+    assert InputRefused(why="PointsDetected") in notes
     host = terminal()
     advance = host.advance(0.0, [train.seal("t", ClaimQuery(), 0.0)], [ConfirmOutside("u1", "Sato")])
-    assert [note.kind for note in advance.notes] == [NoteKind.STARTED, NoteKind.REFUSED, NoteKind.REFUSED]
+    assert [type(note) for note in advance.notes] == [Started, InputRefused, TookEffect, Refused]
     assert advance.telegrams == ()
 
 

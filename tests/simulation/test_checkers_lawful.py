@@ -9,6 +9,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Position
+from simulation.events import (
+    MANAGER,
+    WORLD,
+    Accepted,
+    Entry,
+    Event,
+    Freed,
+    Granted,
+    Holds,
+    Outside,
+    PointsLocked,
+    PointsMoving,
+    Proven,
+    Reported,
+    Started,
+)
 from simulation.judge.checkers import Checkers, PointsFacts
 from sumo_cfg.truth_map import NetEdge, NetMap
 
@@ -50,7 +66,7 @@ class Runner:
     length_m: float
     front_m: float = 200.0
     held: list[str] = field(default_factory=list)
-    proven: dict[str, str] = field(default_factory=dict)
+    proven: dict[str, Position] = field(default_factory=dict)
 
     @property
     def way(self) -> list[tuple[str, float, float]]:
@@ -88,23 +104,24 @@ class Lawful:
     """Trains A, B, C that keep every rule, driven by random acts; an act that is not allowed now does nothing."""
 
     def __init__(self) -> None:
-        self.checkers = Checkers(net(), POINTS, portals=("W", "E"))
+        self.checkers = Checkers(net(), POINTS, ("W", "E"), ("A", "B", "C"))
         self.t_s = 0.0
         self.token = 0
         self.trains: dict[str, Runner] = {}
         self.register: dict[str, list[str]] = {}
         self.unheard: set[str] = set()
-        self.position = {"1": "normal", "2": "normal"}
+        self.position = {"1": Position.NORMAL, "2": Position.NORMAL}
 
-    def entry(self, who: str, what: str, **data: object) -> None:
+    def entry(self, who: str, event: Event) -> None:
         self.t_s += 1.0
-        self.checkers.journal({"t": self.t_s, "who": who, "what": what, **data})
+        self.checkers.journal(Entry(self.t_s, who, event))
 
-    def manager(self, what: str, unit: str, sections: list[str], **data: object) -> None:
-        self.entry("block-manager", what, unit=unit, sections=list(sections), **data)
+    def accept(self, unit: str, sections: list[str]) -> None:
+        accepted = Accepted(unit_id=unit, section_ids=tuple(sections), token=self.token, was="unknown")
+        self.entry(MANAGER, accepted)
 
     def holds(self, unit: str) -> None:
-        self.entry(unit, "holds", sections=list(self.trains[unit].held))
+        self.entry(unit, Holds(section_ids=tuple(self.trains[unit].held), token=self.token))
 
     def see(self, unit: str, edge: str, front_m: float, speed_mps: float) -> None:
         self.t_s += 1.0
@@ -124,7 +141,7 @@ class Lawful:
         self.checkers.entered(unit, runner.length_m, (portal + sign,))
         self.see(unit, portal + sign, runner.front_m, 0.0)
         self.register[unit] = [portal]
-        self.manager("signed_on", unit, [portal])
+        self.accept(unit, [portal])
         self.holds(unit)
 
     def ask(self, unit: str, share: float) -> None:
@@ -140,22 +157,23 @@ class Lawful:
         self.register[unit] = list(dict.fromkeys([*self.register[unit], *ahead]))
         runner.held = list(dict.fromkeys([*runner.held, *ahead]))
         self.token += 1
-        self.manager("granted", unit, ahead, route="r", token=self.token)
+        granted = Granted(unit_id=unit, route_id="r", section_ids=tuple(ahead), token=self.token)
+        self.entry(MANAGER, granted)
         self.holds(unit)
 
     def throw(self, unit: str, _share: float) -> None:
         runner = self.trains[unit]
-        position = "normal" if runner.track == "T1" else "reverse"
+        position = Position.NORMAL if runner.track == "T1" else Position.REVERSE
         under = runner.under(runner.front_m - runner.length_m, runner.front_m)
         for points, section in (("1", "P1"), ("2", "P2")):
             if section not in runner.held or section in under or points in runner.proven:
                 continue
             if self.position[points] != position:
-                self.entry("world", "points_moving", points=points, target=position)
-                self.entry("world", "points_locked", points=points, position=position)
+                self.entry(WORLD, PointsMoving(points_id=points, target=position))
+                self.entry(WORLD, PointsLocked(points_id=points, position=position))
                 self.position[points] = position
             runner.proven[points] = position
-            self.entry(unit, "proven", points=points, position=position, token=self.token)
+            self.entry(unit, Proven(points_id=points, position=position, token=self.token))
 
     def run(self, unit: str, share: float) -> None:
         runner = self.trains[unit]
@@ -180,9 +198,9 @@ class Lawful:
             if section in freed:
                 runner.proven.pop(points, None)
         self.holds(unit)
-        self.entry(unit, "reported", sections=runner.held)
+        self.entry(unit, Reported(section_ids=tuple(runner.held), token=self.token))
         self.register[unit] = list(runner.held)
-        self.manager("freed", unit, freed)
+        self.entry(MANAGER, Freed(unit_id=unit, section_ids=tuple(freed)))
 
     def go(self, unit: str, share: float) -> None:
         """As far as it comes: the longest of lawful moves, so that random acts get somewhere."""
@@ -215,9 +233,9 @@ class Lawful:
         if runner.held != [PIECES[runner.way[-1][0]][0]] or self.unheard:
             return
         self.register[unit] = []
-        self.manager("freed", unit, runner.held)
+        self.entry(MANAGER, Freed(unit_id=unit, section_ids=tuple(runner.held)))
         self.t_s -= 1.0  # the manager writes both in one moment
-        self.manager("outside", unit, [])
+        self.entry(MANAGER, Outside(unit_id=unit))
         runner.held = []
         self.holds(unit)
         self.run(unit, 1.0)
@@ -226,12 +244,14 @@ class Lawful:
 
     def restart(self, _unit: str, _share: float) -> None:
         self.unheard = set(self.trains)
-        self.entry("block-manager", "restarted", epoch=2, registered=sorted(self.unheard))
+        self.entry(MANAGER, Started(epoch=2))
+        for unit in sorted({"A", "B", "C"} - self.unheard):
+            self.entry(MANAGER, Outside(unit_id=unit))
 
     def claim(self, unit: str, _share: float) -> None:
         if unit in self.unheard:
             self.unheard.discard(unit)
-            self.manager("claimed", unit, self.trains[unit].held)
+            self.accept(unit, self.trains[unit].held)
 
 
 ACTS = (

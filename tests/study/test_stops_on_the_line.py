@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import pytest
 
+from onboard.notes import Intervention, SignSeen, StopImpossible
+from radio.noted import Noted
 from study.run.run import LEARNED_FILE, CarrierKind, Link, Run, execute, write_run
 from study.scenario.scenario import load_scenario
 
@@ -31,8 +33,11 @@ def run_of(tmp_path: Path, text: str) -> Run:
     return execute(load_scenario(str(file)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
-def entries(run: Run, what: str) -> list[dict[str, Any]]:
-    return [dict(entry) for entry in run.result.journal.entries if entry["what"] == what]
+T = TypeVar("T", bound=Noted)
+
+
+def noted(run: Run, kind: type[T]) -> list[T]:
+    return [entry.event for entry in run.result.journal.entries if isinstance(entry.event, kind)]
 
 
 @pytest.mark.parametrize(
@@ -49,7 +54,7 @@ def test_an_impossible_stop_is_told_and_ends_within_the_authority(
     run = run_of(tmp_path, text)
     assert run.broken == ()
     assert run.result.violations == ()
-    assert [entry["why"] for entry in entries(run, "stop_impossible")] == [why]
+    assert [note.why for note in noted(run, StopImpossible)] == [why]
     told = run.tables.events.filter(run.tables.events["kind"] == "stop")["text"].to_list()
     assert any(why in line for line in told)
     stop = run.result.stops[-1]
@@ -60,13 +65,13 @@ def test_an_impossible_stop_is_told_and_ends_within_the_authority(
 
 def test_a_weak_brake_is_stopped_by_the_emergency_brake(tmp_path: Path) -> None:
     run = run_of(tmp_path, "[scatter.stock.K1]\nbrake_factor = 0.3\n")
-    assert [entry["level"] for entry in entries(run, "intervention")] == [2]
+    assert [note.level for note in noted(run, Intervention)] == [2]
 
 
 def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
     text = '[line_patch]\nremove_tags = { purpose = "position", near_marks_m = 120.0 }\n[vision]\nstations = "all"\n'
     run = run_of(tmp_path, text)
-    assert [entry["station"] for entry in entries(run, "sign_seen")] == ["B"]
+    assert [note.station for note in noted(run, SignSeen)] == ["B"]
     error_m = run.result.stops[-1].error_m
     assert error_m is not None
     assert abs(error_m) < 0.5
@@ -76,7 +81,7 @@ def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
 def test_a_sign_that_is_never_seen_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("simulation.sensors.camera.SightingModel.sample", lambda *_: None)
     run = run_of(tmp_path, '[vision]\nstations = "all"\n')
-    assert [entry["why"] for entry in entries(run, "stop_impossible")] == ["target not seen"]
+    assert [note.why for note in noted(run, StopImpossible)] == ["target not seen"]
     error_m = run.result.stops[-1].error_m
     assert error_m is not None
     assert abs(error_m) < 0.5  # the tags suffice all the same

@@ -24,6 +24,7 @@ from onboard.authority import machine as auth
 from onboard.authority.records import Authority
 from onboard.authority.stop_limit import StopLimit, cleared_sections, stop_limit
 from onboard.duty.mission import Mission
+from onboard.notes import Claimed
 from onboard.unit import Transmit, Unit, UnitAction
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer
@@ -52,7 +53,7 @@ from wayside import block_manager, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, Standing
-from wayside.said import Note, NoteKind
+from wayside.said import Freed
 
 Switch = Callable[[pytest.MonkeyPatch], None]
 Handler = Callable[..., auth.Result]
@@ -166,7 +167,7 @@ def silence_frees(patch: pytest.MonkeyPatch) -> None:
         for unit_id, last_s in heard_s.items():
             if now_s - last_s > 15.0 and (held := state.held_by(unit_id)):
                 state = state.with_held(unit_id, ())
-                lapsed.append(Show(Note(NoteKind.FREED, unit_id, held)))
+                lapsed.append(Show(Freed(unit_id=unit_id, section_ids=held)))
         state, actions = step(state, event, now_s)
         return state, (*lapsed, *actions)
 
@@ -300,7 +301,7 @@ def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
         here = state.section_ids()[:1]
         return state, (
             auth.Send(state.manager_id, Claim(here, state.token), event.correlation),
-            auth.Noted("claimed", {"sections": here, "token": state.token}),
+            Claimed(section_ids=here, token=state.token),
         )
 
     patch.setitem(heard_table(), ClaimQuery, claim)
@@ -386,14 +387,26 @@ def crew_does_not_look(patch: pytest.MonkeyPatch) -> None:
 # envelope -----------------------------------------------------------------------------------------------------
 
 
-def lets_pass(patch: pytest.MonkeyPatch, *let: DropReason) -> None:
+def anywhere(_receiver: str) -> bool:
+    return True
+
+
+def on_board(receiver: str) -> bool:
+    return receiver.startswith("K")
+
+
+def at_the_ground(receiver: str) -> bool:
+    return not on_board(receiver)
+
+
+def lets_pass(patch: pytest.MonkeyPatch, *let: DropReason, where: Callable[[str], bool] = anywhere) -> None:
     check = env.check
 
     def lax(
         peer: Peer, envelope: Envelope, own_epoch: int, now_s: float, age_max_s: float
     ) -> tuple[Peer, DropReason | None]:
         heard, reason = check(peer, envelope, own_epoch, now_s, age_max_s)
-        return (peer, None) if reason in let else (heard, reason)
+        return (peer, None) if reason in let and where(envelope.destination) else (heard, reason)
 
     patch.setattr(env, "check", lax)
 
@@ -401,6 +414,17 @@ def lets_pass(patch: pytest.MonkeyPatch, *let: DropReason) -> None:
 @switch
 def accepts_telegrams_twice(patch: pytest.MonkeyPatch) -> None:
     lets_pass(patch, DropReason.REPEATED)
+
+
+@switch
+def ground_accepts_telegrams_twice(patch: pytest.MonkeyPatch) -> None:
+    """Manager and terminals alone."""
+    lets_pass(patch, DropReason.REPEATED, where=at_the_ground)
+
+
+@switch
+def units_accept_telegrams_twice(patch: pytest.MonkeyPatch) -> None:
+    lets_pass(patch, DropReason.REPEATED, where=on_board)
 
 
 @switch

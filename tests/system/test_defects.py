@@ -167,7 +167,23 @@ DEFECTS: Final = (
         "a telegram takes effect twice",
         "everything_twice",
         "accepts_telegrams_twice",
-        (Checker.TELEGRAM_ONCE, "the second copies are dropped"),
+        (Checker.TELEGRAM_ONCE, "the unit drops second copies", "the manager drops second copies"),
+    ),
+    Defect(
+        "a telegram takes effect twice at manager and terminals",
+        "everything_twice",
+        "ground_accepts_telegrams_twice",
+        (
+            Checker.TELEGRAM_ONCE,
+            "the manager drops second copies",
+            "the terminal of the departure points drops second copies",
+        ),
+    ),
+    Defect(
+        "a telegram takes effect twice at a unit",
+        "everything_twice",
+        "units_accept_telegrams_twice",
+        (Checker.TELEGRAM_ONCE, "the unit drops second copies"),
     ),
     Defect(
         "an old grant obeyed after a restart",

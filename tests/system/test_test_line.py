@@ -39,12 +39,12 @@ def found(entries: Iterator[Entry], who: str, what: str, **data: object) -> Entr
 
 def throw(entries: Iterator[Entry], points: str, terminal: str, section: str) -> tuple[float, float]:
     """A real throw: commanded, unlocked, moved, locked, proven; when it was commanded and proven to the train."""
-    commanded = found(entries, terminal, "points_commanded", unit="K1", sections=[section])
+    commanded = found(entries, terminal, "points_commanded", unit="K1", section=section, points=points)
     found(entries, "world", "points_unlocked", points=points)
     moving = found(entries, "world", "points_moving", points=points, target="normal")
     locked = found(entries, "world", "points_locked", points=points, position="normal")
     assert locked["t"] - moving["t"] == pytest.approx(THROW_S)
-    found(entries, terminal, "points_proven", unit="K1", sections=[section])
+    found(entries, terminal, "points_proven", unit="K1", section=section, points=points)
     proven = found(entries, "K1", "proven", points=points, position="normal")
     return commanded["t"], proven["t"]
 
@@ -52,7 +52,7 @@ def throw(entries: Iterator[Entry], points: str, terminal: str, section: str) ->
 def test_the_sequence_of_the_paper(journal: list[Entry]) -> None:
     entries = iter(journal)
     # the whole route in one request, granted whole
-    found(entries, "K1", "sent", to="block-manager", kind="RouteRequest")
+    found(entries, "K1", "sent", receiver="block-manager", kind="RouteRequest")
     found(entries, "block-manager", "granted", unit="K1", sections=["5", "6", "7", "8"])
     found(entries, "K1", "route_held")
     # pattern to the departure points, throw, pattern to the next points
@@ -65,7 +65,7 @@ def test_the_sequence_of_the_paper(journal: list[Entry]) -> None:
     tag = found(entries, "K1", "tag_read", purpose="approach")
     commanded_s, proven_s = throw(entries, "P7", "B-W", "7")
     assert commanded_s - tag["t"] <= 0.2
-    platform = found(entries, "K1", "stop_limit", piece="8", before="")
+    platform = found(entries, "K1", "stop_limit", piece="8", before=None)
     assert platform["t"] == proven_s
     arrived = found(entries, "K1", "arrived", station="B")
     assert abs(arrived["error_m"]) <= 1.0
@@ -96,7 +96,7 @@ def test_points_move_only_while_their_section_is_held_by_the_train_that_commands
     section_of = {"P5": "5", "P7": "7"}
     thrown = 0
     for entry in journal:
-        if entry["who"] == "block-manager" and entry["what"] in ("granted", "signed_on"):
+        if entry["who"] == "block-manager" and entry["what"] in ("granted", "accepted"):
             held |= set(entry["sections"])
         elif entry["what"] == "freed":
             held -= set(entry["sections"])

@@ -17,7 +17,7 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Line
 from network.timetable import AtPortal, Timetable, load_timetable
-from simulation.vocabulary import WORDS
+from simulation.journal import encode_entry, read_journal
 from study.run.tables import RunTables
 
 pytestmark = pytest.mark.system
@@ -158,7 +158,7 @@ def test_a_section_has_one_holder_at_every_time(simulated: Day) -> None:
     holder: dict[str, str] = {}
     grants = 0
     for entry in simulated.journal():
-        if entry["who"] != "block-manager" or entry["what"] not in ("granted", "signed_on", "freed"):
+        if entry["who"] != "block-manager" or entry["what"] not in ("granted", "accepted", "freed"):
             continue
         for section in entry["sections"]:
             if entry["what"] == "freed":
@@ -172,7 +172,10 @@ def test_a_section_has_one_holder_at_every_time(simulated: Day) -> None:
 def test_the_journal_is_one_readable_object_a_line(simulated: Day) -> None:
     entries = simulated.journal()
     assert all(set(entry) >= {"t", "who", "what"} for entry in entries)
-    assert {entry["what"] for entry in entries} <= WORDS
+    typed = read_journal(simulated.folder / "journal.jsonl")
+    assert len(typed) == len(entries)
+    lines = (simulated.folder / "journal.jsonl").read_bytes().splitlines()
+    assert [encode_entry(entry) for entry in typed] == lines
     times_s = [entry["t"] for entry in entries]
     assert times_s == sorted(times_s)
 

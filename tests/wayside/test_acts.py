@@ -7,12 +7,24 @@ from itertools import product
 import pytest
 
 from radio.messages import Claim
+from radio.noted import Noted
 from wayside.actions import Show
 from wayside.acts import LINE_ACTS, UNIT_ACTS, Act, Phase, person_key
 from wayside.block_manager import Heard, step
 from wayside.config import ManagerConfig, SectionEntry
 from wayside.register import Register, Standing, start
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, NoteKind
+from wayside.said import (
+    AcceptPicture,
+    ConfirmedByHand,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    EnterSection,
+    Freed,
+    Outside,
+    Refused,
+    WordTaken,
+)
 
 CONFIG = ManagerConfig(
     "line", "block-manager", ("u1", "u2"), tuple(SectionEntry(section) for section in "ABCE"), ()
@@ -48,11 +60,11 @@ class Desk:
     def claim(self, unit_id: str, *sections: str) -> None:
         self.register, _ = step(self.register, Heard(unit_id, 1, True, 1, Claim(sections, 0)), 0.0)
 
-    def act(self, act: Act) -> list[NoteKind]:
+    def act(self, act: Act) -> list[type[Noted]]:
         self.register, actions = step(self.register, act, 60.0)
         notes = [action.note for action in actions if isinstance(action, Show)]
-        self.why = "; ".join(note.detail for note in notes)
-        return [note.kind for note in notes]
+        self.why = "; ".join(note.why for note in notes if isinstance(note, Refused | Contradicted))
+        return [type(note) for note in notes]
 
 
 def test_the_tables_are_complete() -> None:
@@ -81,12 +93,12 @@ def test_a_running_line_takes_one_word_only_where_it_adds(
     before = desk.register.held_by("u1")
     kinds = desk.act(ConfirmOutside("u1", "Sato"))
     assert desk.standing is outside
-    assert (NoteKind.REFUSED in kinds) is (standing in (BY_HAND, REPORTED, DISPUTED))
+    assert (Refused in kinds) is (standing in (BY_HAND, REPORTED, DISPUTED))
     assert desk.register.held_by("u1") == before
     desk = Desk(standing)
     kinds = desk.act(ConfirmHolding("u1", ("A", "B", "C"), "Sato"))
     assert desk.standing is holding
-    assert (NoteKind.REFUSED in kinds) is (standing in (REPORTED, DISPUTED))
+    assert (Refused in kinds) is (standing in (REPORTED, DISPUTED))
 
 
 @pytest.mark.parametrize(
@@ -99,30 +111,30 @@ def test_a_line_being_restored_takes_words_down_and_puts_none_in_force(standing:
     kinds = desk.act(act)
     assert (desk.register.holders, desk.register.units) == before
     taken = standing is UNKNOWN or (standing is OUTSIDE and isinstance(act, ConfirmOutside))
-    assert (NoteKind.ENTERED in kinds) is taken
+    assert (WordTaken in kinds) is taken
 
 
 @pytest.mark.parametrize("act", [EnterSection("A", "u1", "Sato"), AcceptPicture("Sato")])
 def test_a_running_line_has_nothing_to_restore(act: Act) -> None:
     desk = Desk()
     before = desk.register
-    assert desk.act(act) == [NoteKind.REFUSED]
+    assert desk.act(act) == [Refused]
     assert desk.register == before
 
 
 def test_what_was_entered_by_hand_is_freed_by_two_persons_only() -> None:
     desk = Desk(Standing.BY_HAND)
     for person in ("Sato", " sato"):
-        assert desk.act(ConfirmHolding("u1", ("A",), person)) == [NoteKind.REFUSED]
+        assert desk.act(ConfirmHolding("u1", ("A",), person)) == [Refused]
     assert "a second person" in desk.why
     assert desk.register.held_by("u1") == ("A", "B")
-    assert desk.act(ConfirmHolding("u1", ("A",), "Mori")) == [NoteKind.FREED, NoteKind.BY_HAND]
+    assert desk.act(ConfirmHolding("u1", ("A",), "Mori")) == [Freed, ConfirmedByHand]
     assert desk.register.held_by("u1") == ("A",)
-    assert desk.act(ConfirmOutside("u1", "Mori")) == [NoteKind.REFUSED]
-    assert desk.act(ConfirmHolding("u1", ("A",), "Sato")) == [NoteKind.BY_HAND]  # not the same word
+    assert desk.act(ConfirmOutside("u1", "Mori")) == [Refused]
+    assert desk.act(ConfirmHolding("u1", ("A",), "Sato")) == [ConfirmedByHand]  # not the same word
     assert desk.register.ledger == {"u1", "u2"}
     desk.act(ConfirmOutside("u1", "Mori"))
-    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.FREED, NoteKind.OUTSIDE]
+    assert desk.act(ConfirmOutside("u1", "Sato")) == [Freed, Outside]
     assert desk.register.ledger == {"u2"}
 
 
@@ -132,7 +144,7 @@ def test_a_unit_entered_by_hand_that_says_it_is_outside_is_for_two_persons_to_fr
     assert desk.standing is Standing.BY_HAND
     assert desk.register.held_by("u1") == ("A", "B")
     desk.act(ConfirmOutside("u1", "Sato"))
-    assert desk.act(ConfirmOutside("u1", "Mori")) == [NoteKind.FREED, NoteKind.OUTSIDE]
+    assert desk.act(ConfirmOutside("u1", "Mori")) == [Freed, Outside]
 
 
 def test_a_word_that_waited_is_forgotten_when_the_unit_speaks() -> None:

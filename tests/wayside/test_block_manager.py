@@ -28,12 +28,23 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
+from radio.noted import Noted
 from wayside.actions import Send, Show
 from wayside.acts import Act
 from wayside.block_manager import TELEGRAMS, Ask, Heard, step, wake_at_s
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.register import Register, Standing, start
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, NoteKind
+from wayside.said import (
+    Accepted,
+    AcceptPicture,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    Freed,
+    Granted,
+    PictureChanged,
+    Refused,
+)
 
 MASTER = b"m" * 32
 KEYS = {terminal: capability_key(MASTER, terminal) for terminal in ("tA", "tD")}
@@ -64,7 +75,7 @@ class Desk:
 
     def __init__(self, epoch: int = 1) -> None:
         self.register: Register = start(CONFIG, epoch, KEYS)
-        self.kinds: list[NoteKind] = []
+        self.kinds: list[type[Noted]] = []
         self.now_s = 0.0
 
     def hear(
@@ -75,12 +86,12 @@ class Desk:
         self.register, actions = step(self.register, event, self.now_s)
         sends = [action for action in actions if isinstance(action, Send)]
         assert all((send.destination, send.correlation) == (unit_id, correlation) for send in sends)
-        self.kinds = [action.note.kind for action in actions if isinstance(action, Show)]
+        self.kinds = [type(action.note) for action in actions if isinstance(action, Show)]
         return sends[-1].message
 
-    def act(self, act: Act) -> list[NoteKind]:
+    def act(self, act: Act) -> list[type[Noted]]:
         self.register, actions = step(self.register, act, self.now_s)
-        return [action.note.kind for action in actions if isinstance(action, Show)]
+        return [type(action.note) for action in actions if isinstance(action, Show)]
 
     def standing(self, unit_id: str) -> Standing:
         return self.register.unit(unit_id).standing
@@ -123,7 +134,7 @@ def test_a_route_is_granted_whole_with_capabilities_for_its_terminals() -> None:
     assert (capability.terminal_id, capability.section_id) == ("tA", "A")
     assert capability.mac == capability_mac(KEYS["tA"], "tA", "A", "u1", granted.token)
     assert desk.register.held_by("u1") == ("P0", "A", "B")
-    assert desk.kinds == [NoteKind.GRANTED]
+    assert desk.kinds == [Granted]
 
 
 def test_a_route_is_not_granted_in_part() -> None:
@@ -181,7 +192,7 @@ def test_a_report_frees_what_it_no_longer_lists_and_a_lost_one_heals() -> None:
     confirmed = desk.hear("u1", HoldingReport(("B",), granted.token))
     assert confirmed == HoldingConfirmed(("B",), granted.token)
     assert desk.register.holders == {"B": "u1"}
-    assert desk.kinds == [NoteKind.FREED]
+    assert desk.kinds == [Freed]
     assert desk.hear("u1", HoldingReport(("B",), granted.token)) == confirmed
     assert desk.kinds == []
 
@@ -203,7 +214,7 @@ def test_reports_that_free_nothing(sections: tuple[str, ...], epoch: int) -> Non
     report = HoldingReport(sections, desk.register.unit("u1").token)
     assert isinstance(desk.hear("u1", report, epoch=epoch), HoldingConfirmed)
     assert desk.register == before
-    assert desk.kinds in ([NoteKind.REFUSED], [NoteKind.CONTRADICTION])
+    assert desk.kinds in ([Refused], [Contradicted])
 
 
 def test_silence_frees_nothing() -> None:
@@ -242,7 +253,7 @@ def test_a_claim_keeps_the_trains_token_and_later_ones_are_greater() -> None:
     for unit_id in ("u2", "u3"):
         desk.hear(unit_id, Claim((), 0))
     desk.now_s = 10.0
-    assert desk.act(AcceptPicture("Sato")) == [NoteKind.PICTURE]
+    assert desk.act(AcceptPicture("Sato")) == [PictureChanged]
     granted = desk.hear("u1", IN)
     assert isinstance(granted, RouteGranted)
     assert granted.token > old_token
@@ -277,20 +288,20 @@ def test_a_unit_that_started_again_learns_what_it_holds() -> None:
 
 def test_a_person_cannot_contradict_another_holder() -> None:
     desk = defined(u1=("A", "B"))
-    assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [NoteKind.CONTRADICTION]
+    assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [Contradicted]
     assert desk.standing("u2") is Standing.OUTSIDE
 
 
 @pytest.mark.parametrize("sections", [(), ("nowhere",)])
 def test_entries_by_hand_that_make_no_sense(sections: tuple[str, ...]) -> None:
-    assert Desk().act(ConfirmHolding("u1", sections, "Sato")) == [NoteKind.REFUSED]
+    assert Desk().act(ConfirmHolding("u1", sections, "Sato")) == [Refused]
 
 
 def test_a_unit_confirmed_outside_that_claims_the_line_is_believed_and_held() -> None:
     desk = defined()
     desk.hear("u1", Claim(("C",), 7))
     assert desk.register.held_by("u1") == ("C",)
-    assert desk.kinds == [NoteKind.CLAIMED]
+    assert desk.kinds == [Accepted]
 
 
 def test_entering_needs_a_free_portal() -> None:
@@ -374,7 +385,7 @@ def test_sign_offs_that_are_refused(
 def test_units_that_are_not_on_the_fleet_list_do_not_exist() -> None:
     desk = defined()
     before = desk.register
-    assert desk.act(ConfirmOutside("ghost", "Sato")) == [NoteKind.REFUSED]
+    assert desk.act(ConfirmOutside("ghost", "Sato")) == [Refused]
     event: Heard[AnyMessage] = Heard("ghost", 1, True, 1, SignOn("ghost", ("C",)))
     register, (action,) = step(before, event, 0.0)
     assert register == before
@@ -449,7 +460,7 @@ def test_messages_for_others_are_refused_in_every_standing(standing: Standing) -
     register, (action,) = step(desk.register, event, 0.0)
     assert register == desk.register
     assert isinstance(action, Show)
-    assert action.note.kind is NoteKind.REFUSED
+    assert isinstance(action.note, Refused)
 
 
 def test_the_table_is_complete() -> None:

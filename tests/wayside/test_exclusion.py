@@ -38,6 +38,7 @@ from radio.messages import (
     SignOn,
     SignOnAccepted,
 )
+from radio.noted import Noted, TelegramDropped
 from wayside.config import (
     MANAGER_ID,
     DeviceConfig,
@@ -47,7 +48,24 @@ from wayside.config import (
     SectionEntry,
     TerminalConfig,
 )
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input, Note, NoteKind
+from wayside.register import Stage
+from wayside.said import (
+    Accepted,
+    AcceptPicture,
+    ConfirmedByHand,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    EnterSection,
+    Freed,
+    Granted,
+    Input,
+    Note,
+    Outside,
+    PictureChanged,
+    Started,
+    WordTaken,
+)
 
 MASTER = b"m" * 32
 UNITS = ("u1", "u2", "u3")
@@ -189,14 +207,14 @@ class World:
     def judge(self, notes: tuple[Note, ...]) -> None:
         """Judged by the journal alone: nothing granted while undefined, tokens grow."""
         for note in notes:
-            if note.kind is NoteKind.STARTED:
+            if isinstance(note, Started):
                 self.known: set[str] = set()
-                self.restoring = note.token > 1
-            if note.kind is NoteKind.PICTURE:
-                self.restoring = not note.detail.startswith("defined")
-            if note.kind in (NoteKind.CLAIMED, NoteKind.OUTSIDE, NoteKind.BY_HAND):
+                self.restoring = note.epoch > 1
+            if isinstance(note, PictureChanged):
+                self.restoring = note.stage != Stage.DEFINED.value
+            if isinstance(note, Accepted | Outside | ConfirmedByHand):
                 self.known.add(note.unit_id)
-            if note.kind is NoteKind.GRANTED:
+            if isinstance(note, Granted):
                 assert self.known == set(UNITS)
                 assert not self.restoring
         self.notes += notes
@@ -356,7 +374,7 @@ class World:
     def check(self) -> None:
         held = [section for train in self.units.values() for section in train.believed]
         assert len(held) == len(set(held)), "two trains believe to hold the same section"
-        tokens = [note.token for note in self.notes if note.kind is NoteKind.GRANTED]
+        tokens = [note.token for note in self.notes if isinstance(note, Granted)]
         assert all(one < other for one, other in pairwise(tokens)), "tokens must grow"
 
 
@@ -569,7 +587,7 @@ def test_recoveries_and_after_them_everyone_can_run_again(seed: int, mode: Reent
 
 @pytest.mark.parametrize("mode", ReentryMode)
 def test_walks_grant_and_disturb_enough(mode: ReentryMode) -> None:
-    kinds: Counter[NoteKind] = Counter()
+    kinds: Counter[type[Noted]] = Counter()
     granted_again = 0
     for seed in range(10):
         walker = Walker(seed, mode)
@@ -577,17 +595,17 @@ def test_walks_grant_and_disturb_enough(mode: ReentryMode) -> None:
             walker.step()
             walker.step_of_recovery()
         notes = walker.world.notes
-        kinds.update(note.kind for note in notes)
-        granted_again += sum(note.kind is NoteKind.GRANTED and note.token >> 32 > 1 for note in notes)
-    assert kinds[NoteKind.GRANTED] > 40
+        kinds.update(type(note) for note in notes)
+        granted_again += sum(isinstance(note, Granted) and note.token >> 32 > 1 for note in notes)
+    assert kinds[Granted] > 40
     assert granted_again > 20
     enough = (
-        NoteKind.FREED,
-        NoteKind.DROPPED,
-        NoteKind.STARTED,
-        NoteKind.BY_HAND,
-        NoteKind.ENTERED,
-        NoteKind.CONTRADICTION,
+        Freed,
+        TelegramDropped,
+        Started,
+        ConfirmedByHand,
+        WordTaken,
+        Contradicted,
     )
     assert min(kinds[kind] for kind in enough) > 20
 

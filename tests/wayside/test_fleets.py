@@ -23,7 +23,7 @@ from radio.messages import PointsCommand, RouteGranted, RouteRequest, SignOn
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
-from wayside.said import ConfirmOutside, NoteKind, PointsDetected, StartThrow
+from wayside.said import ConfirmOutside, PointsDetected, Started, StartThrow
 
 MASTER = b"m" * 32
 MANAGER = ManagerConfig(
@@ -34,7 +34,6 @@ MANAGER = ManagerConfig(
     (RouteEntry("R", "P", ("S", "T")),),
 )
 TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
-STARTED = NoteKind.STARTED
 
 
 def specs() -> tuple[DeviceSpec, ...]:
@@ -116,7 +115,7 @@ def test_a_killed_device_is_down_and_comes_back_with_a_new_boot(
 ) -> None:
     with make(tmp_path) as fleet:
         (note, *_) = fleet.advance("t", 0.0, []).notes
-        assert (note.kind, note.token) == (STARTED, 1)
+        assert note == Started(epoch=1)
         with pytest.raises(FleetError, match="runs already"):
             fleet.restart("t")
         fleet.kill("t")
@@ -125,7 +124,7 @@ def test_a_killed_device_is_down_and_comes_back_with_a_new_boot(
             fleet.advance("t", 0.1, [])
         fleet.restart("t")
         (note, *_) = fleet.advance("t", 0.2, [], [PointsDetected("p", Position.NORMAL, True)]).notes
-        assert (note.kind, note.token) == (STARTED, 2)
+        assert note == Started(epoch=2)
 
 
 def processes_of(directory: Path) -> list[int]:

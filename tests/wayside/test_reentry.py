@@ -28,6 +28,7 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
+from radio.noted import Noted
 from wayside import reentry
 from wayside.actions import Send, Show
 from wayside.acts import Act
@@ -36,7 +37,18 @@ from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry,
 from wayside.picture import picture
 from wayside.reentry import Clash
 from wayside.register import Register, Stage, Standing, start
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Note, NoteKind
+from wayside.said import (
+    AcceptPicture,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    EnterSection,
+    Note,
+    Outside,
+    PictureChanged,
+    Refused,
+    WordTaken,
+)
 
 SECTIONS = ("P0", "A", "B", "C", "D", "E", "P9")
 ROUTES = (
@@ -82,10 +94,10 @@ class Desk:
         self.now_s = 60.0
         self.register, _ = step(self.register, Ask(), 0.0)
 
-    def act(self, act: Act) -> list[NoteKind]:
+    def act(self, act: Act) -> list[type[Noted]]:
         self.register, actions = step(self.register, act, self.now_s)
         self.notes = [action.note for action in actions if isinstance(action, Show)]
-        return [note.kind for note in self.notes]
+        return [type(note) for note in self.notes]
 
     def hear(self, unit_id: str, message: AnyMessage, epoch: int = 1) -> AnyMessage:
         self.register, actions = step(self.register, Heard(unit_id, epoch, True, 1, message), self.now_s)
@@ -103,13 +115,13 @@ class Desk:
             unit_id = (wrong or {}).get(section, right.get(section))
             self.act(EnterSection(section, unit_id, person))
 
-    def accept(self) -> list[NoteKind]:
+    def accept(self) -> list[type[Noted]]:
         return self.act(AcceptPicture("Sato"))
 
     @property
     def why(self) -> str:
         """What the last notes say."""
-        return "; ".join(note.detail for note in self.notes)
+        return "; ".join(note.why for note in self.notes if isinstance(note, Refused | Contradicted))
 
     def check_no_grant_takes_what_a_train_holds(self) -> int:
         """Any unit asks for any route; returns how many are granted."""
@@ -133,10 +145,10 @@ def test_claims_and_one_person_define_the_line(mode: ReentryMode) -> None:
     desk.claim(*HELD)
     assert desk.check_no_grant_takes_what_a_train_holds() == 0
     if mode is ReentryMode.BY_HAND:
-        assert desk.accept() == [NoteKind.REFUSED]
+        assert desk.accept() == [Refused]
         assert desk.why.startswith("Sato: not complete: section P0, section A")
         desk.enter()
-    assert desk.accept() == [NoteKind.OUTSIDE, NoteKind.PICTURE]  # u4: silent, never signed on
+    assert desk.accept() == [Outside, PictureChanged]  # u4: silent, never signed on
     assert desk.register.defined
     assert desk.register.holders == {"A": "u1", "B": "u1", "E": "u2", "P9": "u3"}
     assert desk.check_no_grant_takes_what_a_train_holds() > 0
@@ -146,7 +158,7 @@ def test_claims_and_one_person_define_the_line(mode: ReentryMode) -> None:
 def test_the_picture_may_be_accepted_by_hand_before_the_units_speak() -> None:
     desk = Desk(ReentryMode.BY_HAND)
     desk.enter()
-    assert desk.accept() == [NoteKind.PICTURE]
+    assert desk.accept() == [PictureChanged]
     assert reentry.stage(desk.register) is Stage.ACCEPTED
     assert desk.register.undefined_because_of() == ("u1", "u2", "u3", "u4")
     for unit_id in HELD:
@@ -220,7 +232,7 @@ def test_left_out_and_the_unit_speaks_its_claim_is_added_and_shown(
     desk.accept()
     desk.claim("u1")
     if mode is ReentryMode.BY_HAND:
-        assert [note.kind for note in desk.notes].count(NoteKind.CONTRADICTION) == len(wrong)
+        assert [type(note) for note in desk.notes].count(Contradicted) == len(wrong)
         assert Clash.ENTERED_FREE.value in desk.why
     desk.claim("u2", "u3")
     desk.accept()
@@ -235,16 +247,16 @@ def test_swapped_and_the_units_speak_both_are_disputed_until_the_person_corrects
     enter_wrongly(desk, SWAPPED)
     desk.accept()
     assert desk.hear("u1", Claim(("A", "B"), 7)) == SignOnRefused(RefusalReason.HELD, "A", "u2")
-    assert NoteKind.CONTRADICTION in [note.kind for note in desk.notes]
+    assert Contradicted in [type(note) for note in desk.notes]
     assert desk.hear("u2", Claim(("E",), 7)) == SignOnRefused(RefusalReason.HELD, "E", "u1")
     desk.claim("u3")
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     assert Clash.ENTERED_FOR_ANOTHER.value in desk.why
     assert desk.check_no_grant_takes_what_a_train_holds() == 0
     # A word against what a unit says is refused; its own word, or the section, is a correction.
-    assert desk.act(ConfirmHolding("u1", ("E",), "Sato")) == [NoteKind.REFUSED]
-    assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))[0] is NoteKind.ENTERED
-    assert desk.act(EnterSection("E", "u2", "Sato"))[0] is NoteKind.ENTERED
+    assert desk.act(ConfirmHolding("u1", ("E",), "Sato")) == [Refused]
+    assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))[0] is WordTaken
+    assert desk.act(EnterSection("E", "u2", "Sato"))[0] is WordTaken
     desk.claim("u1", "u2")
     desk.accept()
     assert desk.register.defined
@@ -259,17 +271,17 @@ def test_too_early_a_grant_of_the_boot_before_may_still_arrive(mode: ReentryMode
     desk.claim(*HELD)
     desk.now_s = age_max_s
     for entry in (act, ConfirmHolding("u1", ("B",), "Sato"), ConfirmOutside("u4", "Sato")):
-        assert desk.act(entry) == [NoteKind.REFUSED]
+        assert desk.act(entry) == [Refused]
         assert desk.why == "Sato: too early"
     assert desk.register.reentry.entries == {}
     desk.now_s = age_max_s + 0.1
-    assert desk.act(ConfirmOutside("u4", "Sato")) == [NoteKind.ENTERED]
+    assert desk.act(ConfirmOutside("u4", "Sato")) == [WordTaken]
 
 
 @MODES
 def test_accepted_before_the_entries_it_is_refused_with_what_is_missing(mode: ReentryMode) -> None:
     desk = Desk(mode)
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     assert "not complete" in desk.why
     assert ("section P0" in desk.why) is (mode is ReentryMode.BY_HAND)
     assert ("unit u1" in desk.why) is (mode is ReentryMode.ASSISTED)
@@ -285,7 +297,7 @@ def test_two_persons_speak_for_a_silent_unit_which_then_learns_it(mode: ReentryM
     if mode is ReentryMode.BY_HAND:
         desk.enter()
     else:
-        assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato")) == [NoteKind.ENTERED]
+        assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato")) == [WordTaken]
     desk.accept()
     assert not desk.register.defined
     desk.act(ConfirmHolding("u1", ("A", "B"), "Mori"))
@@ -303,7 +315,7 @@ def test_persons_who_differ_define_nothing(mode: ReentryMode) -> None:
     desk.claim("u2", "u3")
     enter_wrongly(desk, LEFT_OUT)
     desk.act(ConfirmHolding("u1", ("A", "B"), "Mori"))
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     assert not desk.register.defined
     desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))
     desk.accept()
@@ -317,16 +329,16 @@ def test_one_person_is_not_two(name: str) -> None:
     desk.claim("u2", "u3")
     desk.act(ConfirmHolding("u1", ("B",), "Sato"))
     desk.act(ConfirmHolding("u1", ("B",), name))
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
 
 
 def test_the_ledger_blocks_outside_by_one_person_and_never_frees() -> None:
     desk = Desk()
     desk.claim("u2", "u3")
-    assert desk.act(ConfirmOutside("u1", "Sato")) == [NoteKind.REFUSED]
+    assert desk.act(ConfirmOutside("u1", "Sato")) == [Refused]
     assert "a second person" in desk.why
-    assert desk.accept() == [NoteKind.REFUSED]
-    assert desk.act(ConfirmOutside("u1", "Mori")) == [NoteKind.ENTERED, NoteKind.PICTURE]
+    assert desk.accept() == [Refused]
+    assert desk.act(ConfirmOutside("u1", "Mori")) == [WordTaken, PictureChanged]
     desk.accept()
     assert desk.register.defined
     assert desk.register.ledger == {"u2", "u3"}
@@ -335,9 +347,9 @@ def test_the_ledger_blocks_outside_by_one_person_and_never_frees() -> None:
 def test_a_lost_ledger_counts_every_unit_as_on_the_line() -> None:
     desk = Desk(ledger=None)
     desk.claim(*HELD)
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     assert "unit u4" in desk.why
-    assert desk.act(ConfirmOutside("u4", "Sato")) == [NoteKind.REFUSED]
+    assert desk.act(ConfirmOutside("u4", "Sato")) == [Refused]
     desk.claim("u4")  # empty: it is off the line, in its own word
     desk.accept()
     assert desk.register.defined
@@ -347,7 +359,7 @@ def test_a_unit_that_was_heard_but_does_not_know_is_not_taken_as_outside() -> No
     desk = Desk()
     desk.claim(*HELD)
     assert desk.hear("u4", SignOn("u4", None)) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     desk.act(ConfirmOutside("u4", "Sato"))
     desk.accept()
     assert desk.register.defined
@@ -357,9 +369,9 @@ def test_one_persons_entry_for_a_unit_off_the_line_blocks_too() -> None:
     desk = Desk()
     desk.claim(*HELD)
     desk.act(ConfirmHolding("u4", ("C",), "Sato"))
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     desk.claim("u4")
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     assert Clash.ENTERED_BUT_OUTSIDE.value in desk.why
     desk.act(ConfirmOutside("u4", "Sato"))
     desk.accept()
@@ -376,7 +388,7 @@ def test_trains_finish_within_what_they_hold_and_entries_follow() -> None:
     token = desk.register.unit("u1").token
     desk.hear("u1", HoldingReport(("B",), token))
     assert desk.hear("u3", SignOff("u3", desk.register.unit("u3").token)) == SignOffAccepted()
-    assert desk.accept()[-1] is NoteKind.PICTURE
+    assert desk.accept()[-1] is PictureChanged
     assert desk.register.holders == {"B": "u1", "E": "u2"}
 
 
@@ -403,9 +415,9 @@ def test_two_units_that_claim_the_same_block_whatever_persons_say() -> None:
     desk = Desk()
     desk.claim(*HELD)
     desk.hear("u4", Claim(("B", "C"), 7))
-    assert desk.accept() == [NoteKind.REFUSED]
+    assert desk.accept() == [Refused]
     assert Clash.CLAIMED_TWICE.value in desk.why
-    assert desk.act(ConfirmOutside("u4", "Sato")) == [NoteKind.REFUSED]
+    assert desk.act(ConfirmOutside("u4", "Sato")) == [Refused]
     assert not desk.register.defined
 
 
@@ -418,7 +430,7 @@ def test_an_entry_after_the_acceptance_takes_it_back() -> None:
     assert not desk.register.defined
     desk.accept()
     assert desk.register.defined
-    assert desk.act(EnterSection("C", None, "Sato")) == [NoteKind.REFUSED]
+    assert desk.act(EnterSection("C", None, "Sato")) == [Refused]
     assert desk.why == "Sato: nothing to restore"
 
 
@@ -472,7 +484,7 @@ def test_the_picture_shows_claims_silences_and_contradictions_side_by_side() -> 
 )
 def test_inputs_that_make_no_sense_are_refused_and_counted(act: Act) -> None:
     desk = Desk()
-    assert desk.act(act) == [NoteKind.REFUSED]
+    assert desk.act(act) == [Refused]
     assert desk.register.reentry.entries == {}
     assert desk.register.inputs == 1
 

@@ -32,6 +32,7 @@ from onboard.authority.machine import (
     step,
     waiting_for_radio,
 )
+from onboard.notes import Holds
 from radio.messages import (
     AnyMessage,
     Capability,
@@ -398,7 +399,7 @@ def test_a_section_dropped_takes_its_proofs_and_commands_along() -> None:
     assert after(PROVEN, Cleared(("5",))).proven == ()
     assert after(THROWING, Cleared(("5",))).commands == ()
     _, actions = step(PROVEN, Cleared(("3",)), NOW_S, True)
-    notes = [i for i, a in enumerate(actions) if not isinstance(a, Send) and a.what == "holds"]
+    notes = [i for i, a in enumerate(actions) if isinstance(a, Holds)]
     sends = [i for i, a in enumerate(actions) if isinstance(a, Send)]
     assert notes[0] < sends[0]  # dropped here before it is said
 

@@ -160,7 +160,7 @@ def test_a_train_learns_its_own_brake(
         made_stop(unit, train, kept, dead_steps, offset_mps2, own_mps2)
         told = kept.stopped(train, behaviour, 0.2)
         assert told is not None
-        assert told["left_out"] is None
+        assert told.left_out is None
         kept.wave.steps = 0
     assert kept.learned.stops == 3
     assert kept.design.dead_time_s == pytest.approx(dead_steps * STEP_S, abs=STEP_S + 1e-9)
@@ -176,7 +176,7 @@ def test_what_is_disturbed_teaches_nothing(
     kept.wave.disturbed = 1
     told = kept.stopped(train, behaviour, 0.2)
     assert told is not None
-    assert told["left_out"] == "slide"
+    assert told.left_out == "slide"
     assert (kept.learned.stops, kept.learned.left_out, kept.last) == (0, 1, None)
 
 

@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.model import Position
 from radio.air import Delivery
 from simulation.agenda import Agenda
+from simulation.events import WORLD, FaultBegan, FaultOver, PointsMoving
 from simulation.faults.injector import Injector, link_ends
 from simulation.faults.script import Act, ActKind, Fault, FaultKind, Script, Trigger
 from simulation.journal import Journal
@@ -85,7 +87,7 @@ def test_a_cut_lasts_as_long_as_it_is_said_to_and_cuts_no_other_link() -> None:
     assert world.sent("K2", "block-manager") == world.sent("K1", "B-W") == SENT
     world.run_to(11 * STEPS_PER_S)
     assert world.sent("K1", "block-manager") == SENT
-    assert [entry["what"] for entry in world.journal.entries] == ["fault", "fault_over"]
+    assert [type(entry.event) for entry in world.journal.entries] == [FaultBegan, FaultOver]
 
 
 def test_one_way_cuts_one_way() -> None:
@@ -155,7 +157,7 @@ def test_an_event_begins_a_fault_with_its_delay() -> None:
     world = World(Fault(FaultKind.MISS, "602", Trigger(on=on, after_s=2.0), 3.0))
     world.run_to(1000)
     assert world.tag_faults == {}
-    world.journal.write(200.0, "world", "points_moving", points="P7")
+    world.journal.write(200.0, WORLD, PointsMoving(points_id="P7", target=Position.REVERSE))
     world.run_to(2020)
     assert world.tag_faults == {602: None}
     world.run_to(2050)

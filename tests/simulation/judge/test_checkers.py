@@ -13,6 +13,29 @@ import pytest
 
 import simulation.judge.checkers
 from network.model import Position
+from simulation.events import (
+    MANAGER,
+    WORLD,
+    Accepted,
+    Collision,
+    ConfirmedByHand,
+    Entry,
+    Event,
+    Freed,
+    Granted,
+    Holds,
+    Outside,
+    PointsForced,
+    PointsLocked,
+    PointsMoving,
+    PointsUnlocked,
+    ProofDropped,
+    Proven,
+    Reported,
+    Started,
+    TookEffect,
+    UnitRestarted,
+)
 from simulation.judge.checkers import Checker, Checkers, PointsFacts
 from sumo_cfg.truth_map import NetEdge, NetMap
 
@@ -45,27 +68,41 @@ def net() -> NetMap:
 class Stage:
     """Checkers and a clock; each act takes one second."""
 
-    def __init__(self) -> None:
-        self.checkers = Checkers(net(), POINTS, portals=("W", "E"))
+    def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
+        self.checkers = Checkers(net(), POINTS, ("W", "E"), unit_ids)
         self.t_s = 0.0
         self.token = 0
 
-    def entry(self, who: str, what: str, **data: object) -> Stage:
+    def entry(self, who: str, event: Event) -> Stage:
         self.t_s += 1.0
-        self.checkers.journal({"t": self.t_s, "who": who, "what": what, **data})
+        self.checkers.journal(Entry(self.t_s, who, event))
         return self
 
-    def manager(self, what: str, unit: str, *sections: str) -> Stage:
-        return self.entry("block-manager", what, unit=unit, sections=list(sections))
+    def world(self, event: Event) -> Stage:
+        return self.entry(WORLD, event)
+
+    def accept(self, unit: str, *sections: str) -> Stage:
+        return self.entry(MANAGER, Accepted(unit_id=unit, section_ids=sections, token=0, was="unknown"))
+
+    def by_hand(self, unit: str, *sections: str) -> Stage:
+        return self.entry(MANAGER, ConfirmedByHand(unit_id=unit, section_ids=sections, token=0, by="Sato"))
+
+    def free(self, unit: str, *sections: str) -> Stage:
+        return self.entry(MANAGER, Freed(unit_id=unit, section_ids=sections))
+
+    def outside(self, unit: str) -> Stage:
+        return self.entry(MANAGER, Outside(unit_id=unit))
+
+    def restart_manager(self) -> Stage:
+        return self.entry(MANAGER, Started(epoch=2))
 
     def grant(self, unit: str, *sections: str, token: int | None = None) -> Stage:
         self.token = self.token + 1 if token is None else token
-        return self.entry(
-            "block-manager", "granted", unit=unit, route="r", sections=list(sections), token=self.token
-        )
+        granted = Granted(unit_id=unit, route_id="r", section_ids=sections, token=self.token)
+        return self.entry(MANAGER, granted)
 
     def holds(self, unit: str, *sections: str) -> Stage:
-        return self.entry(unit, "holds", sections=list(sections))
+        return self.entry(unit, Holds(section_ids=sections, token=self.token))
 
     def see(self, unit: str, *places: tuple[str, float], speed_mps: float = 10.0) -> Stage:
         for edge, front_m in places:
@@ -78,11 +115,11 @@ class Stage:
         return self.see(unit, (edge, front_m), speed_mps=0.0)
 
     def sign_on(self, unit: str, *sections: str) -> Stage:
-        return self.manager("signed_on", unit, *sections).holds(unit, *sections)
+        return self.accept(unit, *sections).holds(unit, *sections)
 
     def prove(self, unit: str, points: str, position: str, token: int | None = None) -> Stage:
         token = self.token if token is None else token
-        return self.entry(unit, "proven", points=points, position=position, token=token)
+        return self.entry(unit, Proven(points_id=points, position=Position(position), token=token))
 
     def bounds(self, true_m: float, behind_m: float, ahead_m: float) -> Stage:
         self.checkers.bounds(self.t_s, "A", true_m, 1000.0, behind_m, ahead_m)
@@ -90,7 +127,15 @@ class Stage:
 
     def effect(self, receiver: str, epoch: int, sequence: int) -> Stage:
         return self.entry(
-            receiver, "took_effect", receiver=receiver, source="S", epoch=epoch, sequence=sequence
+            receiver,
+            TookEffect(
+                source="S",
+                receiver=receiver,
+                epoch=epoch,
+                sequence=sequence,
+                kind="ClaimQuery",
+                correlation=0,
+            ),
         )
 
     def run_in(self) -> Stage:
@@ -113,9 +158,9 @@ class Stage:
         return {violation.checker for violation in self.checkers.violations}
 
 
-def authorised() -> Stage:
+def authorised(unit_ids: tuple[str, ...] = ("A", "B")) -> Stage:
     """A stands in the portal W and may run to T1, points 1 proven in normal."""
-    stage = Stage().put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
+    stage = Stage(unit_ids).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
     return stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
 
 
@@ -137,11 +182,11 @@ def second(stage: Stage) -> Stage:
 def restarted(*heard: str) -> Stage:
     """The manager has restarted with A and B registered; `heard` are known again."""
     stage = second(authorised())
-    stage.entry("block-manager", "restarted", epoch=2, registered=["A", "B"])
+    stage.restart_manager()
     if "A" in heard:
-        stage.manager("claimed", "A", "W", "P1", "T1")
+        stage.accept("A", "W", "P1", "T1")
     if "B" in heard:
-        stage.manager("outside", "B")
+        stage.outside("B")
     return stage
 
 
@@ -179,15 +224,15 @@ CASES = (
         "claim of another's section",
         Checker.NO_DOUBLE_GRANT,
         restarted,
-        lambda s: s.manager("claimed", "A", "W", "T1").manager("confirmed_by_hand", "B", "E", "T1"),
-        lambda s: s.manager("claimed", "A", "W", "T1").manager("confirmed_by_hand", "B", "E"),
+        lambda s: s.accept("A", "W", "T1").by_hand("B", "E", "T1"),
+        lambda s: s.accept("A", "W", "T1").by_hand("B", "E"),
     ),
     Case(
         "freed by the manager under the train",
         Checker.INSIDE_HOLDING,
         in_track,
-        lambda s: s.manager("freed", "A", "T1").finish(),
-        lambda s: s.manager("freed", "A", "W", "P1").finish(),
+        lambda s: s.free("A", "T1").finish(),
+        lambda s: s.free("A", "W", "P1").finish(),
     ),
     Case(
         "before the unit holds",
@@ -199,13 +244,7 @@ CASES = (
     Case(
         "a unit that never says what it holds",
         Checker.INSIDE_HOLDING,
-        lambda: (
-            Stage()
-            .put("A", "W+")
-            .manager("signed_on", "A", "W")
-            .grant("A", "P1", "T1")
-            .prove("A", "1", "normal")
-        ),
+        lambda: Stage().put("A", "W+").accept("A", "W").grant("A", "P1", "T1").prove("A", "1", "normal"),
         lambda s: s.run_in(),
         lambda s: s.holds("A", "W", "P1", "T1").run_in(),
     ),
@@ -227,45 +266,45 @@ CASES = (
         "signed off",
         Checker.INSIDE_HOLDING,
         lambda: second(Stage()),
-        lambda s: s.grant("B", "B").holds("B", "B", "E").manager("outside", "B").see("B", ("B-", 9.0)),
-        lambda s: s.manager("outside", "B").holds("B").see("B", ("E-", 290.0)).leave("B"),
+        lambda s: s.grant("B", "B").holds("B", "B", "E").outside("B").see("B", ("B-", 9.0)),
+        lambda s: s.outside("B").holds("B").see("B", ("E-", 290.0)).leave("B"),
     ),
     Case(
         "unit restarted",
         Checker.INSIDE_HOLDING,
         authorised,
-        lambda s: s.manager("freed", "A", "T1").entry("A", "restarted").prove("A", "1", "normal").run_in(),
-        lambda s: s.entry("A", "restarted").prove("A", "1", "normal").run_in(),
+        lambda s: s.free("A", "T1").entry("A", UnitRestarted(epoch=2)).prove("A", "1", "normal").run_in(),
+        lambda s: s.entry("A", UnitRestarted(epoch=2)).prove("A", "1", "normal").run_in(),
     ),
     Case(
         "wrong position",
         Checker.POINTS_UNDER_TRAIN,
         authorised,
-        lambda s: s.entry("world", "points_locked", points="1", position="reverse").run_in(),
-        lambda s: s.entry("world", "points_locked", points="1", position="normal").run_in(),
+        lambda s: s.world(PointsLocked(points_id="1", position=Position.REVERSE)).run_in(),
+        lambda s: s.world(PointsLocked(points_id="1", position=Position.NORMAL)).run_in(),
     ),
     Case(
         "unlocked under the train",
         Checker.POINTS_UNDER_TRAIN,
         on_points,
-        lambda s: s.entry("world", "points_unlocked", points="1"),
-        lambda s: s.entry("world", "points_unlocked", points="2"),
+        lambda s: s.world(PointsUnlocked(points_id="1")),
+        lambda s: s.world(PointsUnlocked(points_id="2")),
     ),
     Case(
         "forced open under the train",
         Checker.POINTS_UNDER_TRAIN,
         on_points,
-        lambda s: s.entry("world", "points_lost", points="1"),
-        lambda s: s.entry("world", "points_lost", points="2"),
+        lambda s: s.world(PointsForced(points_id="1")),
+        lambda s: s.world(PointsForced(points_id="2")),
     ),
     Case(
         "still moving when the train comes",
         Checker.POINTS_UNDER_TRAIN,
         authorised,
-        lambda s: s.entry("world", "points_moving", points="1", target="normal").run_in(),
+        lambda s: s.world(PointsMoving(points_id="1", target=Position.NORMAL)).run_in(),
         lambda s: (
-            s.entry("world", "points_moving", points="1", target="normal")
-            .entry("world", "points_locked", points="1", position="normal")
+            s.world(PointsMoving(points_id="1", target=Position.NORMAL))
+            .world(PointsLocked(points_id="1", position=Position.NORMAL))
             .run_in()
         ),
     ),
@@ -273,14 +312,14 @@ CASES = (
         "thrown under the rear",
         Checker.NO_THROW_UNDER_TRAIN,
         lambda: on_points().see("A", ("T1+", 39.5)),
-        lambda s: s.entry("world", "points_moving", points="1", target="reverse"),
-        lambda s: s.see("A", ("T1+", 40.5)).entry("world", "points_moving", points="1", target="reverse"),
+        lambda s: s.world(PointsMoving(points_id="1", target=Position.REVERSE)),
+        lambda s: s.see("A", ("T1+", 40.5)).world(PointsMoving(points_id="1", target=Position.REVERSE)),
     ),
     Case(
         "no proof",
         Checker.PROVEN_BEFORE_ENTRY,
         authorised,
-        lambda s: s.entry("A", "proof_dropped", points="1").see("A", ("stem1+", 5.0)),
+        lambda s: s.entry("A", ProofDropped(points_id="1")).see("A", ("stem1+", 5.0)),
         lambda s: s.see("A", ("stem1+", 5.0)),
     ),
     Case(
@@ -315,31 +354,41 @@ CASES = (
         "reported without the section under the rear",
         Checker.RELEASE_BEHIND_REAR,
         on_points,
-        lambda s: s.entry("A", "reported", sections=["P1", "T1"]),
-        lambda s: s.entry("A", "reported", sections=["W", "P1", "T1"]),
+        lambda s: s.entry(
+            "A",
+            Reported(
+                section_ids=(
+                    "P1",
+                    "T1",
+                ),
+                token=1,
+            ),
+        ),
+        lambda s: s.entry(
+            "A",
+            Reported(
+                section_ids=(
+                    "W",
+                    "P1",
+                    "T1",
+                ),
+                token=1,
+            ),
+        ),
     ),
     Case(
         "one unit not heard",
         Checker.UNDEFINED_GRANTS_NOTHING,
         lambda: restarted("A"),
         lambda s: s.grant("A", "P2", "B"),
-        lambda s: s.manager("signed_on", "B", "E").grant("A", "P2", "B"),
+        lambda s: s.accept("B", "E").grant("A", "P2", "B"),
     ),
     Case(
-        "a unit the manager forgot",
+        "a unit on the line that is on no list",
         Checker.UNDEFINED_GRANTS_NOTHING,
-        lambda: second(authorised()),
-        lambda s: (
-            s.entry("block-manager", "restarted", epoch=2, registered=["A"])
-            .manager("claimed", "A", "W", "P1", "T1")
-            .grant("A", "P2", "B")
-        ),
-        lambda s: (
-            s.manager("outside", "B")
-            .entry("block-manager", "restarted", epoch=2, registered=["A"])
-            .manager("claimed", "A", "W", "P1", "T1")
-            .grant("A", "P2", "B")
-        ),
+        lambda: second(authorised(("A",))),
+        lambda s: s.restart_manager().accept("A", "W", "P1", "T1").grant("A", "P2", "B"),
+        lambda s: s.outside("B").restart_manager().accept("A", "W", "P1", "T1").grant("A", "P2", "B"),
     ),
     Case(
         "ahead of the bound",
@@ -373,8 +422,8 @@ CASES = (
         "collision",
         Checker.SUMO_COLLISION,
         authorised,
-        lambda s: s.entry("world", "collision", text="frontal collision of A with B"),
-        lambda s: s.entry("A", "collision", text="not the world's word"),
+        lambda s: s.entry(WORLD, Collision(text="frontal collision of A with B")),
+        lambda s: s.entry("A", Collision(text="not the world's word")),
     ),
     Case(
         "one did not arrive",
@@ -455,7 +504,7 @@ def test_change_ends_astride_a_joint() -> None:
     stage.turn("A")
     stage.see("A", ("T1+", 20.0), speed_mps=0.0)  # SUMO turns the train in its next step
     stage.see("A", ("normal1-", 20.0), speed_mps=0.0)
-    stage.entry("world", "points_moving", points="1", target="reverse")
+    stage.world(PointsMoving(points_id="1", target=Position.REVERSE))
     assert stage.broken() == {"no-throw-under-train"}
 
 
@@ -467,13 +516,13 @@ def test_after_a_change_of_ends_the_other_end_clears() -> None:
     stage.see("A", ("T1-", 250.0), ("normal1-", 5.0), ("stem1-", 5.0), ("W-", 0.5))
     stage.holds("A", "W", "P1")
     assert stage.broken() == set()
-    stage.entry("A", "reported", sections=["W"])
+    stage.entry("A", Reported(section_ids=("W",), token=1))
     assert stage.broken() == {"release-behind-rear"}
 
 
 def test_an_unseen_short_edge_is_still_entered() -> None:
     stage = authorised()
-    stage.entry("A", "proof_dropped", points="1")
+    stage.entry("A", ProofDropped(points_id="1"))
     stage.see("A", ("normal1+", 5.0))
     assert stage.broken() == {"proven-before-entry"}
 

@@ -16,6 +16,7 @@ from network.timetable import load_timetable
 from onboard.authority.machine import Authority, Held
 from onboard.authority.stop_limit import points_of
 from onboard.duty.mission import Mission, plan_mission
+from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from onboard.unit import Phase
 from simulation.journal import Journal
 from simulation.world.crew import SEES_M, Crew, Seen
@@ -95,7 +96,7 @@ def test_points_that_lie_right_and_locked_may_be_passed(mission: Mission) -> Non
     cab = standing_before_points(mission)
     seen = cab.crew.stand(0, 10.0)
     assert seen.passable is not None and seen.passable.points_id == "P7"
-    assert cab.journal.entries[-1]["what"] == "crew_checked_points"
+    assert isinstance(cab.journal.entries[-1].event, CrewCheckedPoints)
 
 
 @pytest.mark.parametrize(
@@ -109,7 +110,7 @@ def test_points_that_do_not_are_thrown_by_the_unit_and_looked_at_again(
     seen = cab.crew.stand(0, 10.0)
     assert seen.passable is None
     assert seen.to_throw is not None and seen.to_throw.points_id == "P7"
-    assert cab.journal.entries[-1]["what"] == "crew_waits_at_points"
+    assert isinstance(cab.journal.entries[-1].event, CrewWaitsAtPoints)
 
 
 def test_points_under_the_train_are_looked_at_and_never_thrown(mission: Mission) -> None:

@@ -16,11 +16,15 @@ from network.files.shipped import shipped_line
 from network.graph import find_route
 from network.model import Direction, Line
 from network.path import path_of
+from onboard.notes import Intervention, Moving
+from radio.noted import TelegramDropped
+from simulation.events import MANAGER, WORLD, Collision, Left
 from simulation.journal import Journal
 from simulation.result import EnergyRecord, RunResult, StopRecord, TraceSpan
 from simulation.world.records import TRACE
 from study.run.collect import tables_of
 from study.run.tables import RunTables
+from wayside.said import Accepted, Freed, Granted, Refused
 
 LINE = load_line(shipped_line("rtri_test_line"))
 LENGTH_M = 40.0
@@ -91,14 +95,18 @@ def tables(made: RunResult, line: Line = LINE) -> RunTables:
     return tables_of(made, line, {"K1": LENGTH_M, "K2": LENGTH_M})
 
 
-def grant(
-    journal: Journal, t_s: float, unit: str, *sections: str, what: str = "granted", token: int = 1
-) -> None:
-    journal.write(t_s, "block-manager", what, unit=unit, sections=list(sections), token=token)
+def grant(journal: Journal, t_s: float, unit: str, *sections: str, token: int = 1) -> None:
+    granted = Granted(unit_id=unit, section_ids=sections, token=token, route_id="r")
+    journal.write(t_s, MANAGER, granted)
+
+
+def accept(journal: Journal, t_s: float, unit: str, *sections: str) -> None:
+    accepted = Accepted(unit_id=unit, section_ids=sections, token=1, was="outside")
+    journal.write(t_s, MANAGER, accepted)
 
 
 def free(journal: Journal, t_s: float, unit: str, *sections: str) -> None:
-    journal.write(t_s, "block-manager", "freed", unit=unit, sections=list(sections))
+    journal.write(t_s, MANAGER, Freed(unit_id=unit, section_ids=sections))
 
 
 def occupation(made: RunTables) -> dict[tuple[str, str], tuple[Any, ...]]:
@@ -153,7 +161,7 @@ def test_a_slot_is_the_train_that_it_was_at_that_time() -> None:
 def test_blocks_are_entered_by_the_front_and_cleared_by_the_rear() -> None:
     """Front at 100 m + 10 m/s t; section 5 spans 110 to 170 m of the path, section 6 from there to 520 m."""
     journal = Journal()
-    grant(journal, 0.0, "K1", "3", what="signed_on")
+    accept(journal, 0.0, "K1", "3")
     grant(journal, 0.5, "K1", "5", "6", "7", "8", token=7)
     free(journal, 6.2, "K1", "3")
     free(journal, 12.5, "K1", "5")
@@ -185,7 +193,7 @@ def test_a_train_that_turns_back_keeps_its_section_until_it_has_left_it() -> Non
 def test_a_train_that_leaves_the_line_clears_where_it_stood() -> None:
     journal = Journal()
     grant(journal, 0.0, "K1", "8", token=2)
-    journal.write(90.0, "world", "left", unit="K1")
+    journal.write(90.0, WORLD, Left(unit_id="K1"))
     free(journal, 90.3, "K1", "8")
     one = span(0, 0, "T1", "3", "8", Direction.DOWN)
     found = occupation(tables(result(spans=[one], trace=rows(0, 0, 12, head_m=500.0), journal=journal)))
@@ -238,8 +246,15 @@ def test_energy_of_a_train_is_the_sum_of_its_parts() -> None:
 
 def test_telegrams_count_what_the_air_lost_and_the_receiver_dropped() -> None:
     journal = Journal()
-    journal.write(1.0, "B-W", "telegram_dropped", source="K1", reason="stale")
-    journal.write(2.0, "K1", "telegram_dropped", source="block-manager", reason="repeated")
+    terms = {"epoch": 1, "sequence": 3, "correlation": 2}
+    journal.write(
+        1.0, "B-W", TelegramDropped(source="K1", receiver="B-W", kind="PointsCommand", why="stale", **terms)
+    )
+    journal.write(
+        2.0,
+        "K1",
+        TelegramDropped(source=MANAGER, receiver="K1", kind="RouteGranted", why="repeated", **terms),
+    )
     counted = {
         ("K1", "B-W", "PointsCommand"): Counter(sent=5, delivered=4, lost=1, bytes=400),
         ("block-manager", "K1", "RouteGranted"): Counter(sent=2, delivered=3, lost=0, bytes=262),
@@ -253,10 +268,10 @@ def test_telegrams_count_what_the_air_lost_and_the_receiver_dropped() -> None:
 
 def test_events_are_what_a_person_should_hear_of() -> None:
     journal = Journal()
-    journal.write(1.0, "K1", "took_effect", kind="RouteGranted")
-    journal.write(2.0, "K1", "intervention", level=2)
-    journal.write(3.0, "block-manager", "refused", unit="K2", sections=["5", "6"])
-    journal.write(4.0, "world", "collision", text="K1 with K2")
+    journal.write(1.0, "K1", Moving())
+    journal.write(2.0, "K1", Intervention(level=2))
+    journal.write(3.0, MANAGER, Refused(unit_id="K2", section_ids=("5", "6"), why="HELD"))
+    journal.write(4.0, WORLD, Collision(text="K1 with K2"))
     made = tables(result(journal=journal)).events
     assert made["t_s"].to_list() == [2.0, 3.0, 4.0]
     assert made["kind"].to_list() == ["intervention", "refusal", "unsafe"]

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from simulation.vocabulary import WORDS
+from simulation.events import MANAGER, WORLD, Author, authors_of
 from study.run.drill import Drill, find_drill, run_drill, shipped_drills
-from study.run.run import Link
+from study.run.run import Link, terminals_of
 from study.scenario.scenario import load_scenario
 
 RTRI = [name for name in shipped_drills() if name.startswith("rtri/")]
@@ -31,7 +31,15 @@ def test_every_drill_on_the_test_line_is_met(name: str) -> None:
     drill = run_drill(name, Link.SIMULATED)
     assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
     assert drill.run.broken == ()
-    assert {entry["what"] for entry in drill.run.result.journal.entries} <= WORDS
+    setup = drill.run.scenario.setup
+    writers = {
+        **dict.fromkeys(drill.run.result.stock_ids, Author.UNIT),
+        **dict.fromkeys(terminals_of(setup.line), Author.TERMINAL),
+        MANAGER: Author.MANAGER,
+        WORLD: Author.WORLD,
+    }
+    for entry in drill.run.result.journal.entries:
+        assert writers.get(entry.who, Author.PERSON) in authors_of(type(entry.event)), entry
 
 
 @pytest.mark.system

@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from network.model import Position
+from onboard.notes import Departs, MissionBegun, Overran, Proven, Resumed, UnitRestarted
+from simulation.events import Event
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
@@ -19,10 +22,10 @@ from study.run.verdict import judge
 SLOW_MPS = 4.0  # 14.4 km/h
 
 
-def result_of(*entries: tuple[float, str, str, dict[str, Any]], **changes: object) -> RunResult:
+def result_of(*entries: tuple[float, str, Event], **changes: object) -> RunResult:
     journal = Journal()
-    for t_s, who, what, data in entries:
-        journal.write(t_s, who, what, **data)
+    for entry in entries:
+        journal.write(*entry)
     fields: dict[str, Any] = {
         "name": "made up",
         "seed": 1,
@@ -58,11 +61,13 @@ def tables(**rows: list[tuple[Any, ...]]) -> RunTables:
 
 
 NOTHING = tables()
-A = Matcher("a", ("restarted",), who="K1")
-B = Matcher("b", ("resumed",), who="K1")
-C = Matcher("c", ("proven",), who="K1")
+A = Matcher("a", (UnitRestarted,), who="K1")
+B = Matcher("b", (Resumed,), who="K1")
+C = Matcher("c", (Proven,), who="K1")
 RUN = result_of(
-    (10.0, "K1", "restarted", {}), (20.0, "K1", "proven", {"points": "P7"}), (30.0, "K1", "resumed", {})
+    (10.0, "K1", UnitRestarted(epoch=2)),
+    (20.0, "K1", Proven(points_id="P7", position=Position.NORMAL, token=1)),
+    (30.0, "K1", Resumed(next_target=1)),
 )
 
 
@@ -84,8 +89,8 @@ def verdict(
         (Expectation("t", C, after=A, until=B), True),
         (Expectation("t", C, absent=True), False),
         (Expectation("t", C, absent=True, after=B), True),
-        (Expectation("t", Matcher("x", ("overran",))), False),
-        (Expectation("t", Matcher("x", ("overran",)), absent=True), True),
+        (Expectation("t", Matcher("x", (Overran,))), False),
+        (Expectation("t", Matcher("x", (Overran,)), absent=True), True),
     ],
 )
 def test_an_event_is_looked_for_in_its_stretch_of_time(expectation: Expectation, passed: bool) -> None:
@@ -93,7 +98,7 @@ def test_an_event_is_looked_for_in_its_stretch_of_time(expectation: Expectation,
 
 
 def test_a_stretch_that_never_begins_or_ends_meets_nothing() -> None:
-    never = Matcher("K1 overruns", ("overran",))
+    never = Matcher("K1 overruns", (Overran,))
     for expectation in (
         Expectation("t", C, absent=True, after=never),
         Expectation("t", C, absent=True, until=never),
@@ -104,14 +109,14 @@ def test_a_stretch_that_never_begins_or_ends_meets_nothing() -> None:
 
 def test_a_train_number_is_that_of_the_moment() -> None:
     result = result_of(
-        (1.0, "K1", "mission", {"train": "T1"}),
-        (2.0, "K1", "departs", {"station": "A"}),
-        (3.0, "K1", "mission", {"train": "T2"}),
-        (4.0, "K1", "departs", {"station": "B"}),
+        (1.0, "K1", MissionBegun(train="T1", direction="down")),
+        (2.0, "K1", Departs(station="A")),
+        (3.0, "K1", MissionBegun(train="T2", direction="down")),
+        (4.0, "K1", Departs(station="B")),
     )
-    event = Matcher("T2 departs B", ("departs",), train="T2", data={"station": "B"})
+    event = Matcher("T2 departs B", (Departs,), train="T2", data={"station": "B"})
     assert verdict(Expectation("t", event), result) == (True, "at 00:00:04.0")
-    wrong = Matcher("T1 departs B", ("departs",), train="T1", data={"station": "B"})
+    wrong = Matcher("T1 departs B", (Departs,), train="T1", data={"station": "B"})
     assert not verdict(Expectation("t", wrong), result)[0]
 
 

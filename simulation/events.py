@@ -1,0 +1,216 @@
+"""Every event that a journal may have, each a type: what units and devices note, and what the world shows.
+
+`EVENTS` is the whole table, by word. Who writes an event, reads it or waits for it in a script does so by its type,
+so that a renamed one does not pass the type checker. Pure data: nothing here decides anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from types import MappingProxyType
+from typing import Final, get_args
+
+import msgspec
+
+from network.model import Position
+from onboard import notes
+from onboard.notes import Holds, ProofDropped, Proven, Reported, UnitRestarted
+from radio.noted import Lost, Noted, Sent, TookEffect
+from wayside import said
+from wayside.said import Accepted, ConfirmedByHand, Freed, Granted, Outside, Started
+
+# What the checkers match on; they take it from here, so that they import nothing of who writes it.
+__all__ = [
+    "Accepted",
+    "ConfirmedByHand",
+    "Freed",
+    "Granted",
+    "Holds",
+    "Outside",
+    "ProofDropped",
+    "Proven",
+    "Reported",
+    "Started",
+    "TookEffect",
+    "UnitRestarted",
+]
+
+WORLD: Final = "world"
+MANAGER: Final = "block-manager"
+
+
+class Entered(Noted, frozen=True, kw_only=True, tag="entered"):
+    """A train is put on the line; `edge_ids` from the one under its rear to the one under its front."""
+
+    unit_id: str
+    train: str
+    edge_ids: tuple[str, ...]
+
+
+class Reversed(Noted, frozen=True, kw_only=True, tag="reversed"):
+    """A train changed ends where it stands."""
+
+    unit_id: str
+
+
+class Left(Noted, frozen=True, kw_only=True, tag="left"):
+    """A train was taken off the line."""
+
+    unit_id: str
+
+
+class TagPassed(Noted, frozen=True, kw_only=True, tag="tag_passed"):
+    """The reader of a train came over a tag, whether it reads it or not."""
+
+    unit_id: str
+    tag_id: int
+
+
+class PointsUnlocked(Noted, frozen=True, kw_only=True, tag="points_unlocked"):
+    """The lock of points opened."""
+
+    points_id: str
+
+
+class PointsMoving(Noted, frozen=True, kw_only=True, tag="points_moving"):
+    """The motor of points began to move the blades."""
+
+    points_id: str
+    target: Position
+
+
+class PointsLocked(Noted, frozen=True, kw_only=True, tag="points_locked"):
+    """Points lie in a position and are locked there."""
+
+    points_id: str
+    position: Position
+
+
+class PointsForced(Noted, frozen=True, kw_only=True, tag="points_forced"):
+    """A train ran through points set against it: they lie in no position."""
+
+    points_id: str
+
+
+class PointsSetByHand(Noted, frozen=True, kw_only=True, tag="points_set_by_hand"):
+    """Staff set points by hand, locked them and took their faults away (手回し)."""
+
+    points_id: str
+    position: Position
+
+
+class PowerOff(Noted, frozen=True, kw_only=True, tag="power_off"):
+    """A device or unit lost its power."""
+
+    device_id: str
+
+
+class PowerOn(Noted, frozen=True, kw_only=True, tag="power_on"):
+    """A device or unit has power again."""
+
+    device_id: str
+
+
+class FaultBegan(Noted, frozen=True, kw_only=True, tag="fault"):
+    """A fault of the script came into force."""
+
+    kind: str
+    target: str
+    parameters: dict[str, float] = msgspec.field(default_factory=dict)
+
+
+class FaultOver(Noted, frozen=True, kw_only=True, tag="fault_over"):
+    """A fault of the script is over."""
+
+    kind: str
+    target: str
+    parameters: dict[str, float] = msgspec.field(default_factory=dict)
+
+
+class Acted(Noted, frozen=True, kw_only=True, tag="act"):
+    """A person did something; its author is the person."""
+
+    act: str
+    target: str
+    section_ids: tuple[str, ...] = ()
+
+
+class Unsafe(Noted, frozen=True, kw_only=True, tag="unsafe"):
+    """Something happened to a train on the track that must never happen."""
+
+    unit_id: str
+    text: str
+
+
+class Collision(Noted, frozen=True, kw_only=True, tag="collision"):
+    """The carrier found two trains in one place."""
+
+    text: str
+
+
+WorldEvent = (
+    Lost
+    | Entered
+    | Reversed
+    | Left
+    | TagPassed
+    | PointsUnlocked
+    | PointsMoving
+    | PointsLocked
+    | PointsForced
+    | PowerOff
+    | PowerOn
+    | FaultBegan
+    | FaultOver
+    | Unsafe
+    | Collision
+)
+PersonEvent = Acted | PointsSetByHand
+Event = notes.Note | said.Note | WorldEvent | PersonEvent | Sent
+EventType = type[Noted]
+
+
+class Entry(msgspec.Struct, frozen=True):
+    """One line of the journal: simulated time, s since midnight, its author, and what happened."""
+
+    t_s: float
+    who: str
+    event: Event
+
+
+def word_of(event: EventType) -> str:
+    """The word of a type of event in a line of the journal (its `what`)."""
+    return str(event.__struct_config__.tag)
+
+
+class Author(Enum):
+    """Who can have written an entry."""
+
+    UNIT = "unit"
+    MANAGER = "block manager"
+    TERMINAL = "point terminal"
+    WORLD = "the world"
+    PERSON = "a person"
+
+
+_WRITES: Final = (
+    (Author.UNIT, notes.Note | Sent),
+    (Author.MANAGER, said.ManagerNote | Sent),
+    (Author.TERMINAL, said.TerminalNote | Sent),
+    (Author.WORLD, WorldEvent),
+    (Author.PERSON, PersonEvent),
+)
+EVENTS: Final[Mapping[str, EventType]] = MappingProxyType(
+    {word_of(event): event for event in get_args(Event)}
+)
+
+
+def authors_of(event: EventType) -> tuple[Author, ...]:
+    """Who may write an event of this type."""
+    return tuple(author for author, kinds in _WRITES if event in get_args(kinds))
+
+
+def unit_of(entry: Entry) -> str:
+    """The unit that an entry speaks of: the one it names, else its author."""
+    return str(getattr(entry.event, "unit_id", entry.who))
