@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from host.devices import FleetError
+from host.parties import PartyError
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def main() -> None:
     except InputError as error:
         _tell(f"error: {error}")
         sys.exit(BAD_INPUT)
-    except FleetError as error:
+    except PartyError as error:
         _tell(f"error: {error}")
         sys.exit(BROKEN)
     except _StoppedError as stopped:

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from host.devices import Fleet
+from host.parties import Parties
 from network.model import Direction, Leg
 from onboard.records import EVENT_STOPPED, MODE_DRIVE
 from onboard.unit import Finished, LeftLine, Noted, Phase, Transmit, UnitAction
@@ -60,7 +60,7 @@ class Simulation:
         self,
         setup: Setup,
         carrier_of: Callable[[float], Carrier],
-        fleet: Fleet,
+        parties: Parties,
         net: NetMap,
         master_key: bytes,
         link: str,
@@ -81,7 +81,7 @@ class Simulation:
         self._agenda = Agenda()
         self.wayside = WaysideWorld(
             setup.line,
-            fleet,
+            parties,
             Air(setup.air, setup.seed),
             self._agenda,
             self.journal,

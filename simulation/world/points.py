@@ -1,4 +1,4 @@
-"""The wayside as the world sees it: devices behind the fleet, the air, and the point machines on the track."""
+"""The wayside as the world sees it: devices among the parties, the air, and the point machines on the track."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Final
 
 import msgspec
 
-from host.devices import Advance, Fleet
+from host.devices import DeviceAdvance, Devices
+from host.parties import Parties
 from network.model import Line, Position
 from radio.air import Air, Delivery
 from radio.envelope import Envelope
@@ -51,7 +52,7 @@ class WaysideWorld:
     def __init__(
         self,
         line: Line,
-        fleet: Fleet,
+        parties: Parties,
         air: Air,
         agenda: Agenda,
         journal: Journal,
@@ -65,7 +66,8 @@ class WaysideWorld:
         self.section_ids: Final = tuple(line.sections)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self._device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
-        self._fleet = fleet
+        self._parties = parties
+        self._devices = Devices(parties)
         self._air = air
         self._agenda = agenda
         self._journal = journal
@@ -122,7 +124,7 @@ class WaysideWorld:
             self._frozen[device_id].extend(telegrams)
             return
         inputs = self._inputs.pop(device_id, [])
-        done = self._fleet.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
+        done = self._devices.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
         for data in telegrams:
             header = header_of(data)
             self._journal.write(
@@ -149,7 +151,7 @@ class WaysideWorld:
         """Where the blades really are."""
         return self.machines[points_id].position
 
-    def _take(self, step: int, device_id: str, done: Advance) -> None:
+    def _take(self, step: int, device_id: str, done: DeviceAdvance) -> None:
         for note in done.notes:
             self._note(step, device_id, note)
         for output in done.outputs:
@@ -225,7 +227,7 @@ class WaysideWorld:
         """A device loses its power; with Zenoh its process is killed."""
         if device_id in self._down:
             return
-        self._fleet.kill(device_id)
+        self._parties.kill(device_id)
         self._down.add(device_id)
         self._journal.write(step / STEPS_PER_S, "world", "power_off", device=device_id)
 
@@ -233,7 +235,7 @@ class WaysideWorld:
         """A device boots: a new epoch; terminals are shown their points."""
         if device_id not in self._down:
             return
-        self._fleet.restart(device_id)
+        self._parties.restart(device_id)
         self._down.discard(device_id)
         self._journal.write(step / STEPS_PER_S, "world", "power_on", device=device_id)
         for points_id, terminal_id in self._terminal_of.items():
