@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from host.devices import FleetError
+from host.parties import PartyError
 from network.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,6 +46,12 @@ Out = Annotated[Path | None, typer.Option("--out", help="Run directory; default 
 LinkName = Annotated[
     str, typer.Option("--link", help="simulated, or zenoh: a process for each wayside device.")
 ]
+UnitsName = Annotated[
+    str,
+    typer.Option(
+        "--units", help="Where on-board units run: 'simulator', or 'processes' (with --link zenoh)."
+    ),
+]
 
 
 class _StoppedError(BaseException):
@@ -61,7 +67,7 @@ def main() -> None:
     except InputError as error:
         _tell(f"error: {error}")
         sys.exit(BAD_INPUT)
-    except FleetError as error:
+    except PartyError as error:
         _tell(f"error: {error}")
         sys.exit(BROKEN)
     except _StoppedError as stopped:
@@ -129,6 +135,7 @@ def _progress(title: str) -> Iterator[Callable[[float, float, int], None]]:
 def run(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or a scenario file (.toml).")],
     link: LinkName = "simulated",
+    units: UnitsName = "simulator",
     carrier: Annotated[
         str, typer.Option("--carrier", help="sumo, or plain: one train on plain track.")
     ] = "sumo",
@@ -137,17 +144,18 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html."""
-    from study.run.run import CarrierKind, check_out, execute, link_of, write_run
+    from study.run.run import CarrierKind, check_out, execute, link_of, units_at, write_run
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
+    hosted = units_at(units, chosen)
     if carrier not in {kind.value for kind in CarrierKind}:
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     loaded = load_scenario(scenario, seed)
     directory = (out or Path("runs") / loaded.id).resolve()
     check_out(directory)
     with _progress(loaded.id) as progress:
-        done = execute(loaded, chosen, carrier=CarrierKind(carrier), progress=progress)
+        done = execute(loaded, chosen, units=hosted, carrier=CarrierKind(carrier), progress=progress)
     _tell("writing the report")
     report = write_run(done, directory)
     if as_json:
@@ -206,6 +214,7 @@ def drill(
         str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")
     ],
     link: LinkName = "simulated",
+    units: UnitsName = "simulator",
     seed: Seed = None,
     out: Annotated[Path | None, typer.Option("--out", help="Also write the run directory there.")] = None,
     as_json: Json = False,

@@ -11,15 +11,16 @@ from typing import Protocol
 
 import msgspec
 
-from host.devices import Advance
-from host.store import Durable, Store
+from host.devices import CODEC, DeviceAdvance, DeviceSaid
+from host.party import Advance, PartySpec
+from host.store import Durable, Store, raise_epoch
 from network.errors import InputError
 from radio.envelope import Dropped, DropReason, Endpoint, Received
 from radio.keys import KeyRing
 from radio.messages import PointsCommand, Restarted
 from wayside import block_manager, point_terminal
 from wayside.actions import Action, Drive, Send, Show
-from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig
+from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig, decode_config
 from wayside.point_terminal import Commanded, Expired, Memory
 from wayside.register import start as start_register
 from wayside.said import Input, InputRefused, Note, Output, PointsDetected, Refused, Started
@@ -41,7 +42,8 @@ class _Machine(Protocol):
 
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
-        self.register = start_register(config, durable.epoch, keys.capabilities, durable.ledger)
+        ledger = _ledger(durable.spare)
+        self.register = start_register(config, durable.epoch, keys.capabilities, ledger)
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
@@ -63,12 +65,15 @@ class _Manager:
         return block_manager.wake_at_s(self.register)
 
     def kept(self, before: Durable) -> Durable:
-        return msgspec.structs.replace(before, ledger=tuple(sorted(self.register.ledger)))
+        kept = msgspec.msgpack.encode(tuple(sorted(self.register.ledger)))
+        return msgspec.structs.replace(before, spare=kept)
 
 
 class _Terminal:
-    def __init__(self, config: TerminalConfig, keys: KeyRing, memory: Memory) -> None:
-        self.terminal = point_terminal.start(config, keys.capabilities[config.device_id], memory)
+    def __init__(self, config: TerminalConfig, keys: KeyRing, durable: Durable) -> None:
+        self.terminal = point_terminal.start(
+            config, keys.capabilities[config.device_id], _memory(durable.vital)
+        )
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: point_terminal.TerminalEvent
@@ -91,7 +96,27 @@ class _Terminal:
         return point_terminal.wake_at_s(self.terminal)
 
     def kept(self, before: Durable) -> Durable:
-        return msgspec.structs.replace(before, memory=self.terminal.memory)
+        return msgspec.structs.replace(before, vital=msgspec.msgpack.encode(self.terminal.memory))
+
+
+def _memory(kept: bytes) -> Memory:
+    """What a terminal must not have forgotten; one that never ran has nothing to remember."""
+    try:
+        return msgspec.msgpack.decode(kept, type=Memory) if kept else Memory()
+    except msgspec.MsgspecError as error:
+        raise InputError(
+            "durable", "memory", f"{len(kept)} bytes", f"a terminal's memory ({error})"
+        ) from None
+
+
+def _ledger(kept: bytes | None) -> tuple[str, ...] | None:
+    """The units that were on the line; a manager that never ran has none. None: lost, so any may be."""
+    if not kept:
+        return None if kept is None else ()
+    try:
+        return msgspec.msgpack.decode(kept, type=tuple[str, ...])
+    except msgspec.MsgspecError:
+        return None
 
 
 def _not_for_device(given: Input) -> Sequence[Action]:
@@ -104,16 +129,14 @@ class DeviceHost:
     def __init__(self, config: DeviceConfig, keys: KeyRing, store: Store) -> None:
         if keys.owner != config.device_id:
             raise InputError("keys", "owner", keys.owner, f"the keys of {config.device_id}")
-        before = store.load()
         self._store = store
-        self._durable = msgspec.structs.replace(before, epoch=before.epoch + 1)
-        store.save(self._durable)
+        self._durable = raise_epoch(store)
         self._endpoint = Endpoint(keys, self._durable.epoch, config.telegram_age_max_s)
         self._machine: _Machine
         if isinstance(config, ManagerConfig):
             self._machine = _Manager(config, keys, self._durable)
         else:
-            self._machine = _Terminal(config, keys, before.memory)
+            self._machine = _Terminal(config, keys, self._durable)
         self._notes: list[Note] = [Started(epoch=self._durable.epoch)]
 
     @property
@@ -121,7 +144,9 @@ class DeviceHost:
         """Number of this boot, from 1."""
         return self._durable.epoch
 
-    def advance(self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()) -> Advance:
+    def advance(
+        self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
+    ) -> DeviceAdvance:
         """Act at `now_s` on inputs, telegrams and timers."""
         sends: list[Send] = []
         outputs: list[Output] = []
@@ -144,7 +169,7 @@ class DeviceHost:
             for send in sends
         )
         notes, self._notes = tuple(self._notes), []
-        return Advance(sealed, tuple(outputs), self._machine.wake_at_s(), notes)
+        return DeviceAdvance(sealed, tuple(outputs), self._machine.wake_at_s(), notes)
 
     def _sort(self, actions: Iterable[Action], sends: list[Send], outputs: list[Output]) -> None:
         for action in actions:
@@ -161,3 +186,26 @@ class DeviceHost:
         # Its sender still speaks to the boot before this one: tell it, so that its next telegram counts.
         if dropped.reason is DropReason.EARLIER_BOOT and dropped.source is not None:
             sends.append(Send(dropped.source, Restarted()))
+
+
+class DeviceParty:
+    """A device as a party of a run: `host.party.Party` over a `DeviceHost`."""
+
+    def __init__(self, spec: PartySpec, store: Store, file: str) -> None:
+        config = decode_config(spec.config, file)
+        role = config.__struct_config__.tag
+        if (role, config.line_id, config.device_id) != (spec.role.value, spec.line_id, spec.party_id):
+            given = f"{spec.role.value} {spec.party_id} of line {spec.line_id}"
+            expected = f"{role} {config.device_id} of line {config.line_id}, as it was configured"
+            raise InputError(file, "device", given, expected)
+        self._host = DeviceHost(config, spec.keys, store)
+
+    @property
+    def epoch(self) -> int:
+        """Number of this boot, from 1."""
+        return self._host.epoch
+
+    def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
+        """Act at `now_s` on inputs, telegrams and timers."""
+        done = self._host.advance(now_s, telegrams, CODEC.told(told).inputs)
+        return Advance(done.telegrams, CODEC.encode(DeviceSaid(done.outputs, done.notes)), done.wake_at_s)

@@ -1,4 +1,4 @@
-"""The wayside devices in the simulator's own process: the same machines, the same bytes, no Zenoh."""
+"""Parties in the simulator's own process: the same machines, the same bytes, no Zenoh."""
 
 from __future__ import annotations
 
@@ -6,53 +6,46 @@ from collections.abc import Iterable, Sequence
 from types import TracebackType
 from typing import Self
 
-from host.device import DeviceHost
-from host.devices import Advance, DeviceSpec, FleetError
+from host.parties import PartyError
+from host.party import Advance, Party, PartySpec, boot
 from host.store import MemoryStore
-from wayside.config import decode_config
-from wayside.said import Input
 
 
-class LocalFleet:
-    """`host.devices.Fleet` without processes. A killed device keeps its durable state only."""
+class LocalParties:
+    """`host.parties.Parties` without processes. A killed party keeps its durable state only."""
 
-    def __init__(self, specs: Iterable[DeviceSpec]) -> None:
-        self._specs = {spec.device_id: spec for spec in specs}
-        self._stores = {device_id: MemoryStore() for device_id in self._specs}
-        self._hosts: dict[str, DeviceHost] = {}
+    def __init__(self, specs: Iterable[PartySpec]) -> None:
+        self._specs = {spec.party_id: spec for spec in specs}
+        self._stores = {party_id: MemoryStore() for party_id in self._specs}
+        self._running: dict[str, Party] = {}
 
     def __enter__(self) -> Self:
-        for device_id in self._specs:
-            self.restart(device_id)
+        for party_id in self._specs:
+            self.restart(party_id)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._hosts.clear()
+        self._running.clear()
 
-    def advance(
-        self, device_id: str, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
-    ) -> Advance:
-        """Let a device act at `now_s`. FleetError if it is down."""
-        host = self._hosts.get(device_id)
-        if host is None:
-            raise FleetError(f"device {device_id} is down")
-        return host.advance(now_s, telegrams, inputs)
+    def advance(self, party_id: str, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
+        """Let a party act at `now_s`. PartyError if it is down."""
+        party = self._running.get(party_id)
+        if party is None:
+            raise PartyError(f"party {party_id} is down")
+        return party.advance(now_s, telegrams, told)
 
-    def alive(self, device_id: str) -> bool:
-        """Whether the device runs."""
-        return device_id in self._hosts
+    def alive(self, party_id: str) -> bool:
+        """Whether the party runs."""
+        return party_id in self._running
 
-    def kill(self, device_id: str) -> None:
+    def kill(self, party_id: str) -> None:
         """Power cut."""
-        self._hosts.pop(device_id, None)
+        self._running.pop(party_id, None)
 
-    def restart(self, device_id: str) -> None:
-        """Power back: a new boot epoch. FleetError if it runs."""
-        if device_id in self._hosts:
-            raise FleetError(f"device {device_id} runs already")
-        spec = self._specs[device_id]
-        self._hosts[device_id] = DeviceHost(
-            decode_config(spec.config_json), spec.keys, self._stores[device_id]
-        )
+    def restart(self, party_id: str) -> None:
+        """Power back: a new boot epoch. PartyError if it runs."""
+        if party_id in self._running:
+            raise PartyError(f"party {party_id} runs already")
+        self._running[party_id] = boot(self._specs[party_id], self._stores[party_id])

@@ -1,79 +1,88 @@
-"""The simulator's side of a fleet of processes: one `host.serve` per device, over Zenoh on the loopback.
+"""The simulator's side of parties that are processes: one `host.serve` each, over Zenoh on a Unix socket.
 
-A shell: it starts and ends processes and waits on sockets, with limits. What the devices decide depends
-only on what they are asked, never on how long it took. The processes also end by themselves when this one
-is gone.
+A shell: it starts and ends processes and waits on sockets, with limits. What the parties decide depends only
+on what they are asked, never on how long it took; what may be taken from them `host.lockstep` decides. The
+processes also end by themselves when this one is gone.
 """
 
 from __future__ import annotations
 
-import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from types import TracebackType
-from typing import Final, Self
+from typing import Any, Final, Self
 
-import msgspec
 import zenoh
 
-from host.devices import Advance, DeviceSpec, FleetError
+from host.lockstep import Answer, Asker, Tagged, of_run
+from host.parties import ForeignError, PartyError
+from host.party import Advance, PartySpec
 from host.planes import (
     ANSWER_LIMIT_S,
-    READY_ROUND,
-    Answer,
-    Question,
+    PAYLOAD_BYTES_MAX,
+    SOCKET_NAME,
+    endpoint_of,
+    new_secrets,
+    private_folder,
     radio_key,
-    round_tag,
     session_json5,
     time_key,
 )
-from wayside.said import Input
+from host.process import PartyProcess, last_words
 
 START_LIMIT_S: Final = 30.0
-_PORT_TRIES: Final = 5
-_LISTEN_POLL_S: Final = 0.01
-_ALIVE_POLL_S: Final = 0.5
-_END_LIMIT_S: Final = 2.0
-_LOG_TAIL_BYTES: Final = 2000
+INBOX_TELEGRAMS: Final = 4096
+_SESSION_EVENTS: Final = 1024
+_START_POLL_S: Final = 0.005
+_ARRIVAL_POLL_S: Final = 0.0005
+_DEATH_LIMIT_S: Final = 2.0
+_OWN_SESSION: Final = "1"
 
 
 @dataclass(slots=True)
-class _Device:
-    spec: DeviceSpec
+class _Hosted:
+    spec: PartySpec
     state: Path
     querier: zenoh.Querier
-    process: subprocess.Popen[bytes] | None = None
+    asker: Asker
+    session_id: str = ""
+    process: PartyProcess | None = None
 
 
-class ZenohFleet:
-    """`host.devices.Fleet` with a process per device. State is kept in `directory`, one folder a device.
+class ZenohParties:
+    """`host.parties.Parties` with a process per party. State is kept in `directory`, one folder a party.
 
-    Raises FleetError if a device does not start within 30 s or does not answer within 10 s, with what it
-    last wrote.
+    Raises PartyError if a party does not start within 30 s or does not answer within 10 s, with what it last
+    wrote, and ForeignError as soon as anybody else is heard.
     """
 
-    def __init__(self, line_id: str, specs: Iterable[DeviceSpec], directory: Path) -> None:
+    def __init__(self, line_id: str, specs: Iterable[PartySpec], directory: Path) -> None:
         self._line_id = line_id
         self._specs = tuple(specs)
         self._directory = directory
-        self._devices: dict[str, _Device] = {}
+        self._hosted: dict[str, _Hosted] = {}
+        self._sessions: set[str] = set()
         self._endpoint = ""
+        self._folder = ExitStack()
         self._session: zenoh.Session | None = None
-        self._round = READY_ROUND
-        self._inbox: SimpleQueue[tuple[bytes, str, bytes]] = SimpleQueue()
+        self._inbox: Any = None
+        self._joined: Any = None
+
+    @property
+    def endpoint(self) -> str:
+        """Where the parties connect to; empty before the context is entered."""
+        return self._endpoint
 
     def __enter__(self) -> Self:
         try:
             self._open()
-            for device in self._devices.values():
-                self._spawn(device)
-            for device in self._devices.values():
-                self._wait_ready(device)
+            for hosted in self._hosted.values():
+                self._spawn(hosted)
+            for hosted in self._hosted.values():
+                self._wait_ready(hosted)
         except BaseException:
             self._close()
             raise
@@ -84,182 +93,168 @@ class ZenohFleet:
     ) -> None:
         self._close()
 
-    def advance(
-        self, device_id: str, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
-    ) -> Advance:
-        """Let a device act at `now_s`: its telegrams, then the question, then its answer and telegrams."""
-        device = self._devices[device_id]
-        if not self.alive(device_id):
-            raise FleetError(f"device {device_id} is down")
-        self._round += 1
-        tag, session = round_tag(self._round), self._running()
-        for data in telegrams:
+    def advance(self, party_id: str, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
+        """Let a party act at `now_s`: its telegrams, then the question, then its answer and telegrams."""
+        hosted = self._hosted[party_id]
+        if not self.alive(party_id):
+            raise PartyError(f"party {party_id} is down")
+        question, tagged = hosted.asker.ask(now_s, telegrams, told)
+        if len(question) > PAYLOAD_BYTES_MAX:
+            raise PartyError(f"a question of {len(question)} bytes to {party_id} is too long for its link")
+        session = self._running()
+        for telegram in tagged:
             session.put(
-                radio_key(self._line_id, device_id),
-                data,
-                attachment=tag,
+                radio_key(self._line_id, party_id),
+                telegram.data,
+                attachment=telegram.tag,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 express=True,
             )
-        answer = self._ask(device, Question(self._round, now_s, len(telegrams), tuple(inputs)))
-        if answer is None or answer.round != self._round:
-            raise FleetError(self._complaint(device, "gave no answer"))
-        return Advance(
-            self._collect(device, tag, answer.sent), answer.outputs, answer.wake_at_s, answer.notes
-        )
+        answer = self._ask(hosted, question)
+        if answer is None:
+            died = hosted.process is None or hosted.process.ended_within(_DEATH_LIMIT_S)
+            raise PartyError(self._complaint(hosted, "died" if died else "gave no answer"))
+        done = hosted.asker.advance(answer, self._collect(hosted, answer.sent))
+        self._look_for_strangers()
+        return done
 
-    def alive(self, device_id: str) -> bool:
-        """Whether the device's process runs."""
-        process = self._devices[device_id].process
-        return process is not None and process.poll() is None
+    def alive(self, party_id: str) -> bool:
+        """Whether the party's process runs."""
+        process = self._hosted[party_id].process
+        return process is not None and process.alive()
 
-    def kill(self, device_id: str) -> None:
+    def kill(self, party_id: str) -> None:
         """Power cut: SIGKILL."""
-        self._end(self._devices[device_id], at_once=True)
+        hosted = self._hosted[party_id]
+        process, hosted.process = hosted.process, None
+        if process is not None:
+            process.kill()
 
-    def restart(self, device_id: str) -> None:
-        """Power back: a new process on the same durable state. FleetError if it runs."""
-        if self.alive(device_id):
-            raise FleetError(f"device {device_id} runs already")
-        self._end(self._devices[device_id], at_once=True)
-        self._spawn(self._devices[device_id])
-        self._wait_ready(self._devices[device_id])
+    def restart(self, party_id: str) -> None:
+        """Power back: a new process with new secrets on the same durable state. PartyError if it runs."""
+        if self.alive(party_id):
+            raise PartyError(f"party {party_id} runs already")
+        self.kill(party_id)
+        self._spawn(self._hosted[party_id])
+        self._wait_ready(self._hosted[party_id])
 
     def _open(self) -> None:
-        for attempt in range(_PORT_TRIES):
-            with socket.socket() as probe:
-                probe.bind(("127.0.0.1", 0))
-                port = probe.getsockname()[1]
-            self._endpoint = f"tcp/127.0.0.1:{port}"
-            try:
-                self._session = zenoh.open(zenoh.Config.from_json5(session_json5("listen", self._endpoint)))
-                break
-            except zenoh.ZError as error:
-                # Another program took the port between the probe and the opening.
-                if attempt == _PORT_TRIES - 1:
-                    raise FleetError(f"no free port on the loopback: {error}") from error
-        session = self._running()
-        session.declare_subscriber(
-            radio_key(self._line_id, "*"), self._take, allowed_origin=zenoh.Locality.REMOTE
+        folder = self._folder.enter_context(private_folder())
+        self._endpoint = endpoint_of(folder)
+        config = zenoh.Config.from_json5(session_json5("listen", self._endpoint, _OWN_SESSION))
+        session = self._session = zenoh.open(config)
+        (folder / SOCKET_NAME).chmod(0o600)
+        self._joined = session.info.declare_transport_events_listener(
+            zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
+        )
+        self._inbox = session.declare_subscriber(
+            radio_key(self._line_id, "*"),
+            zenoh.handlers.FifoChannel(INBOX_TELEGRAMS),
+            allowed_origin=zenoh.Locality.REMOTE,
         )
         for spec in self._specs:
             querier = session.declare_querier(
-                time_key(self._line_id, spec.device_id),
+                time_key(self._line_id, spec.party_id),
+                # All, so that a stranger who also answers cannot keep the question from the party.
+                target=zenoh.QueryTarget.ALL,
                 consolidation=zenoh.ConsolidationMode.NONE,
                 timeout=ANSWER_LIMIT_S,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 express=True,
             )
-            state = self._directory / spec.device_id
-            state.mkdir(parents=True, exist_ok=True)
-            self._devices[spec.device_id] = _Device(spec, state, querier)
+            state = self._directory / spec.party_id
+            self._hosted[spec.party_id] = _Hosted(spec, state, querier, Asker(spec.party_id, b""))
 
-    def _take(self, sample: zenoh.Sample) -> None:
-        attachment = sample.attachment
-        tag = b"" if attachment is None else attachment.to_bytes()
-        destination = str(sample.key_expr).rpartition("/")[2]
-        self._inbox.put((tag, destination, sample.payload.to_bytes()))
+    def _spawn(self, hosted: _Hosted) -> None:
+        secrets = new_secrets(hosted.spec.keys)
+        hosted.asker = Asker(hosted.spec.party_id, secrets.plane_key)
+        # Sessions of killed boots stay known: their end may be heard of after the next one's beginning.
+        self._sessions.add(secrets.session_id)
+        hosted.process = PartyProcess(hosted.spec, secrets, hosted.state, self._endpoint)
 
-    def _spawn(self, device: _Device) -> None:
-        spec, state = device.spec, device.state
-        (state / "config.json").write_bytes(spec.config_json)
-        key_file = state / "keys.json"
-        key_file.touch(mode=0o600)
-        key_file.write_bytes(msgspec.json.encode(spec.keys))
-        command = [sys.executable, "-m", "host.serve", spec.role.value]
-        command += ["--line", self._line_id, "--device", spec.device_id, "--state", str(state)]
-        command += ["--key-file", str(key_file), "--connect", self._endpoint]
-        with (state / "stderr.log").open("ab") as log:
-            device.process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log
-            )
-
-    def _wait_ready(self, device: _Device) -> None:
-        """Until the device answered, and its telegrams reach us: then both planes stand."""
+    def _wait_ready(self, hosted: _Hosted) -> None:
+        """Until the party answered and its telegram reached us: then both planes stand."""
         limit_s = time.monotonic() + START_LIMIT_S
-        tag = round_tag(READY_ROUND)
         while time.monotonic() < limit_s:
-            if not self.alive(device.spec.device_id):
-                raise FleetError(self._complaint(device, "ended while it started"))
-            # Matching changes when the device's declaration arrives; asking before that finds nobody.
-            if not device.querier.matching_status:
-                time.sleep(_LISTEN_POLL_S)
-                continue
-            if self._ask(device, Question(READY_ROUND, 0.0, 0)) is not None:
-                try:
-                    while self._inbox.get(timeout=_ALIVE_POLL_S)[0] != tag:
-                        pass
-                except Empty:
-                    continue
-                return
-        raise FleetError(self._complaint(device, f"was not ready within {START_LIMIT_S:g} s"))
+            if not self.alive(hosted.spec.party_id):
+                raise PartyError(self._complaint(hosted, "ended while it started"))
+            # Matching changes when the party's declaration arrives; asking before that finds nobody.
+            if hosted.querier.matching_status:
+                answer = self._ask(hosted, hosted.asker.ask_ready())
+                if answer is not None:
+                    hosted.asker.advance(answer, self._collect(hosted, answer.sent))
+                    return
+            self._look_for_strangers()
+            time.sleep(_START_POLL_S)
+        raise PartyError(self._complaint(hosted, f"was not ready within {START_LIMIT_S:g} s"))
 
-    def _ask(self, device: _Device, question: Question) -> Answer | None:
-        """The answer; None if there was nobody to answer. FleetError if the device failed, died or hangs."""
-        replies: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
-        handler = zenoh.handlers.Callback(replies.put, lambda: replies.put(None))
-        device.querier.get(handler, payload=msgspec.msgpack.encode(question))
+    def _ask(self, hosted: _Hosted, question: bytes) -> Answer | None:
+        """The answer; None if nobody is there, or no longer. PartyError if the party failed or hangs."""
+        try:
+            reply = hosted.querier.get(payload=question).recv()
+        except zenoh.ZError:  # the channel closed without a reply
+            return None
+        if (sample := reply.ok) is None:
+            text = "" if reply.err is None else reply.err.payload.to_string()
+            if reply.replier_id is None:  # Zenoh's own word: time is up
+                raise PartyError(self._complaint(hosted, f"hangs for {ANSWER_LIMIT_S:g} s"))
+            self._look_for_strangers()
+            raise ForeignError(f"a foreign reply to the question to {hosted.spec.party_id}: {text}")
+        try:
+            answer = hosted.asker.answer(sample.payload.to_bytes())
+        except ForeignError:
+            self._look_for_strangers()
+            raise
+        if answer.failed:
+            raise PartyError(self._complaint(hosted, f"failed: {answer.failed}"))
+        return answer
+
+    def _collect(self, hosted: _Hosted, expected: int) -> list[Tagged]:
+        """All telegrams that are there: the party's came before its answer, on the same link."""
+        heard: list[Tagged] = []
         limit_s = time.monotonic() + ANSWER_LIMIT_S
         while True:
-            try:
-                reply = replies.get(timeout=_ALIVE_POLL_S)
-            except Empty:
-                if not self.alive(device.spec.device_id):
-                    raise FleetError(self._complaint(device, "died")) from None
-                if time.monotonic() > limit_s:
-                    raise FleetError(self._complaint(device, f"hangs for {ANSWER_LIMIT_S:g} s")) from None
-                continue
-            if reply is None:
-                return None
-            if (sample := reply.ok) is not None:
-                return msgspec.msgpack.decode(sample.payload.to_bytes(), type=Answer)
-            error = reply.err
-            text = "" if error is None else error.payload.to_string()
-            raise FleetError(self._complaint(device, f"failed: {text}"))
+            sample = self._inbox.try_recv()
+            if sample is not None:
+                tag = b"" if sample.attachment is None else sample.attachment.to_bytes()
+                destination = str(sample.key_expr).rpartition("/")[2]
+                heard.append(Tagged(destination, sample.payload.to_bytes(), tag))
+            elif len(heard) >= expected:
+                return heard
+            elif time.monotonic() > limit_s:
+                what = f"sent {expected} telegrams, {len(heard)} came"
+                raise PartyError(self._complaint(hosted, what))
+            else:
+                time.sleep(_ARRIVAL_POLL_S)
 
-    def _collect(self, device: _Device, tag: bytes, expected: int) -> tuple[tuple[str, bytes], ...]:
-        telegrams: list[tuple[str, bytes]] = []
-        while len(telegrams) < expected:
-            try:
-                found, destination, data = self._inbox.get(timeout=ANSWER_LIMIT_S)
-            except Empty:
-                what = f"sent {expected} telegrams, {len(telegrams)} came"
-                raise FleetError(self._complaint(device, what)) from None
-            if found == tag:
-                telegrams.append((destination, data))
-        return tuple(telegrams)
+    def _look_for_strangers(self) -> None:
+        """Whoever joined must be a session that was given to a party."""
+        while (event := self._joined.try_recv()) is not None:
+            session_id = str(event.transport.zid)
+            if not of_run(session_id, self._sessions):
+                raise ForeignError(f"a foreign session has joined the run: {session_id}")
 
-    def _complaint(self, device: _Device, what: str) -> str:
-        log = device.state / "stderr.log"
-        tail = log.read_bytes()[-_LOG_TAIL_BYTES:].decode(errors="replace").strip() if log.exists() else ""
-        return f"device {device.spec.device_id} {what}" + (f"; it wrote: {tail}" if tail else "")
+    def _complaint(self, hosted: _Hosted, what: str) -> str:
+        words = last_words(hosted.state)
+        return f"party {hosted.spec.party_id} {what}" + (f"; it wrote: {words}" if words else "")
 
     def _running(self) -> zenoh.Session:
         if self._session is None:
-            raise FleetError("the fleet is not open: use it as a context manager")
+            raise PartyError("the parties are not there: use them as a context manager")
         return self._session
-
-    def _end(self, device: _Device, *, at_once: bool) -> None:
-        process, device.process = device.process, None
-        if process is None:
-            return
-        if at_once:
-            process.kill()
-        if process.stdin is not None:
-            process.stdin.close()
-        try:
-            process.wait(_END_LIMIT_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
 
     def _close(self) -> None:
         """All processes end, even if one of them or the session gives trouble."""
-        for device in self._devices.values():
-            if device.process is not None:
-                device.process.terminate()
-        for device in self._devices.values():
-            self._end(device, at_once=False)
+        processes = [hosted.process for hosted in self._hosted.values() if hosted.process is not None]
+        for hosted in self._hosted.values():
+            hosted.process = None
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.end()
         session, self._session = self._session, None
-        if session is not None:
-            session.close()  # type: ignore[no-untyped-call, unused-ignore]
+        try:
+            if session is not None:
+                session.close()  # type: ignore[no-untyped-call, unused-ignore]
+        finally:
+            self._folder.close()

@@ -1,45 +1,49 @@
-"""The two planes of a fleet of processes over Zenoh: key expressions, the questions of time, session
-configuration.
+"""The two planes of a run of processes over Zenoh: key expressions, session configuration, what a process is
+given in secret.
 
-Radio plane: `branchline/<line>/radio/<destination>`, telegrams as they are; an attachment names the round.
-Time plane: a query to `branchline/<line>/time/<device>`: "it is now_s, you have been sent n telegrams in
-this round" answered "done, I sent m, wake me at t". Rounds grow, so what a stalled process says late is
-recognised and left out. Round 0 asks only whether the device is there; it also sends one empty telegram,
-which proves the radio plane.
+Radio plane: `branchline/<line>/radio/<destination>`, telegrams as they are, each with the tag of its round as
+attachment. Time plane: a query to `branchline/<line>/time/<party>`: "it is now_s, you have been sent n
+telegrams in this round" answered "done, I sent m, wake me at t" (`host.lockstep`). Everything runs over one
+Unix socket in a directory that only its owner can enter: no port is open.
 """
 
 from __future__ import annotations
 
 import re
+import secrets
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Final
 
 import msgspec
 
+from host.parties import PartyError
 from network.errors import InputError
-from wayside.said import Input, Note, Output
+from radio.keys import KEY_BYTES, KeyRing
 
-READY_ROUND: Final = 0
 ANSWER_LIMIT_S: Final = 10.0
+SOCKET_NAME: Final = "z"
+SOCKET_PATH_BYTES_MAX: Final = 107  # sun_path holds 108 with its end (unix(7))
+LOCK_SUFFIX: Final = ".lock"  # Zenoh locks the path beside the socket
+SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
+PAYLOAD_BYTES_MAX: Final = 60_000  # a low-latency link breaks at 65,536, headers included
 _NAME: Final = re.compile(r"[^/*?#$\s]+")
 
 
-class Question(msgspec.Struct, frozen=True, array_like=True):
-    """From the simulator: advance to `now_s`; `telegrams` of this round are on the radio plane."""
+class Secrets(msgspec.Struct, frozen=True):
+    """What one boot of a party is given in its private file; all of it is drawn anew for every boot."""
 
-    round: int
-    now_s: float
-    telegrams: int
-    inputs: tuple[Input, ...] = ()
+    keys: KeyRing
+    plane_key: bytes
+    session_id: str
 
 
-class Answer(msgspec.Struct, frozen=True, array_like=True):
-    """From the device: done; `sent` telegrams of this round are on the radio plane."""
-
-    round: int
-    sent: int
-    wake_at_s: float | None = None
-    outputs: tuple[Output, ...] = ()
-    notes: tuple[Note, ...] = ()
+def new_secrets(keys: KeyRing) -> Secrets:
+    """Secrets of a boot; Zenoh wants a session id without leading zeros."""
+    return Secrets(keys, secrets.token_bytes(KEY_BYTES), f"{secrets.randbits(127) | 1 << 127:032x}")
 
 
 def radio_key(line_id: str, destination: str) -> str:
@@ -47,34 +51,62 @@ def radio_key(line_id: str, destination: str) -> str:
     return f"branchline/{_name(line_id)}/radio/{destination if destination == '*' else _name(destination)}"
 
 
-def time_key(line_id: str, device_id: str) -> str:
-    """Key expression of the questions to a device."""
-    return f"branchline/{_name(line_id)}/time/{_name(device_id)}"
+def time_key(line_id: str, party_id: str) -> str:
+    """Key expression of the questions to a party."""
+    return f"branchline/{_name(line_id)}/time/{_name(party_id)}"
 
 
-def round_tag(number: int) -> bytes:
-    """The attachment that names a round."""
-    return number.to_bytes(8, "big")
+@contextmanager
+def private_folder(first: Path | None = None) -> Iterator[Path]:
+    """A directory for a socket, mode 0700, with a path short enough for one; gone when the context ends.
+
+    It is made in `first` (default: the folder for temporary files), or where that is too deep in `/tmp`.
+    Raises PartyError where no path is short enough.
+    """
+    for base in (str(first or tempfile.gettempdir()), *SHORT_FOLDERS):
+        if not Path(base).is_dir():
+            continue
+        # mkdtemp makes it for its owner alone, whatever the umask is.
+        folder = Path(tempfile.mkdtemp(prefix="bl-", dir=base))
+        try:
+            if len(bytes(folder / (SOCKET_NAME + LOCK_SUFFIX))) <= SOCKET_PATH_BYTES_MAX:
+                yield folder
+                return
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+    limit = f"{SOCKET_PATH_BYTES_MAX} bytes for a Unix socket"
+    raise PartyError(f"no folder for temporary files has a path within {limit}; set TMPDIR to a shorter one")
 
 
-def session_json5(role: str, endpoint: str) -> str:
+def endpoint_of(folder: Path) -> str:
+    """The endpoint of a run whose private directory this is."""
+    return f"unixsock-stream/{folder / SOCKET_NAME}"
+
+
+def session_json5(role: str, endpoint: str, session_id: str) -> str:
     """Zenoh configuration of a peer that only listens on or only connects to `endpoint`.
 
-    `role` is "listen" or "connect". No scouting, no gossip: a run hears nobody but its own devices.
+    `role` is "listen" or "connect". No scouting, no gossip: a run hears nobody but its own parties. Low latency
+    leaves out the queues of priorities, so that what is put before a query or its reply comes before it.
     """
     other = {"listen": "connect", "connect": "listen"}[role]
     config = {
+        "id": session_id,
         "mode": "peer",
         role: {"endpoints": [endpoint], "timeout_ms": 5000, "exit_on_failure": True},
         other: {"endpoints": []},
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "adminspace": {"enabled": False},
-        "transport": {"shared_memory": {"enabled": False}, "link": {"rx": {"max_message_size": 1 << 20}}},
+        "transport": {
+            "unicast": {"lowlatency": True, "qos": {"enabled": False}, "max_links": 1},
+            "shared_memory": {"enabled": False},
+            "link": {"protocols": ["unixsock-stream"]},
+        },
     }
     return msgspec.json.encode(config).decode()
 
 
 def _name(text: str) -> str:
     if not _NAME.fullmatch(text):
-        raise InputError("fleet", "id", text, "an id without /, *, ?, #, $ and blanks")
+        raise InputError("party", "id", text, "an id without /, *, ?, #, $ and blanks")
     return text

@@ -1,8 +1,8 @@
-"""The process of one wayside device over Zenoh: `python -m host.serve block-manager|point-terminal ...`.
+"""The process of one party over Zenoh: `python -P -m host.serve block-manager|point-terminal ...`.
 
-It acts only when asked on the time plane (see `host.planes`), so no clock is read here. It ends with its
-parent (end of stdin, or another parent) and on SIGTERM, at any moment: the durable state is always whole.
-SIGINT is the parent's business.
+It acts only when asked on the time plane (see `host.lockstep`), so no clock is read here but to give up waiting.
+It ends with its parent (end of stdin, or another parent) and on SIGTERM, at any moment: the durable state is
+always whole. SIGINT is the parent's business.
 """
 
 from __future__ import annotations
@@ -14,34 +14,26 @@ import select
 import signal
 import sys
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Final
 
 import msgspec
 import zenoh
 
-from host.device import DeviceHost
-from host.devices import Role
-from host.planes import (
-    ANSWER_LIMIT_S,
-    READY_ROUND,
-    Answer,
-    Question,
-    radio_key,
-    round_tag,
-    session_json5,
-    time_key,
-)
+from host.lockstep import Answerer, Question, Tagged
+from host.parties import ForeignError
+from host.party import PartySpec, Role, boot
+from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, session_json5, time_key
+from host.process import CONFIG_FILE, DURABLE_FILE
 from host.store import FileStore
 from network.errors import InputError
-from radio.keys import KeyRing
-from wayside.config import ManagerConfig, decode_config
 
-CONFIG_FILE: Final = "config.json"
-DURABLE_FILE: Final = "durable"
+INBOX_TELEGRAMS: Final = 4096
 _PARENT_CHECK_S: Final = 1.0
+_ARRIVAL_POLL_S: Final = 0.0005
+_FAILURES: Final = (InputError, ForeignError, TimeoutError, ValueError, KeyError, OSError)
 _log = logging.getLogger("host.serve")
 
 
@@ -60,127 +52,116 @@ def _end_with_parent() -> None:
 
 
 class _Server:
-    """One device on the two planes."""
+    """One party on the two planes."""
 
-    def __init__(self, session: zenoh.Session, host: DeviceHost, line_id: str, device_id: str) -> None:
+    def __init__(self, session: zenoh.Session, answerer: Answerer, line_id: str, party_id: str) -> None:
         self._session = session
-        self._host = host
+        self._answerer = answerer
         self._line_id = line_id
-        self._time_key = time_key(line_id, device_id)
-        self._last_round = READY_ROUND
-        self._inbox: SimpleQueue[tuple[bytes, bytes]] = SimpleQueue()
+        self._party_id = party_id
+        self._time_key = time_key(line_id, party_id)
         # The subscriber is declared before the queryable: who finds the second can send to the first.
-        self._subscriber = session.declare_subscriber(radio_key(line_id, device_id), self._take)
-        self._queries = session.declare_queryable(self._time_key)
-
-    def _take(self, sample: zenoh.Sample) -> None:
-        attachment = sample.attachment
-        self._inbox.put((b"" if attachment is None else attachment.to_bytes(), sample.payload.to_bytes()))
+        self._inbox = session.declare_subscriber(
+            radio_key(line_id, party_id), zenoh.handlers.FifoChannel(INBOX_TELEGRAMS)
+        )
+        self._questions = session.declare_queryable(self._time_key)
 
     def run(self) -> None:
         """Answer questions until the process ends."""
-        for query in self._queries:
+        for query in self._questions:
             with query:
+                payload = query.payload
                 try:
-                    payload = query.payload
-                    question = msgspec.msgpack.decode(
-                        b"" if payload is None else payload.to_bytes(), type=Question
-                    )
-                    answer = self._answer(question)
-                except (
-                    msgspec.MsgspecError,
-                    InputError,
-                    TimeoutError,
-                    ValueError,
-                    KeyError,
-                    OSError,
-                ) as error:
-                    _log.exception("question failed")
-                    query.reply_err(f"{type(error).__name__}: {error}")
-                else:
-                    query.reply(self._time_key, msgspec.msgpack.encode(answer))
+                    question = self._answerer.question(b"" if payload is None else payload.to_bytes())
+                except ForeignError as error:
+                    _log.exception("not our question")
+                    query.reply_err(str(error))
+                    continue
+                query.reply(self._time_key, self._answer(question))
 
-    def _answer(self, question: Question) -> Answer:
-        if question.round == READY_ROUND:
-            self._put("ready", READY_ROUND, b"")
-            return Answer(READY_ROUND, 1)
-        if question.round <= self._last_round:
-            raise ValueError(f"round {question.round} comes after {self._last_round}")
-        self._last_round = question.round
-        telegrams = self._collect(question.round, question.telegrams)
-        advance = self._host.advance(question.now_s, telegrams, question.inputs)
-        for destination, data in advance.telegrams:
-            self._put(destination, question.round, data)
-        return Answer(
-            question.round, len(advance.telegrams), advance.wake_at_s, advance.outputs, advance.notes
-        )
+    def _answer(self, question: Question) -> bytes:
+        try:
+            sealed, telegrams = self._answerer.answer(question, self._collect(question.telegrams))
+            if len(sealed) > PAYLOAD_BYTES_MAX:
+                raise ValueError(f"an answer of {len(sealed)} bytes is too long for the link")
+        except _FAILURES as error:
+            _log.exception("question failed")
+            return self._answerer.failure(question, f"{type(error).__name__}: {error}")
+        for telegram in telegrams:
+            self._session.put(
+                radio_key(self._line_id, telegram.destination),
+                telegram.data,
+                attachment=telegram.tag,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                express=True,
+            )
+        return sealed
 
-    def _collect(self, number: int, expected: int) -> list[bytes]:
-        tag, telegrams = round_tag(number), list[bytes]()
-        while len(telegrams) < expected:
-            try:
-                found, data = self._inbox.get(timeout=ANSWER_LIMIT_S / 2)
-            except Empty:
-                raise TimeoutError(f"{len(telegrams)} of {expected} telegrams came") from None
-            if found == tag:
-                telegrams.append(data)
-        return telegrams
-
-    def _put(self, destination: str, number: int, data: bytes) -> None:
-        self._session.put(
-            radio_key(self._line_id, destination),
-            data,
-            attachment=round_tag(number),
-            congestion_control=zenoh.CongestionControl.BLOCK,
-            express=True,
-        )
+    def _collect(self, expected: int) -> list[Tagged]:
+        """All telegrams that are there: those of the question came before it, on the same link."""
+        heard: list[Tagged] = []
+        limit_s = time.monotonic() + ANSWER_LIMIT_S / 2
+        while True:
+            sample = self._inbox.try_recv()
+            if sample is not None:
+                tag = b"" if sample.attachment is None else sample.attachment.to_bytes()
+                heard.append(Tagged(self._party_id, sample.payload.to_bytes(), tag))
+            elif len(heard) >= expected:
+                return heard
+            elif time.monotonic() > limit_s:
+                raise TimeoutError(f"{len(heard)} of {expected} telegrams came")
+            else:
+                time.sleep(_ARRIVAL_POLL_S)
 
 
 def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog="python -m host.serve", description="Host one wayside device over Zenoh."
-    )
+    parser = argparse.ArgumentParser(prog="python -P -m host.serve", description="Host one party over Zenoh.")
     parser.add_argument("role", choices=[role.value for role in Role])
     parser.add_argument("--line", required=True, help="id of the line")
-    parser.add_argument("--device", required=True, help="id of the device")
+    parser.add_argument("--party", required=True, help="id of the party")
     parser.add_argument(
         "--state", required=True, type=Path, help="directory with config.json and durable state"
     )
-    parser.add_argument("--key-file", required=True, type=Path, help="the device's keys, JSON")
-    parser.add_argument("--connect", required=True, help="endpoint of the simulator, e.g. tcp/127.0.0.1:7447")
+    parser.add_argument("--key-file", required=True, type=Path, help="the party's secrets, JSON")
+    parser.add_argument("--connect", required=True, help="endpoint of the simulator, unixsock-stream/<path>")
     return parser.parse_args(arguments)
 
 
-def _host(options: argparse.Namespace) -> DeviceHost:
+def _secrets(file: Path) -> Secrets:
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=Secrets)
+    except OSError as error:
+        raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from None
+    except msgspec.MsgspecError as error:
+        raise InputError(str(file), "", None, f"the secrets of a party ({error})") from None
+
+
+def _answerer(options: argparse.Namespace, secrets: Secrets) -> Answerer:
     file = options.state / CONFIG_FILE
     try:
-        config = decode_config(file.read_bytes(), str(file))
-        keys = msgspec.json.decode(options.key_file.read_bytes(), type=KeyRing)
+        config = file.read_bytes()
     except OSError as error:
-        raise InputError(str(error.filename), "", None, f"a readable file ({error.strerror})") from None
-    except msgspec.MsgspecError as error:
-        raise InputError(str(options.key_file), "", None, f"the keys of a device ({error})") from None
-    role = Role.BLOCK_MANAGER if isinstance(config, ManagerConfig) else Role.POINT_TERMINAL
-    given = (options.role, options.line, options.device)
-    if given != (role.value, config.line_id, config.device_id):
-        expected = f"{role.value} {config.device_id} of line {config.line_id}, as on the command line"
-        raise InputError(str(file), "device", " ".join(given), expected)
-    return DeviceHost(config, keys, FileStore(options.state / DURABLE_FILE))
+        raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from None
+    spec = PartySpec(options.line, options.party, Role(options.role), config, secrets.keys)
+    party = boot(spec, FileStore(options.state / DURABLE_FILE), str(file))
+    return Answerer(options.party, secrets.plane_key, party)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Host one device until the parent ends. 2: bad input."""
+    """Host one party until the parent ends. 2: bad input."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     options = _arguments(arguments)
     try:
-        host = _host(options)
+        secrets = _secrets(options.key_file)
+        answerer = _answerer(options, secrets)
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         return 2
     _end_with_parent()
-    with zenoh.open(zenoh.Config.from_json5(session_json5("connect", options.connect))) as session:
-        _Server(session, host, options.line, options.device).run()
+    config = zenoh.Config.from_json5(session_json5("connect", options.connect, secrets.session_id))
+    with zenoh.open(config) as session:
+        _Server(session, answerer, options.line, options.party).run()
     return 0
 
 

@@ -1,6 +1,4 @@
-"""Durable state of a device: what a power cut must not lose. Written aside, synced, renamed; checked when
-read.
-"""
+"""Durable state of a party: what a power cut must not lose. Written aside, synced, renamed; checked when read."""
 
 from __future__ import annotations
 
@@ -12,7 +10,6 @@ from typing import Protocol, TypeVar
 import msgspec
 
 from network.errors import InputError
-from wayside.point_terminal import Memory
 
 T = TypeVar("T")
 _DIGEST_BYTES = 16
@@ -20,28 +17,29 @@ _LENGTH_BYTES = 4
 
 
 class Durable(msgspec.Struct, frozen=True):
-    """Boot epoch of the device (0: never started), the memory of a terminal, the ledger of a block manager.
+    """Boot epoch of the party (0: never started), and what its role keeps, as the role's own bytes.
 
-    `ledger`: the units that are on the line; None: lost, so any may be.
+    `vital`: without it the party must not start. `spare`: it may be lost, and the role knows what that means;
+    None: lost. Both are empty in a party that never ran.
     """
 
     epoch: int = 0
-    memory: Memory = Memory()
-    ledger: tuple[str, ...] | None = ()
+    vital: bytes = b""
+    spare: bytes | None = b""
 
 
 class _Head(msgspec.Struct, frozen=True, array_like=True):
-    """What a device cannot start without."""
+    """What a party cannot start without."""
 
     epoch: int
-    memory: Memory
+    vital: bytes
 
 
 class Store(Protocol):
-    """Where a device keeps its durable state."""
+    """Where a party keeps its durable state."""
 
     def load(self) -> Durable:
-        """What was saved last; a device that never ran has epoch 0. Raises InputError if it is damaged."""
+        """What was saved last; a party that never ran has epoch 0. Raises InputError if it is damaged."""
         ...
 
     def save(self, durable: Durable) -> None:
@@ -49,8 +47,16 @@ class Store(Protocol):
         ...
 
 
+def raise_epoch(store: Store) -> Durable:
+    """A boot: the next epoch is kept before anything is said under it. Returns what was kept besides."""
+    before = store.load()
+    durable = msgspec.structs.replace(before, epoch=before.epoch + 1)
+    store.save(durable)
+    return durable
+
+
 class MemoryStore:
-    """Outlives a killed device in the same process."""
+    """Outlives a killed party in the same process."""
 
     def __init__(self) -> None:
         self._durable = Durable()
@@ -66,14 +72,14 @@ class MemoryStore:
 
 class FileStore:
     """A file of two parts, each behind its digest. A damaged head is refused: starting from zero would repeat
-    epochs and tokens. A damaged ledger is a lost one.
+    epochs and tokens. A damaged `spare` is a lost one.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def load(self) -> Durable:
-        """What was saved last; a missing file is a device that never ran."""
+        """What was saved last; a missing file is a party that never ran."""
         try:
             data = self._path.read_bytes()
         except FileNotFoundError:
@@ -81,16 +87,16 @@ class FileStore:
         split = _LENGTH_BYTES + int.from_bytes(data[:_LENGTH_BYTES])
         head = _unsealed(data[_LENGTH_BYTES:split], _Head)
         if head is None:
-            raise InputError(str(self._path), "", None, "an undamaged durable state of a device")
-        return Durable(head.epoch, head.memory, _unsealed(data[split:], tuple[str, ...]))
+            raise InputError(str(self._path), "", None, "an undamaged durable state of a party")
+        return Durable(head.epoch, head.vital, _unsealed(data[split:], bytes))
 
     def save(self, durable: Durable) -> None:
         """Write aside, sync, rename, sync the directory."""
-        head = _sealed(_Head(durable.epoch, durable.memory))
-        ledger = b"" if durable.ledger is None else _sealed(durable.ledger)
+        head = _sealed(_Head(durable.epoch, durable.vital))
+        spare = b"" if durable.spare is None else _sealed(durable.spare)
         aside = self._path.with_suffix(".new")
         with aside.open("wb") as file:
-            file.write(len(head).to_bytes(_LENGTH_BYTES) + head + ledger)
+            file.write(len(head).to_bytes(_LENGTH_BYTES) + head + spare)
             file.flush()
             os.fsync(file.fileno())
         aside.replace(self._path)

@@ -1,26 +1,13 @@
-"""Where on-board units run: in this process, one object a unit; `host` can give each a process of its own."""
+"""The on-board units of a run as the simulator sees them: objects here, or parties (`host.unit.PartyUnits`)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from typing import Protocol
 
-import msgspec
-
-from onboard.duty.turn import DutyParameters
+from host.unit import UnitConfig, unit_of
 from onboard.unit import Answer, Report, Unit
-from radio.envelope import AGE_MAX_S, Endpoint
 from radio.keys import KeyRing
-
-
-class UnitConfig(msgspec.Struct, frozen=True, tag="unit"):
-    """What a unit must know before it is switched on; its line data come with the train number."""
-
-    line_id: str
-    device_id: str
-    manager_id: str
-    parameters: DutyParameters
-    telegram_age_max_s: float = AGE_MAX_S
 
 
 class Units(Protocol):
@@ -62,9 +49,3 @@ class LocalUnits:
         config, keys = self._known[unit_id]
         self._boots[unit_id] += 1
         self._running[unit_id] = unit_of(config, keys, self._boots[unit_id])
-
-
-def unit_of(config: UnitConfig, keys: KeyRing, epoch: int) -> Unit:
-    """A unit that has just been switched on."""
-    endpoint = Endpoint(keys, epoch, config.telegram_age_max_s)
-    return Unit(config.device_id, config.manager_id, config.parameters, endpoint)

@@ -47,10 +47,9 @@ class Report(msgspec.Struct, frozen=True):
 
 
 class Telegram(msgspec.Struct, frozen=True):
-    """A sealed telegram for the air; `kind` for who looks on."""
+    """A sealed telegram for the air."""
 
     destination: str
-    kind: str
     data: bytes
 
 
@@ -131,8 +130,7 @@ class Unit:
             case auth.Send() | auth.SendClaim() | auth.SendCommand():
                 letter = self._letters.write(action)
                 data = self._endpoint.seal(letter.destination, letter.message, now_s, letter.correlation)
-                kind = type(letter.message).__name__
-                self._telegrams.append(Telegram(letter.destination, kind, data))
+                self._telegrams.append(Telegram(letter.destination, data))
             case auth.Renew() | auth.Commit() | auth.Take():
                 self._letters.keep(action)
             case auth.SetTimer(timer, after_s):

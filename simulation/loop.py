@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from host.devices import Fleet
-from host.units import LocalUnits
+from host.parties import Parties
+from host.units import Units
 from network.model import Leg
 from onboard.records import EVENT_STOPPED
 from radio.air import Air
@@ -27,7 +27,7 @@ from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import RunResult
 from simulation.sensors.eyes import Eyes
-from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
+from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
@@ -57,9 +57,9 @@ class Simulation:
         self,
         setup: Setup,
         carrier_of: Callable[[float], Carrier],
-        fleet: Fleet,
+        parties: Parties,
         net: NetMap,
-        master_key: bytes,
+        units: Units,
         link: str,
     ) -> None:
         self.setup: Final = setup
@@ -76,7 +76,7 @@ class Simulation:
         self._agenda = Agenda()
         self.wayside = WaysideWorld(
             setup.line,
-            fleet,
+            parties,
             Air(setup.air, setup.seed),
             self._agenda,
             self.journal,
@@ -90,7 +90,7 @@ class Simulation:
         self.checkers = Checkers(net, facts, portals, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
         self._link = link
-        self.on_board = OnBoard(setup, self.trains, LocalUnits(unit_configs(setup, master_key)))
+        self.on_board = OnBoard(setup, self.trains, units)
         self._books = Books(
             self.trains,
             lambda slot: self._duties.finished(slot),  # noqa: PLW0108 - made below

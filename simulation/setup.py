@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from host.units import UnitConfig
+from host.unit import UnitConfig
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned

@@ -1,4 +1,4 @@
-"""The wayside as the world sees it: devices behind the fleet, the air, and the point machines on the track."""
+"""The wayside as the world sees it: devices among the parties, the air, and the point machines on the track."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections import Counter, defaultdict
 from collections.abc import Callable
 from typing import Final
 
-from host.devices import Advance, Fleet
+from host.devices import DeviceAdvance, Devices
+from host.parties import Parties
 from network.model import Line, Position
 from radio.air import Air, Delivery
 from radio.envelope import header_of, kind_of
@@ -39,7 +40,7 @@ class WaysideWorld:
     def __init__(
         self,
         line: Line,
-        fleet: Fleet,
+        parties: Parties,
         air: Air,
         agenda: Agenda,
         journal: Journal,
@@ -52,7 +53,8 @@ class WaysideWorld:
         self.section_ids: Final = tuple(line.sections)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self._device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
-        self._fleet = fleet
+        self._parties = parties
+        self._devices = Devices(parties)
         self._air = air
         self._agenda = agenda
         self._journal = journal
@@ -129,7 +131,7 @@ class WaysideWorld:
             self._frozen[device_id].extend(telegrams)
             return
         inputs = self._inputs.pop(device_id, [])
-        done = self._fleet.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
+        done = self._devices.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
         self._take(step, device_id, done)
 
     def points_due(self, step: int, points_id: str) -> None:
@@ -146,7 +148,7 @@ class WaysideWorld:
         """Where the blades really are."""
         return self.machines[points_id].position
 
-    def _take(self, step: int, device_id: str, done: Advance) -> None:
+    def _take(self, step: int, device_id: str, done: DeviceAdvance) -> None:
         for note in done.notes:
             self._journal.write(step / STEPS_PER_S, device_id, note)
         for output in done.outputs:
@@ -201,7 +203,7 @@ class WaysideWorld:
         """A device loses its power; with Zenoh its process is killed."""
         if device_id in self._down:
             return
-        self._fleet.kill(device_id)
+        self._parties.kill(device_id)
         self._down.add(device_id)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
 
@@ -209,7 +211,7 @@ class WaysideWorld:
         """A device boots: a new epoch; terminals are shown their points."""
         if device_id not in self._down:
             return
-        self._fleet.restart(device_id)
+        self._parties.restart(device_id)
         self._down.discard(device_id)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=device_id))
         for points_id, terminal_id in self._terminal_of.items():

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
+import secrets
 import shutil
 import tempfile
 import time
@@ -14,16 +14,21 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, Final
 
-from host.devices import DeviceSpec, Fleet, device_specs
+from host.devices import device_specs
+from host.parties import Parties
+from host.party import PartySpec
+from host.unit import PartyUnits, unit_specs
+from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
 from network.meets import meet_text, unresolvable_meets
 from network.model import Line
+from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
 from simulation.events import Unsafe
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
-from simulation.setup import STEP_S, Setup
+from simulation.setup import STEP_S, Setup, unit_configs
 from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
@@ -50,6 +55,13 @@ class Link(Enum):
     ZENOH = "zenoh"
 
 
+class UnitsAt(Enum):
+    """Where the event-driven part of on-board units runs."""
+
+    SIMULATOR = "simulator"
+    PROCESSES = "processes"
+
+
 class CarrierKind(Enum):
     """What carries the trains."""
 
@@ -72,6 +84,7 @@ def execute(
     scenario: Scenario,
     link: Link,
     *,
+    units: UnitsAt = UnitsAt.SIMULATOR,
     carrier: CarrierKind = CarrierKind.SUMO,
     progress: Progress | None = None,
     wrap: Callable[[Carrier], Carrier] | None = None,
@@ -84,22 +97,26 @@ def execute(
     setup = scenario.setup
     with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
         net = net_for(setup.line, Path(folder))
-        master_key = master_key_of(setup)
+        # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
+        master_key = secrets.token_bytes(KEY_BYTES)
+        on_board = unit_configs(setup, master_key)
         specs = specs_of(setup, master_key)
+        if units is UnitsAt.PROCESSES:
+            specs = (*specs, *unit_specs(on_board))
         make = carrier_factory(carrier, setup.line, net)
         wrapped = wrap or (lambda plain: plain)
         started = time.perf_counter()
         while True:
             last = setup.day >= scenario.setup.tuning.days
-            devices = Path(folder) / f"day-{setup.day}"
-            devices.mkdir()
-            with fleet_of(link, setup.line.id, specs, devices) as fleet:
+            state = Path(folder) / f"day-{setup.day}"
+            state.mkdir()
+            with parties_of(link, setup.line.id, specs, state) as parties:
                 simulation = Simulation(
                     setup,
                     (lambda begin_s: wrapped(make(begin_s))) if last else make,
-                    fleet,
+                    parties,
                     read_net(net),
-                    master_key,
+                    PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
                     link.value,
                 )
                 result = simulation.run(progress)
@@ -224,12 +241,7 @@ def terminals_of(line: Line) -> tuple[str, ...]:
     return tuple(sorted({points.terminal_id for points in line.points.values()}))
 
 
-def master_key_of(setup: Setup) -> bytes:
-    """Key of the run, from which all pair keys come: simulated, so drawn from the seed."""
-    return hashlib.blake2b(f"{setup.name}/{setup.seed}".encode(), digest_size=32).digest()
-
-
-def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
+def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     """What is needed to start the wayside devices of a run."""
     line = setup.line
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
@@ -252,17 +264,17 @@ def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float
 
 
 @contextmanager
-def fleet_of(link: Link, line_id: str, specs: tuple[DeviceSpec, ...], folder: Path) -> Iterator[Fleet]:
-    """The wayside devices, in this process or as processes; gone when the context ends, however it ends."""
+def parties_of(link: Link, line_id: str, specs: tuple[PartySpec, ...], folder: Path) -> Iterator[Parties]:
+    """The parties, in this process or as processes; gone when the context ends, however it ends."""
     if link is Link.ZENOH:
-        from host.over_zenoh import ZenohFleet
+        from host.over_zenoh import ZenohParties
 
-        with ZenohFleet(line_id, specs, folder / "devices") as fleet:
-            yield fleet
+        with ZenohParties(line_id, specs, folder) as processes:
+            yield processes
         return
-    from host.local import LocalFleet
+    from host.local import LocalParties
 
-    with LocalFleet(specs) as local:
+    with LocalParties(specs) as local:
         yield local
 
 
@@ -272,3 +284,14 @@ def link_of(name: str) -> Link:
         return Link(name)
     except ValueError:
         raise InputError("command line", "--link", name, "simulated or zenoh") from None
+
+
+def units_at(name: str, link: Link) -> UnitsAt:
+    """Where units run, by that name; InputError otherwise, and for processes without Zenoh between them."""
+    try:
+        at = UnitsAt(name)
+    except ValueError:
+        raise InputError("command line", "--units", name, "simulator or processes") from None
+    if at is UnitsAt.PROCESSES and link is not Link.ZENOH:
+        raise InputError("command line", "--units", name, "--link zenoh, over which processes talk")
+    return at

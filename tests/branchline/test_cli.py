@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import study.run.run
-from host.devices import FleetError
+from host.parties import PartyError
 
 HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
 
@@ -107,11 +107,11 @@ def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
 
 def test_a_failing_device_is_one_line(main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object, **__: object) -> None:
-        raise FleetError("device OGN-W died")
+        raise PartyError("party OGN-W died")
 
     monkeypatch.setattr(study.run.run, "execute", fail)
     ended = main("run", "rtri_test_line")
-    assert (ended.code, ended.out, ended.err) == (1, "", "error: device OGN-W died\n")
+    assert (ended.code, ended.out, ended.err) == (1, "", "error: party OGN-W died\n")
 
 
 def test_check_prints_one_object(main: Callable[..., Any]) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from host.devices import FleetError
+from host.parties import PartyError
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 
@@ -120,7 +120,7 @@ def test_devices_end_by_themselves_when_the_simulator_is_killed(running: Running
 
 def test_a_device_that_dies_unasked_ends_the_run_with_its_name(running: Running) -> None:
     running.device("OGN-W").kill()
-    assert running.end().startswith("error: device OGN-W")
+    assert running.end().startswith("error: party OGN-W died")
     assert running.program.returncode == 1
     assert alive(running.devices) == []
     assert list(running.cwd.iterdir()) == []
@@ -132,9 +132,9 @@ def test_an_error_inside_the_run_leaves_no_process() -> None:
 
     def fail(_now_s: float, _end_s: float, _arrived: int) -> None:
         seen.extend(psutil.Process().children(recursive=True))
-        raise FleetError("made up")
+        raise PartyError("made up")
 
-    with pytest.raises(FleetError, match="made up"):
+    with pytest.raises(PartyError, match="made up"):
         execute(load_scenario("rtri_test_line"), Link.ZENOH, progress=fail)
     assert len(seen) == 5  # the block manager and four terminals
     assert alive(seen) == []

@@ -1,22 +1,16 @@
-"""Fixed data of the devices from a line: who drives what, who may leave where, who holds which keys."""
+"""Fixed data of the devices from a line: who drives what, who may leave where."""
 
 from __future__ import annotations
 
-import msgspec
-
-from host.devices import Role, device_specs
 from network.model import Direction, Line, Points, Position, Route, Section, SectionKind
 from wayside.config import (
     MANAGER_ID,
     PointsEntry,
     RouteEntry,
     SectionEntry,
-    decode_config,
     manager_config,
     terminal_configs,
 )
-
-MASTER = b"m" * 32
 
 
 def points(points_id: str, section_id: str, terminal_id: str, throw_time_s: float) -> Points:
@@ -62,19 +56,3 @@ def test_terminals_have_their_points_and_time_to_throw_them() -> None:
     extra, west = terminal_configs(LINE)
     assert (extra.device_id, west.device_id) == ("extra", "west")
     assert west.points == (PointsEntry("w1", "S", 10.0), PointsEntry("w2", "S", 8.5))
-
-
-def test_a_device_gets_no_keys_but_its_own() -> None:
-    manager = manager_config(LINE, [ROUTE], ["u1", "u2"])
-    specs = device_specs(manager, terminal_configs(LINE), MASTER)
-    assert [(spec.device_id, spec.role) for spec in specs] == [
-        (MANAGER_ID, Role.BLOCK_MANAGER),
-        ("extra", Role.POINT_TERMINAL),
-        ("west", Role.POINT_TERMINAL),
-    ]
-    assert decode_config(specs[0].config_json) == manager
-    west = specs[2].keys
-    assert (west.owner, set(west.pairs), set(west.capabilities)) == ("west", {"u1", "u2"}, {"west"})
-    secrets = {spec.device_id: {*spec.keys.pairs.values()} for spec in specs}
-    assert secrets["west"].isdisjoint(secrets["extra"] | secrets[MANAGER_ID])
-    assert MASTER not in msgspec.json.encode(specs)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import study.run.run
+from host.party import PartySpec
 from network.errors import InputError
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
 from simulation.result import RunResult, Waiting
+from simulation.setup import Setup
 from simulation.world.records import TRACE
 from study.run.run import (
     CarrierKind,
@@ -23,7 +26,6 @@ from study.run.run import (
     check_out,
     execute,
     link_of,
-    master_key_of,
     specs_of,
     terminals_of,
     write_run,
@@ -105,14 +107,31 @@ def test_impossible_meets_are_told_when_trains_are_missing() -> None:
     assert any(text.startswith("321M and 322M would meet at Ogane") for text in told)
 
 
-def test_keys_come_from_name_and_seed() -> None:
-    first, same, other = (load_scenario("rtri_test_line", seed).setup for seed in (1, 1, 2))
-    assert master_key_of(first) == master_key_of(same) != master_key_of(other)
-    specs = specs_of(first, master_key_of(first))
-    devices = {spec.device_id: spec.role.value for spec in specs}
-    assert terminals_of(first.line) == ("A-E", "A-W", "B-E", "B-W")
+def test_every_run_has_new_keys_which_leave_no_trace_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bits that flip in the air change codes and capabilities too: which ones they are decides nothing."""
+    keys = []
+
+    def seen(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
+        keys.append(master_key)
+        return specs_of(setup, master_key)
+
+    monkeypatch.setattr(study.run.run, "specs_of", seen)
+    scenario = load_scenario("rtri_test_line")
+    noisy = replace(scenario.setup, air=replace(scenario.setup.air, flip_p=1e-3))
+    scenario = replace(scenario, setup=noisy)
+    runs = [execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN) for _ in range(2)]
+    assert keys[0] != keys[1]
+    dropped = [entry for entry in runs[0].result.journal.entries if entry["what"] == "dropped"]
+    assert len(dropped) > 5
+    assert runs[0].result.digest == runs[1].result.digest
+
+
+def test_what_starts_the_devices_of_a_line() -> None:
+    setup = load_scenario("rtri_test_line").setup
+    devices = {spec.party_id: spec.role.value for spec in specs_of(setup, b"m" * 32)}
+    assert terminals_of(setup.line) == ("A-E", "A-W", "B-E", "B-W")
     assert devices == {"block-manager": "block-manager"} | dict.fromkeys(
-        terminals_of(first.line), "point-terminal"
+        terminals_of(setup.line), "point-terminal"
     )
 
 

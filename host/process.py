@@ -1,0 +1,83 @@
+"""The process of one party, as its parent sees it: started with its secrets, alive or not, ended, and what it
+last wrote.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from host.party import PartySpec
+from host.planes import Secrets
+
+CONFIG_FILE: Final = "config.json"
+SECRETS_FILE: Final = "secrets.json"
+DURABLE_FILE: Final = "durable"
+LOG_FILE: Final = "stderr.log"
+_END_LIMIT_S: Final = 2.0
+_LOG_TAIL_BYTES: Final = 2000
+
+
+class PartyProcess:
+    """One running `host.serve`. It ends by itself when its stdin or its parent is gone."""
+
+    def __init__(self, spec: PartySpec, secrets: Secrets, state: Path, endpoint: str) -> None:
+        state.mkdir(mode=0o700, parents=True, exist_ok=True)
+        (state / CONFIG_FILE).write_bytes(spec.config)
+        write_private(state / SECRETS_FILE, msgspec.json.encode(secrets))
+        # -P: the folder from which the program was called cannot put a module in the way.
+        command = [sys.executable, "-P", "-m", "host.serve", spec.role.value]
+        command += ["--line", spec.line_id, "--party", spec.party_id, "--state", str(state)]
+        command += ["--key-file", str(state / SECRETS_FILE), "--connect", endpoint]
+        with (state / LOG_FILE).open("ab") as log:
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log
+            )
+
+    def alive(self) -> bool:
+        """Whether it runs."""
+        return self._process.poll() is None
+
+    def ended_within(self, limit_s: float) -> bool:
+        """Whether it ends within this time."""
+        try:
+            self._process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+    def terminate(self) -> None:
+        """Ask it to end; `end` waits for it."""
+        self._process.terminate()
+
+    def kill(self) -> None:
+        """SIGKILL, and no trace of it left."""
+        self._process.kill()
+        self.end()
+
+    def end(self) -> None:
+        """Close its stdin, which ends it, and wait; SIGKILL if that does not help."""
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+        if not self.ended_within(_END_LIMIT_S):
+            self._process.kill()
+            self._process.wait()
+
+
+def last_words(state: Path) -> str:
+    """What the process of this state last wrote; empty if nothing."""
+    log = state / LOG_FILE
+    return log.read_bytes()[-_LOG_TAIL_BYTES:].decode(errors="replace").strip() if log.exists() else ""
+
+
+def write_private(path: Path, data: bytes) -> None:
+    """A file that nobody else can read at any moment, even if one of that name was there before."""
+    path.unlink(missing_ok=True)
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with os.fdopen(handle, "wb") as file:
+        file.write(data)

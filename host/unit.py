@@ -1,0 +1,109 @@
+"""An on-board unit as a party of a run: its event-driven part in a process of its own, if you like.
+
+The compiled tick stays with the body that it drives; what passes between the two is what passes through the unit's one
+door: where the train is and what happened, and what the unit wants of its driving part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+import msgspec
+
+from host.parties import Parties
+from host.party import Advance, Codec, PartySpec, Role
+from host.store import Store, raise_epoch
+from network.errors import InputError
+from onboard.duty.records import Command, Told
+from onboard.duty.turn import DutyParameters
+from onboard.notes import Note
+from onboard.unit import Answer, Report, Telegram, Unit
+from radio.envelope import AGE_MAX_S, Endpoint
+from radio.keys import KeyRing
+
+
+class UnitConfig(msgspec.Struct, frozen=True, tag="unit"):
+    """What a unit must know before it is switched on; its line data come with the train number."""
+
+    line_id: str
+    device_id: str
+    manager_id: str
+    parameters: DutyParameters
+    telegram_age_max_s: float = AGE_MAX_S
+
+
+class UnitSaid(msgspec.Struct, frozen=True):
+    """What a unit says besides telegrams."""
+
+    command: Command
+    told: tuple[Told, ...]
+    notes: tuple[Note, ...]
+
+
+CODEC: Final = Codec(Report, UnitSaid)
+_CONFIG: Final = msgspec.json.Decoder(UnitConfig)
+
+
+def unit_of(config: UnitConfig, keys: KeyRing, epoch: int) -> Unit:
+    """A unit that has just been switched on."""
+    endpoint = Endpoint(keys, epoch, config.telegram_age_max_s)
+    return Unit(config.device_id, config.manager_id, config.parameters, endpoint)
+
+
+def unit_specs(units: Iterable[tuple[UnitConfig, KeyRing]]) -> tuple[PartySpec, ...]:
+    """What is needed to start units as parties."""
+    return tuple(
+        PartySpec(config.line_id, config.device_id, Role.UNIT, msgspec.json.encode(config), keys)
+        for config, keys in units
+    )
+
+
+class UnitParty:
+    """`host.party.Party` over a `Unit`."""
+
+    def __init__(self, spec: PartySpec, store: Store, file: str) -> None:
+        try:
+            config = _CONFIG.decode(spec.config)
+        except msgspec.MsgspecError as error:
+            raise InputError(file, "", None, f"the configuration of an on-board unit ({error})") from None
+        if (config.line_id, config.device_id) != (spec.line_id, spec.party_id):
+            given = f"unit {spec.party_id} of line {spec.line_id}"
+            expected = f"unit {config.device_id} of line {config.line_id}, as it was configured"
+            raise InputError(file, "device", given, expected)
+        self._epoch: Final = raise_epoch(store).epoch
+        self._unit: Final = unit_of(config, spec.keys, self._epoch)
+
+    @property
+    def epoch(self) -> int:
+        """Number of this boot, from 1."""
+        return self._epoch
+
+    def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
+        """Act at `now_s` on what happened, telegrams and timers."""
+        answer = self._unit.advance(now_s, telegrams, CODEC.told(told))
+        said = CODEC.encode(UnitSaid(answer.command, answer.told, answer.notes))
+        sent = tuple((telegram.destination, telegram.data) for telegram in answer.telegrams)
+        return Advance(sent, said, answer.wake_at_s)
+
+
+class PartyUnits:
+    """The door to the units among `parties`: their records instead of bytes. See `host.units.Units`."""
+
+    def __init__(self, parties: Parties) -> None:
+        self._parties = parties
+
+    def advance(self, unit_id: str, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
+        """Let a unit act at `now_s`. PartyError if it is down."""
+        done = self._parties.advance(unit_id, now_s, telegrams, CODEC.encode(report))
+        said = CODEC.said(done.said)
+        sent = tuple(Telegram(destination, data) for destination, data in done.telegrams)
+        return Answer(sent, said.command, said.told, said.notes, done.wake_at_s)
+
+    def kill(self, unit_id: str) -> None:
+        """Power cut."""
+        self._parties.kill(unit_id)
+
+    def restart(self, unit_id: str) -> None:
+        """Power back: a new boot."""
+        self._parties.restart(unit_id)
