@@ -206,7 +206,7 @@ class Motion:
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             return []
         self._doubt.take(tag, odometer_m)
-        found = row.position_known != 1
+        found = bool(row.position_known != 1)
         correction_m = fix(row, tag.position_m, odometer_m, tolerance_m)
         row.fix_correction_m += correction_m
         self.notes.append(
