@@ -69,12 +69,12 @@ class Simulation:
         self.journal = Journal()
         lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
         self._duties: Mapping[str, tuple[Duty, ...]] = draw_up(
-            setup.line, setup.timetable, lengths, setup.portal_lead_s
+            setup.line, setup.timetable, lengths, setup.operation.portal_lead_s
         )
         first_s = min(duty.enter_s for duties in self._duties.values() for duty in duties)
         last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
-        self._limit_step = round((last_s + setup.time_limit_s) / STEP_S)
+        self._limit_step = round((last_s + setup.limits.time_limit_s) / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
         self.trains = Trains(setup, self._carrier, master_key)
@@ -482,7 +482,7 @@ class Simulation:
             self._apply(slot, self.trains.on_board[slot].leave(self.now_s))
         elif duty.becomes is not None and duty not in self._becoming:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
-            after = self._step + round(self.setup.change_ends_s / STEP_S)
+            after = self._step + round(self.setup.operation.change_ends_s / STEP_S)
             self._agenda.put(after, Due.DUTY, stock_id)
         else:
             self._books.close_energy(slot)
@@ -510,7 +510,7 @@ class Simulation:
 
     def _stalled(self) -> bool:
         """Nothing has moved for long although a train waits for a section."""
-        if (self._step - self._moved_step) / STEPS_PER_S < self.setup.stall_limit_s:
+        if (self._step - self._moved_step) / STEPS_PER_S < self.setup.limits.stall_limit_s:
             return False
         return any(
             unit.authority.refusal for unit in self.trains.on_board if unit.authority.asked is not None

@@ -52,9 +52,9 @@ class Eyes:
         self._trains = trains
         self._agenda = agenda
         vision = trains.setup.vision
-        self._stations = vision.stations
+        self._vision = vision
         self._every_steps = max(1, round(STEPS_PER_S / vision.rate_hz))
-        self._model = line_sightings() if vision.stations else None
+        self._model = line_sightings() if vision.wanted else None
         setup = trains.setup
         self._chance = [generator(setup.seed, "camera", s, *setup.today) for s in trains.stock_ids]
         self._looking: set[int] = set()
@@ -92,7 +92,7 @@ class Eyes:
         if unit.phase is not Phase.RUNNING or unit.mission is None or slot in self._trains.unpowered:
             return None
         target = unit.mission.targets[unit.at + 1]
-        if duty is None or target.station_id not in self._stations:
+        if duty is None or not self._vision.has_sign(target.station_id):
             return None
         planned = (
             duty.mission.path.piece_ids

@@ -109,7 +109,7 @@ class Trains:
         """The train's memory of its stops, with what it has learned on days before."""
         train, tuning = self.kinds[slot], self.setup.tuning
         stock_id = self.stock_ids[slot]
-        learned = tuning.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
+        learned = self.setup.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
         fill_design(self.designs[slot], train, self.behaviours[slot], learned)
         return StopKeeper(self.tascs[slot], self.designs[slot], self.waves[slot], learned, tuning.learn)
 
@@ -274,9 +274,9 @@ class Trains:
         self.set_boundaries(slot)
         self.begin_leg(slot, duty.enter_s)
         chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
-        spread = self.setup.load_share_spread
+        spread = self.setup.load.load_share_spread
         plant.load_share = float(
-            np.clip(self.setup.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
+            np.clip(self.setup.load.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
         )
         self.on_board[slot].load_share = float(plant.load_share)
         self.energy_marks[slot] = EnergyMark(

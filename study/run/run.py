@@ -232,7 +232,7 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[DeviceSpec, ...]:
     line = setup.line
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
     return device_specs(
-        manager_config(line, all_routes(line), unit_ids, reentry=setup.reentry),
+        manager_config(line, all_routes(line), unit_ids, reentry=setup.operation.reentry),
         terminal_configs(line),
         master_key,
     )
