@@ -1,7 +1,7 @@
 """Scenarios: line, timetable, trains, sensors, air and seed of a run, read from TOML and made into a Setup.
 
-A scenario may extend another (`extends = "karasuyama_weekday"`) and patch the line (`[line_patch]`): that is a
-what-if. Whatever it leaves out has the defaults of `simulation.setup`, which are assumed and shown by the report.
+A scenario may extend another (`extends = "karasuyama_weekday"`) and patch every file it names (`[patch]`): that is
+a what-if. Whatever it leaves out has the defaults of its tables, which are assumed; `docs/files.md` lists them.
 """
 
 from __future__ import annotations
@@ -10,33 +10,37 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from network.errors import InputError
-from network.files.line_file import load_line, validate_train_fits
+from network.files.edits import Change
+from network.files.line_file import validate_train_fits
+from network.files.patch import patched_line
 from network.files.shipped import find_file, shipped_line, shipped_timetable
-from network.files.toml_input import one_of, parse_table, read_text, validate
-from network.model import Line
-from network.timetable import Timetable, load_timetable
+from network.files.timetable_patch import patched_timetable
+from network.files.toml_input import one_of
+from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
 from study.scenario.fleet_file import check_scatter, check_vision, learned_of
+from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
 from study.scenario.script_file import script_of
-from vehicle.train_file import TrainType, load_train, shipped_train
+from vehicle.train_file import TrainType, shipped_train
+from vehicle.train_patch import patched_train
 
 FOLDER: Final = "scenarios"
 
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A scenario ready to run. `patched` says whether the line differs from its file."""
+    """A scenario ready to run. `changes` says what differs from the files it names or extends."""
 
     id: str
     name: str
     file: str
     setup: Setup
-    patched: bool
+    changes: tuple[Change, ...]
     assumed: tuple[str, ...]
 
 
@@ -53,10 +57,12 @@ def find_scenario(name: str) -> Path:
 def load_scenario(name: str, seed: int | None = None) -> Scenario:
     """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
     path = find_scenario(name)
-    model = _read(path)
-    line = _line(path, model)
-    timetable = load_timetable(_named(path, "timetable", model.timetable, shipped_timetable), line)
-    trains = _trains(path, model, timetable)
+    pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
+    model = pile.validated(path)
+    line, of_line = patched_line(_named(path, "line", model.line, shipped_line), pile.files.get("line", ()))
+    file = _named(path, "timetable", model.timetable, shipped_timetable)
+    timetable, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
+    trains, of_trains = _trains(path, model, timetable, pile)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), model.scatter, trains)
@@ -81,41 +87,12 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     )
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
-    return Scenario(model.id, model.name, str(path), setup, bool(model.line_patch), assumed)
+    changes = (*pile.changes, *of_line, *of_timetable, *of_trains)
+    return Scenario(model.id, model.name, str(path), setup, changes, assumed)
 
 
 def _folder() -> Path:
     return Path(str(files("study"))) / FOLDER
-
-
-def _read(path: Path) -> ScenarioFile:
-    return validate(_merged(path, ()), str(path), ScenarioFile)
-
-
-def _merged(path: Path, above: tuple[Path, ...]) -> dict[str, Any]:
-    """The tables of a scenario laid over those of the one that it extends."""
-    if path in above:
-        raise InputError(str(path), "extends", path.stem, "a scenario that does not extend itself")
-    data = parse_table(read_text(path), str(path))
-    base = data.pop("extends", None)
-    if base is None:
-        return data
-    if not isinstance(base, str):
-        raise InputError(str(path), "extends", base, "the name of a scenario")
-    beside = path.parent / f"{base.removesuffix('.toml')}.toml"
-    below = beside if beside.is_file() else _named(path, "extends", base, find_scenario)
-    return _laid_over(_merged(below, (*above, path)), data)
-
-
-def _laid_over(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    merged = dict(below)
-    for key, value in above.items():
-        known = merged.get(key)
-        if isinstance(known, dict) and isinstance(value, dict):
-            merged[key] = _laid_over(known, value)
-        else:
-            merged[key] = value
-    return merged
 
 
 def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> Path:
@@ -129,16 +106,10 @@ def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> P
         raise InputError(str(path), key, name, error.expected) from error
 
 
-def _line(path: Path, model: ScenarioFile) -> Line:
-    file = _named(path, "line", model.line, shipped_line)
-    if not model.line_patch:
-        return load_line(file)
-    from network.files.patch import load_patched_line
-
-    return load_patched_line(file, model.line_patch, str(path))
-
-
-def _trains(path: Path, model: ScenarioFile, timetable: Timetable) -> dict[str, TrainType]:
+def _trains(
+    path: Path, model: ScenarioFile, timetable: Timetable, pile: Pile
+) -> tuple[dict[str, TrainType], tuple[Change, ...]]:
+    """The kind of train of each stock, and what patches have changed of them."""
     known = {diagram.stock_id for diagram in timetable.diagrams}
     for stock_id in model.trains.stock:
         if stock_id not in known:
@@ -147,10 +118,20 @@ def _trains(path: Path, model: ScenarioFile, timetable: Timetable) -> dict[str, 
             )
     named = {"trains.default": model.trains.default}
     named |= {f"trains.stock.{stock_id}": name for stock_id, name in model.trains.stock.items()}
-    loaded = {name: load_train(_named(path, key, name, shipped_train)) for key, name in named.items()}
-    return {
-        stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)] for stock_id in sorted(known)
+    for train, patches in pile.trains.items():
+        if train not in named.values():
+            raise InputError(
+                patches[0].file, patches[0].key, None, f"a train that runs, {one_of(named.values())}"
+            )
+    loaded = {
+        name: patched_train(_named(path, key, name, shipped_train), pile.trains.get(name, ()))
+        for key, name in named.items()
     }
+    kinds = {
+        stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)][0]
+        for stock_id in sorted(known)
+    }
+    return kinds, tuple(change for _, changes in loaded.values() for change in changes)
 
 
 def _unit(unit: UnitParameters, timetable: Timetable) -> UnitParameters:

@@ -6,7 +6,10 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from network.files.edits import Words
 from network.files.kinds import about
+from network.files.patch import LineWords
+from network.files.timetable_patch import TimetableWords
 from network.files.toml_input import Record
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
@@ -36,12 +39,53 @@ class TrainsTable(Load):
     stock: Annotated[dict[str, str], about("train file by stock id")] = Field(default_factory=dict)
 
 
+class TableWords(Record):
+    """A patch of one of the scenario's own tables (`[patch.air]`): on what the extended scenarios say."""
+
+    values: Annotated[dict[str, Any], about("values set, by key path")] = Field(
+        default_factory=dict, alias="set"
+    )
+    times: Annotated[dict[str, float], about("numbers multiplied by a factor, by key path")] = Field(
+        default_factory=dict
+    )
+
+
+class ListWords(TableWords):
+    """A patch of one of the scenario's own lists (`[patch.fault]`)."""
+
+    remove: Annotated[list[str | int], about("entries taken out, by index")] = Field(default_factory=list)
+    add: Annotated[list[dict[str, Any]], about("entries added")] = Field(default_factory=list)
+
+
+class PatchTable(Record):
+    """`[patch]`: a what-if on every file that the scenario names, and on what it takes over from others.
+
+    Patches of scenarios that extend one another are carried out one after the other, the extended one's first.
+    """
+
+    line: Annotated[LineWords | None, about("on the line file")] = None
+    timetable: Annotated[TimetableWords | None, about("on the timetable file")] = None
+    train: Annotated[dict[str, Words], about("on train files, by their name")] = Field(default_factory=dict)
+    air: Annotated[TableWords | None, about("on [air]")] = None
+    unit: Annotated[TableWords | None, about("on [unit]")] = None
+    driving: Annotated[TableWords | None, about("on [driving]")] = None
+    sensors: Annotated[TableWords | None, about("on [sensors]")] = None
+    scatter: Annotated[TableWords | None, about("on [scatter]")] = None
+    trains: Annotated[TableWords | None, about("on [trains]")] = None
+    limits: Annotated[TableWords | None, about("on [limits]")] = None
+    operation: Annotated[TableWords | None, about("on [operation]")] = None
+    fault: Annotated[ListWords | None, about("on [[fault]]")] = None
+    act: Annotated[ListWords | None, about("on [[act]]")] = None
+    expect: Annotated[ListWords | None, about("on [[expect]]")] = None
+
+
 class ScenarioFile(Record):
     """A scenario: line, timetable, trains and everything that may differ from run to run.
 
     A drill is a scenario with faults, acts and expectations.
     """
 
+    extends: Annotated[str | None, about("scenario whose tables hold wherever this one says nothing")] = None
     id: Annotated[str, about("name of the run and of its directory")]
     name: Annotated[str, about("what people call it")]
     line: Annotated[str, about("line file, shipped or beside the scenario")]
@@ -62,7 +106,9 @@ class ScenarioFile(Record):
     vision: Vision = NO_VISION
     limits: Limits = Field(default_factory=Limits)
     operation: Operation = Field(default_factory=Operation)
-    line_patch: dict[str, Any] = Field(default_factory=dict)
+    patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(
+        default_factory=PatchTable
+    )
     fault: Annotated[list[FaultTable], about("what fails, and when")] = Field(default_factory=list)
     act: Annotated[list[ActTable], about("what people do about it")] = Field(default_factory=list)
     expect: Annotated[list[ExpectTable], about("what must happen, for a drill to pass")] = Field(

@@ -12,7 +12,7 @@ from network.errors import InputError
 from network.model import Position
 from radio.air import DelayShape
 from simulation.settings import Driving, Sensors
-from study.scenario.scenario import _laid_over as laid_over
+from study.scenario.layers import laid_over
 from study.scenario.scenario import find_scenario, load_scenario, shipped_scenarios
 
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
@@ -51,7 +51,8 @@ def test_the_seed_of_the_command_line_comes_first(tmp_path: Path) -> None:
 
 def test_a_what_if_changes_what_it_names_and_nothing_else() -> None:
     whole, without = load_scenario("karasuyama_weekday"), load_scenario("karasuyama_without_loop")
-    assert (whole.patched, without.patched) == (False, True)
+    assert whole.changes == ()
+    assert {change.file for change in without.changes} == {"karasuyama.toml"}
     assert set(whole.setup.line.sections) - set(without.setup.line.sections) >= {"OGN.2"}
     assert without.setup.air == whole.setup.air
     assert without.setup.timetable == whole.setup.timetable
