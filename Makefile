@@ -35,6 +35,7 @@ bench: install
 
 docs: install
 	$(BIN)/python -m documents.busy_line
+	$(BIN)/python -m documents.files
 	$(BIN)/python -m documents.interlocking
 	$(BIN)/python -m documents.journal
 

@@ -355,6 +355,16 @@ def check(
     raise typer.Exit(BROKEN if impossible else 0)
 
 
+@app.command()
+def schema(
+    kind: Annotated[str | None, typer.Argument(help="line, timetable, train, scenario or drill.")] = None,
+) -> None:
+    """Print the JSON Schema of a kind of file; without one, of all kinds by name."""
+    from study.scenario.schemas import KINDS, schema_of
+
+    _print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
+
+
 @importers.command("geometry")
 def import_geometry_command(
     polyline: Annotated[Path, typer.Argument(help="Track polyline (GeoJSON, longitude and latitude).")],

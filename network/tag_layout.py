@@ -14,8 +14,10 @@ By direction of travel, with a train of `train_length_m`:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+import sys
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from network.graph import next_pieces
@@ -173,3 +175,16 @@ def _back(
         for previous in next_pieces(line, name, direction.opposite):
             exit_m = _entry_m(line.pieces[previous], direction.opposite)
             ways.append((previous, exit_m, left_m - here_m))
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the tags of a line file by the rule, as its `tags` table."""
+    from network.files.line_file import load_line
+
+    line = load_line(Path(arguments[0]))
+    sys.stdout.write(tags_toml(line, lay_tags(line)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

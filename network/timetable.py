@@ -10,13 +10,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Final
-
-from pydantic import Field
+from typing import Final
 
 from network.errors import InputError
-from network.files.line_schema import DIRECTIONS, DirectionName, Id
-from network.files.toml_input import Record, one_of, parse_toml, read_text
+from network.files.line_schema import DIRECTIONS
+from network.files.timetable_schema import CallTable, TimetableFile, TrainTable
+from network.files.toml_input import one_of, parse_toml, read_text
 from network.graph import reachable_stops
 from network.model import Direction, Line, PlatformTrack, SectionKind
 
@@ -111,42 +110,6 @@ class Timetable:
     assumed: tuple[str, ...] = ()
 
 
-class _Head(Record):
-    id: Id
-    name: str = ""
-    line: str
-    dwell_min_s: float = Field(default=20.0, ge=0)
-    sources: list[str] = Field(default_factory=list)
-    assumed: list[str] = Field(default_factory=list)
-
-
-class _CallTable(Record):
-    station: str
-    track: str | None = None
-    arrival: str | None = None
-    departure: str | None = None
-
-
-class _TrainTable(Record):
-    number: Id
-    direction: DirectionName
-    revenue: bool = True
-    calls: Annotated[list[_CallTable], Field(min_length=1)]
-    begins: str
-    ends: str
-
-
-class _DiagramTable(Record):
-    stock: Id
-    trains: Annotated[list[str], Field(min_length=1)]
-
-
-class _File(Record):
-    timetable: _Head
-    trains: Annotated[list[_TrainTable], Field(min_length=1)]
-    diagrams: list[_DiagramTable] = Field(default_factory=list)
-
-
 def load_timetable(path: Path, line: Line) -> Timetable:
     """Read a timetable of `line`. Raises InputError for the first thing that is wrong with it."""
     return parse_timetable(read_text(path), str(path), line)
@@ -154,7 +117,11 @@ def load_timetable(path: Path, line: Line) -> Timetable:
 
 def parse_timetable(text: str, file: str, line: Line) -> Timetable:
     """Parse and validate the text of a timetable; `file` names it in errors. Raises InputError."""
-    entry = parse_toml(text, file, _File)
+    return timetable_of(parse_toml(text, file, TimetableFile), file, line)
+
+
+def timetable_of(entry: TimetableFile, file: str, line: Line) -> Timetable:
+    """The timetable that the tables of a file describe; `file` names it in errors. Raises InputError."""
     head = entry.timetable
     if head.line != line.id:
         raise InputError(file, "timetable.line", head.line, f"{line.id}, the line it is used with")
@@ -195,7 +162,7 @@ def platform_of(line: Line, call: Call, direction: Direction) -> PlatformTrack:
     return usable[0]
 
 
-def _train(file: str, key: str, entry: _TrainTable, line: Line) -> TimetableTrain:
+def _train(file: str, key: str, entry: TrainTable, line: Line) -> TimetableTrain:
     direction = DIRECTIONS[entry.direction]
     calls: list[Call] = []
     for i, item in enumerate(entry.calls):
@@ -215,7 +182,7 @@ def _train(file: str, key: str, entry: _TrainTable, line: Line) -> TimetableTrai
     return TimetableTrain(entry.number, direction, entry.revenue, tuple(calls), begins, ends)
 
 
-def _time_s(file: str, key: str, text: str, not_before_s: int | None) -> int:
+def seconds_of(file: str, key: str, text: str, not_before_s: int | None) -> int:
     """Seconds after midnight; a time over 12 h less than the one before is one of the next day."""
     match = _TIME.fullmatch(text)
     if match is None:
@@ -237,17 +204,17 @@ def clock(time_s: float) -> str:
     return f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}:{whole_s % 60:02d}"
 
 
-def _call(file: str, key: str, entry: _CallTable, after_s: int | None, *, last: bool) -> Call:
+def _call(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> Call:
     if entry.departure is None and not last:
         raise InputError(file, f"{key}.departure", None, "a departure: only the last call goes without")
     if entry.departure is None and entry.arrival is None:
         raise InputError(file, f"{key}.arrival", None, "a time: the call has none")
     arrival_s = departure_s = None
     if entry.arrival is not None:
-        arrival_s = _time_s(file, f"{key}.arrival", entry.arrival, after_s)
+        arrival_s = seconds_of(file, f"{key}.arrival", entry.arrival, after_s)
     if entry.departure is not None:
         before_s = after_s if arrival_s is None else arrival_s
-        departure_s = _time_s(file, f"{key}.departure", entry.departure, before_s)
+        departure_s = seconds_of(file, f"{key}.departure", entry.departure, before_s)
     return Call(entry.station, entry.track, arrival_s, departure_s)
 
 

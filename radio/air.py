@@ -13,15 +13,19 @@ import math
 from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
+from pydantic import Field, ValidationInfo, field_validator
 
-from network.errors import InputError
+from network.files.kinds import NotNegative, Probability, about
+from network.files.toml_input import Record
 from radio.chance import generator
 
 STEP_S: Final = 0.1
 _STEP_TOLERANCE: Final = 1e-9
+
+Delay = Annotated[float, Field(ge=STEP_S)]
 
 
 class DelayShape(Enum):
@@ -42,37 +46,48 @@ class AirEvent(Enum):
     FLIPPED = "flipped"
 
 
-@dataclass(frozen=True, slots=True)
-class AirParameters:
-    """The air of a run. Defaults: a perfect link with one step of delay. Probabilities are per telegram
-    except `flip_p`, which is per bit. Raises InputError for what cannot be.
+class AirParameters(Record):
+    """`[air]`: delay, loss, duplication, reordering and bit errors of every link.
+
+    Defaults: a perfect link with one step of delay. Probabilities are per telegram except `flip_p`, per bit.
     """
 
-    delay_min_s: float = STEP_S
-    delay_mean_s: float = STEP_S
-    delay_shape: DelayShape = DelayShape.EXPONENTIAL
-    loss_good_p: float = 0.0
-    loss_bad_p: float = 1.0
-    good_to_bad_per_s: float = 0.0
-    bad_to_good_per_s: float = 1.0
-    duplicate_p: float = 0.0
-    reorder_p: float = 0.0
-    reorder_delay_s: float = 1.0
-    flip_p: float = 0.0
+    delay_min_s: Annotated[
+        Delay, about("least delay of a telegram", "one step: what lock-step with processes needs")
+    ] = STEP_S
+    delay_mean_s: Annotated[
+        Delay,
+        Field(validate_default=True),
+        about("mean delay, not below the least", "assumed: a perfect link"),
+    ] = STEP_S
+    delay_shape: Annotated[
+        DelayShape,
+        Field(strict=False),
+        about("constant, or the least plus an exponential tail with that mean", "assumed: a queueing tail"),
+    ] = DelayShape.EXPONENTIAL
+    loss_good_p: Annotated[Probability, about("loss while the link is good", "assumed: a perfect link")] = 0.0
+    loss_bad_p: Annotated[Probability, about("loss while it is bad", "as in Gilbert 1960")] = 1.0
+    good_to_bad_per_s: Annotated[
+        NotNegative, about("rate at which a good link turns bad", "assumed: a perfect link")
+    ] = 0.0
+    bad_to_good_per_s: Annotated[
+        NotNegative,
+        about("rate at which a bad link turns good; a bad spell lasts 1 / this", "assumed: a second"),
+    ] = 1.0
+    duplicate_p: Annotated[Probability, about("a telegram comes twice", "assumed: a perfect link")] = 0.0
+    reorder_p: Annotated[Probability, about("a telegram is held back", "assumed: a perfect link")] = 0.0
+    reorder_delay_s: Annotated[
+        NotNegative, about("for how long it is held back", "assumed: a few telegrams")
+    ] = 1.0
+    flip_p: Annotated[Probability, about("a bit is wrong", "assumed: a perfect link")] = 0.0
 
-    def __post_init__(self) -> None:
-        for name in ("loss_good_p", "loss_bad_p", "duplicate_p", "reorder_p", "flip_p"):
-            value = getattr(self, name)
-            if not 0.0 <= value <= 1.0:
-                raise InputError("air", name, value, "a probability from 0 to 1")
-        for name in ("delay_min_s", "good_to_bad_per_s", "bad_to_good_per_s", "reorder_delay_s"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError("air", name, value, "a finite number not below 0")
-        if not (math.isfinite(self.delay_mean_s) and self.delay_mean_s >= self.delay_min_s):
-            raise InputError(
-                "air", "delay_mean_s", self.delay_mean_s, f"at least {self.delay_min_s} (delay_min_s)"
-            )
+    @field_validator("delay_mean_s")
+    @classmethod
+    def _mean_not_below_least(cls, mean_s: float, info: ValidationInfo) -> float:
+        least_s = info.data.get("delay_min_s", STEP_S)
+        if mean_s < least_s:
+            raise ValueError(f"at least {least_s:g} (delay_min_s)")
+        return mean_s
 
     @property
     def bad_share(self) -> float:

@@ -203,7 +203,7 @@ class Duties:
             self._cabs.tell(slot, step, (Leave(),))
         elif duty.becomes is not None and duty not in self._becoming:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
-            self._agenda.put(step + round(self._setup.change_ends_s / STEP_S), Due.DUTY, stock_id)
+            self._agenda.put(step + round(self._setup.operation.change_ends_s / STEP_S), Due.DUTY, stock_id)
         elif duty.becomes is None:
             self._books.close_energy(slot)
             self._stage[slot] = Stage.DONE

@@ -65,11 +65,11 @@ class Simulation:
         self.setup: Final = setup
         self.journal = Journal()
         lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
-        duties = draw_up(setup.line, setup.timetable, lengths, setup.portal_lead_s)
+        duties = draw_up(setup.line, setup.timetable, lengths, setup.operation.portal_lead_s)
         first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)
         last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
-        self._limit_step = round((last_s + setup.time_limit_s) / STEP_S)
+        self._limit_step = round((last_s + setup.limits.time_limit_s) / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
         self.trains = Trains(setup, self._carrier)
@@ -322,9 +322,9 @@ class Simulation:
     def _stalled(self) -> bool:
         """Nothing has moved for long although a train should have gone on."""
         still_s = (self._step - self._moved_step) / STEPS_PER_S
-        if still_s < self.setup.stall_limit_s:
+        if still_s < self.setup.limits.stall_limit_s:
             return False
-        return self._duties.overdue_s(self.now_s) >= self.setup.stall_limit_s
+        return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
 
     def _result(self, because: str, collisions: tuple[str, ...]) -> RunResult:
         self._books.close()

@@ -18,56 +18,23 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from radio.keys import KeyRing, key_ring
 from simulation.faults.script import Script
+from simulation.settings import (
+    NO_TUNING,
+    NO_VISION,
+    Driving,
+    Limits,
+    Load,
+    Operation,
+    Sensors,
+    Tuning,
+    Vision,
+)
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
-from wayside.config import MANAGER_ID, ReentryMode
+from wayside.config import MANAGER_ID
 
 STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
 STEP_S: Final = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class Driving:
-    """How units drive and supervise; `assumed`: neither the line nor the paper gives figures."""
-
-    service_guaranteed_share: float = 0.8  # of the strongest service notch: worn pads, wet rail
-    emergency_guaranteed_share: float = 0.8
-    reaction_reserve_s: float = 0.5  # beyond dead time and lag of the brake
-    service_margin_mps: float = 0.6
-    release_margin_mps: float = 1.0
-    emergency_margin_mps: float = 2.0
-    driving_margin_mps: float = 1.2
-    stop_deceleration_mps2: float = 0.6
-    stop_gain_per_s: float = 0.8
-    cruise_gain_per_s: float = 0.3
-    notch_hold_s: float = 2.0
-    standing_brake_share: float = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class Sensors:
-    """Errors of the sensors, drawn per train or per reading from seeded sources."""
-
-    wheel_factor_sigma: float = 0.003  # real over assumed wheel circumference
-    tag_read_sigma_m: float = 0.05
-    tag_read_max_m: float = 0.2  # beyond this the reader discards
-
-
-@dataclass(frozen=True, slots=True)
-class Tuning:
-    """Self-tuning of TASC: whether trains learn, for how many days in a row, and what they know to begin with."""
-
-    learn: bool = False
-    days: int = 1  # the same day that often; the last one is reported
-    learned: Mapping[str, Learned] = field(default_factory=dict)  # by stock id
-
-
-@dataclass(frozen=True, slots=True)
-class Vision:
-    """Stop signs and the camera that looks for them; no station: the trains have none."""
-
-    stations: frozenset[str] = frozenset()
-    rate_hz: float = 5.0  # frames taken up; the camera itself has more, but errors of neighbours are alike
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,16 +52,14 @@ class Setup:
     driving: Driving = field(default_factory=Driving)
     sensors: Sensors = field(default_factory=Sensors)
     scatter: Scatter = field(default_factory=Scatter)
-    tuning: Tuning = field(default_factory=Tuning)
-    vision: Vision = field(default_factory=Vision)
+    tuning: Tuning = NO_TUNING
+    # What trains know of their brakes to begin with, by stock id.
+    learned: Mapping[str, Learned] = field(default_factory=dict)
+    vision: Vision = NO_VISION
     day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
-    load_share_mean: float = 0.2
-    load_share_spread: float = 0.15  # uniform, drawn per train number
-    portal_lead_s: float = 210.0  # a train stands at the portal this long before its first departure
-    change_ends_s: float = 60.0  # the driver walks to the other end
-    reentry: ReentryMode = ReentryMode.ASSISTED  # how the block state comes back after the manager lost it
-    time_limit_s: float = 3600.0  # the run ends this long after the last planned time, whatever happens
-    stall_limit_s: float = 3600.0  # or when no train has moved for this long although one waits for a section
+    load: Load = field(default_factory=Load)
+    limits: Limits = field(default_factory=Limits)
+    operation: Operation = field(default_factory=Operation)
 
     @property
     def today(self) -> tuple[str, ...]:
@@ -103,7 +68,7 @@ class Setup:
 
     def next_day(self, learned: Mapping[str, Learned]) -> Setup:
         """The same timetable a day later, with what the trains have learned."""
-        return replace(self, day=self.day + 1, tuning=replace(self.tuning, learned=learned))
+        return replace(self, day=self.day + 1, learned=learned)
 
 
 def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:

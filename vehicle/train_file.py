@@ -12,13 +12,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from network.errors import InputError
+from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 
 TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
@@ -36,10 +37,6 @@ UNITS: Final = (
     ("_t", "_kg", 1e3, 1.0),
 )
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=0, le=1)]
-SharePositive = Annotated[float, Field(gt=0, le=1)]
 DeadTime = Annotated[float, Field(ge=0, le=DEAD_TIME_S_MAX)]
 Count = Annotated[float, Field(ge=1)]
 
@@ -49,39 +46,65 @@ class _Table(BaseModel):
 
 
 class _Body(_Table):
-    length_m: Positive
-    mass_empty_kg: Positive
-    mass_load_full_kg: NotNegative
-    rotating_mass_factor: NotNegative
-    cars: Count
-    motored_mass_share: Share
-    motored_axle_mass_share: SharePositive
-    speed_max_mps: Positive
+    """`[body]`."""
+
+    length_m: Annotated[Positive, about("over couplers")]
+    mass_empty_kg: Annotated[Positive, about("empty, in working order")]
+    mass_load_full_kg: Annotated[NotNegative, about("of a full load")]
+    rotating_mass_factor: Annotated[NotNegative, about("equivalent mass is mass times 1 + this")]
+    cars: Annotated[Count, about("number of cars")]
+    motored_mass_share: Annotated[Share, about("of the mass, on motored cars: for the running resistance")]
+    motored_axle_mass_share: Annotated[SharePositive, about("of the weight, on driven axles: for adhesion")]
+    speed_max_mps: Annotated[Positive, about("greatest speed")]
 
 
 class _Resistance(_Table):
-    resistance_motored_constant_n_per_kn: NotNegative = Field(alias="motored_constant_n_per_kn")
-    resistance_motored_linear_n_per_kn_kmh: NotNegative = Field(alias="motored_linear_n_per_kn_kmh")
-    resistance_trailer_constant_n_per_kn: NotNegative = Field(alias="trailer_constant_n_per_kn")
-    resistance_trailer_linear_n_per_kn_kmh: NotNegative = Field(alias="trailer_linear_n_per_kn_kmh")
-    resistance_air_n_per_kmh2: NotNegative = Field(alias="air_n_per_kmh2")
-    starting_resistance_n_per_kn: NotNegative = Field(alias="starting_n_per_kn")
-    curve_resistance_coefficient_m: NotNegative = Field(alias="curve_coefficient_m")
+    """`[resistance]`: R = sum of the mass terms and the air term, speeds in km/h."""
+
+    resistance_motored_constant_n_per_kn: Annotated[NotNegative, about("motored cars, constant term")] = (
+        Field(alias="motored_constant_n_per_kn")
+    )
+    resistance_motored_linear_n_per_kn_kmh: Annotated[NotNegative, about("motored cars, linear term")] = (
+        Field(alias="motored_linear_n_per_kn_kmh")
+    )
+    resistance_trailer_constant_n_per_kn: Annotated[NotNegative, about("trailers, constant term")] = Field(
+        alias="trailer_constant_n_per_kn"
+    )
+    resistance_trailer_linear_n_per_kn_kmh: Annotated[NotNegative, about("trailers, linear term")] = Field(
+        alias="trailer_linear_n_per_kn_kmh"
+    )
+    resistance_air_n_per_kmh2: Annotated[NotNegative, about("air, with the square of speed")] = Field(
+        alias="air_n_per_kmh2"
+    )
+    starting_resistance_n_per_kn: Annotated[NotNegative, about("at a start")] = Field(
+        alias="starting_n_per_kn"
+    )
+    curve_resistance_coefficient_m: Annotated[
+        NotNegative, about("permille of resistance times the radius of a curve")
+    ] = Field(alias="curve_coefficient_m")
 
 
 class _Traction(_Table):
-    force_max_n: Positive
-    power_max_w: Positive
-    weak_field_speed_mps: NotNegative = 0.0
-    notch_share: list[SharePositive] = Field(min_length=1, max_length=NOTCHES_MAX - 1)
-    notch_speed_cap_mps: list[NotNegative] = []
-    load_compensated: bool = False
-    curve_speed_mps: list[NotNegative] = []
-    curve_force_n: list[NotNegative] = []
-    dead_time_s: DeadTime
-    lag_s: NotNegative
-    jerk_max_mps3: NotNegative
-    motors: Count
+    """`[traction]`: force and power limits, or a measured curve in their place."""
+
+    force_max_n: Annotated[Positive, about("greatest force at the rim")]
+    power_max_w: Annotated[Positive, about("greatest power at the rim")]
+    weak_field_speed_mps: Annotated[
+        NotNegative, about("above it the force falls with the square of speed; 0: never")
+    ] = 0.0
+    notch_share: Annotated[
+        list[SharePositive],
+        Field(min_length=1, max_length=NOTCHES_MAX - 1),
+        about("of the full force, by notch"),
+    ]
+    notch_speed_cap_mps: Annotated[list[NotNegative], about("a notch pulls up to this speed; 0: no cap")] = []
+    load_compensated: Annotated[bool, about("the force limit grows with the load")] = False
+    curve_speed_mps: Annotated[list[NotNegative], about("measured curve: speeds, from 0")] = []
+    curve_force_n: Annotated[list[NotNegative], about("measured curve: full-notch force")] = []
+    dead_time_s: Annotated[DeadTime, about("from command to first force")]
+    lag_s: Annotated[NotNegative, about("time constant of the build-up")]
+    jerk_max_mps3: Annotated[NotNegative, about("limit of the build-up; 0: none")]
+    motors: Annotated[Count, about("number of motors")]
 
     @model_validator(mode="after")
     def _lists_agree(self) -> _Traction:
@@ -96,11 +119,15 @@ class _Traction(_Table):
 
 
 class _Brakes(_Table):
-    notch_deceleration_mps2: list[Positive] = Field(min_length=1, max_length=NOTCHES_MAX - 1)
-    stepless: bool
-    dead_time_s: DeadTime
-    lag_s: NotNegative
-    jerk_max_mps3: NotNegative
+    """`[brakes]`: the service brake, at any load."""
+
+    notch_deceleration_mps2: Annotated[
+        list[Positive], Field(min_length=1, max_length=NOTCHES_MAX - 1), about("by notch, rising")
+    ]
+    stepless: Annotated[bool, about("fractional notches are allowed")]
+    dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
+    lag_s: Annotated[NotNegative, about("time constant of the build-up")]
+    jerk_max_mps3: Annotated[NotNegative, about("limit of the build-up; 0: none")]
 
     @model_validator(mode="after")
     def _notches_rise(self) -> _Brakes:
@@ -111,16 +138,20 @@ class _Brakes(_Table):
 
 
 class _Emergency(_Table):
-    deceleration_mps2: Positive
-    dead_time_s: DeadTime
-    lag_s: NotNegative
+    """`[emergency]`: the emergency brake."""
+
+    deceleration_mps2: Annotated[Positive, about("deceleration")]
+    dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
+    lag_s: Annotated[NotNegative, about("time constant of the build-up")]
 
 
 class _Regeneration(_Table):
-    force_max_n: NotNegative
-    power_max_w: NotNegative
-    fade_from_mps: NotNegative
-    fade_to_mps: NotNegative
+    """`[regeneration]`: the electric part of the service brake; air supplies the rest."""
+
+    force_max_n: Annotated[NotNegative, about("greatest force at the rim")]
+    power_max_w: Annotated[NotNegative, about("greatest power at the rim")]
+    fade_from_mps: Annotated[NotNegative, about("below it the electric brake fades")]
+    fade_to_mps: Annotated[NotNegative, about("below it there is none")]
 
     @model_validator(mode="after")
     def _fades_downwards(self) -> _Regeneration:
@@ -130,25 +161,35 @@ class _Regeneration(_Table):
 
 
 class _Energy(_Table):
-    efficiency_traction: SharePositive
-    efficiency_regeneration: Share
-    auxiliary_power_w: NotNegative
+    """`[energy]`: at the wire or the battery."""
+
+    efficiency_traction: Annotated[SharePositive, about("rim over wire")]
+    efficiency_regeneration: Annotated[Share, about("wire over rim")]
+    auxiliary_power_w: Annotated[NotNegative, about("lighting, compressors, heating and cooling")]
 
 
 class _Adhesion(_Table):
-    dry: SharePositive
-    speed_factor_s_per_m: NotNegative
-    slide_share_max: SharePositive
+    """`[adhesion]`: dry / (1 + factor times speed)."""
+
+    dry: Annotated[SharePositive, about("on dry rail at rest")]
+    speed_factor_s_per_m: Annotated[NotNegative, about("how it falls with speed")]
+    slide_share_max: Annotated[
+        SharePositive, about("deepest slide the protection allows, of train speed; 1: wheels may lock")
+    ]
 
 
 class _Sensors(_Table):
-    wheel_diameter_m: Positive
-    pulses_per_revolution: Count
+    """`[sensors]`: on the axle."""
+
+    wheel_diameter_m: Annotated[Positive, about("of the tachometer's axle")]
+    pulses_per_revolution: Annotated[Count, about("of the tachometer")]
 
 
-class _TrainFile(_Table):
-    id: str = Field(min_length=1)
-    name: str = Field(min_length=1)
+class TrainFile(_Table):
+    """A whole train file; keys may end in other units, see `UNITS`."""
+
+    id: Annotated[str, Field(min_length=1), about("name of the kind of train")]
+    name: Annotated[str, Field(min_length=1), about("what people call it")]
     body: _Body
     resistance: _Resistance
     traction: _Traction
@@ -158,7 +199,9 @@ class _TrainFile(_Table):
     energy: _Energy
     adhesion: _Adhesion
     sensors: _Sensors
-    provenance: dict[str, str]
+    provenance: Annotated[
+        dict[str, str], about('source of each figure, by key ("body.length_m") or table, or "assumed: why"')
+    ]
 
 
 @dataclass(frozen=True)
@@ -185,14 +228,23 @@ def shipped_train(name: str) -> Path:
 
 def load_train(path: Path) -> TrainType:
     """Read and check a train file; raises InputError naming file, key, value and what was expected."""
+    return train_of(read_train(path), str(path))
+
+
+def read_train(path: Path) -> dict[str, Any]:
+    """The tables of a train file as they are written. Raises InputError."""
     file = str(path)
     try:
         with path.open("rb") as stream:
-            raw = tomllib.load(stream)
+            return tomllib.load(stream)
     except OSError as error:
         raise InputError(file, "", None, f"a readable train file ({error.strerror})") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(file, "", None, f"valid TOML ({error})") from error
+
+
+def train_of(raw: Mapping[str, Any], file: str) -> TrainType:
+    """The kind of train that the tables of a file describe; `file` names it in errors. Raises InputError."""
     tables: dict[str, object] = {}
     written: dict[str, str] = {}
     for key, value in raw.items():
@@ -201,7 +253,7 @@ def load_train(path: Path) -> TrainType:
         else:
             tables[key] = value
     try:
-        model = _TrainFile.model_validate(tables)
+        model = TrainFile.model_validate(tables)
     except ValidationError as error:
         raise _input_error(file, error, written) from error
     _check_provenance(file, raw, model.provenance)
@@ -282,7 +334,7 @@ def _check_provenance(file: str, raw: Mapping[str, object], provenance: Mapping[
             raise InputError(file, f"provenance.{key}", text, "the name of a key or table of this file")
 
 
-def _row(model: _TrainFile) -> NDArray[np.void]:
+def _row(model: TrainFile) -> NDArray[np.void]:
     """The checked file as one TRAIN record."""
     row = np.zeros(1, dtype=TRAIN)
     plain: dict[str, float] = {**model.body.model_dump(), **model.resistance.model_dump()}

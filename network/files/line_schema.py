@@ -9,12 +9,12 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
+from network.files.kinds import Positive, about
 from network.files.toml_input import Record
 from network.model import Direction
 
 # Ids become SUMO ids and Zenoh key expressions, which both reserve most other characters.
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
-Positive = Annotated[float, Field(gt=0)]
 DirectionName = Literal["down", "up"]
 
 DIRECTIONS: Final[dict[str, Direction]] = {"down": Direction.DOWN, "up": Direction.UP}
@@ -24,135 +24,153 @@ TAG_ID_MAX: Final = 0xFFFF  # section 6.1.3: 24 bits hold a tag's id and its CRC
 class LineTable(Record):
     """`[line]`."""
 
-    id: Id
-    name: str
-    name_ja: str = ""
-    max_speed_kmh: Positive
-    sources: list[str] = Field(default_factory=list)
-    assumed: list[str] = Field(default_factory=list)
+    id: Annotated[Id, about("name of the line")]
+    name: Annotated[str, about("what people call it")]
+    name_ja: Annotated[str, about("the same in Japanese")] = ""
+    max_speed_kmh: Annotated[Positive, about("greatest speed anywhere")]
+    sources: Annotated[list[str], about("where its figures come from")] = Field(default_factory=list)
+    assumed: Annotated[list[str], about("what nobody has published, in sentences for the report")] = Field(
+        default_factory=list
+    )
 
 
 class RangeTable(Record):
     """Anything between two kilometrages."""
 
-    from_km: float
-    to_km: float
+    from_km: Annotated[float, about("where it begins")]
+    to_km: Annotated[float, about("where it ends")]
 
 
 class GradientTable(RangeTable):
     """`alignments.gradients`: positive where DOWN climbs."""
 
-    permille: float = Field(gt=-150, lt=150)
+    permille: Annotated[float, about("positive where down trains climb")] = Field(gt=-150, lt=150)
 
 
 class CurveTable(RangeTable):
     """`alignments.curves`: `radius_m` positive to the right going down."""
 
-    radius_m: float
-    transition_m: float = Field(ge=0)
-    cant_mm: float = Field(ge=0, le=200)
+    radius_m: Annotated[float, about("positive to the right going down")]
+    transition_m: Annotated[float, about("length of each transition")] = Field(ge=0)
+    cant_mm: Annotated[float, about("cant of the outer rail")] = Field(ge=0, le=200)
 
 
 class LimitTable(RangeTable):
     """`alignments.limits`."""
 
-    speed_kmh: Positive
-    directions: list[DirectionName] = Field(default=["down", "up"], min_length=1)
+    speed_kmh: Annotated[Positive, about("limit")]
+    directions: Annotated[list[DirectionName], about("whom it binds")] = Field(
+        default=["down", "up"], min_length=1
+    )
 
 
 class AlignmentTable(RangeTable):
     """`[[alignments]]`."""
 
-    id: Id
-    x_m: float = 0.0
-    y_m: float = 0.0
-    bearing_deg: float = 0.0
-    elevation_m: float = 0.0
-    gradients: list[GradientTable]
-    curves: list[CurveTable] = Field(default_factory=list)
-    limits: list[LimitTable] = Field(default_factory=list)
-    coverage: list[RangeTable] = Field(default_factory=list)
+    id: Annotated[Id, about("name of the axis")]
+    x_m: Annotated[float, about("where it begins, east")] = 0.0
+    y_m: Annotated[float, about("where it begins, north")] = 0.0
+    bearing_deg: Annotated[float, about("where it heads, from north")] = 0.0
+    elevation_m: Annotated[float, about("where it begins, height")] = 0.0
+    gradients: Annotated[list[GradientTable], about("from end to end without gap")]
+    curves: Annotated[list[CurveTable], about("sorted, without overlap; between them it is straight")] = (
+        Field(default_factory=list)
+    )
+    limits: Annotated[list[LimitTable], about("speed limits")] = Field(default_factory=list)
+    coverage: Annotated[list[RangeTable], about("where the radio reaches")] = Field(default_factory=list)
 
 
 class SectionTable(Record):
     """`[[sections]]`: a points section has neither range nor offset, its points give them."""
 
-    id: Id
-    kind: Literal["track", "points", "between", "portal"]
-    alignment: str | None = None
-    from_km: float | None = None
-    to_km: float | None = None
-    offset_m: float = 0.0
+    id: Annotated[Id, about("name of the section (閉そく区間)")]
+    kind: Annotated[
+        Literal["track", "points", "between", "portal"],
+        about("platform track, points, between stations, or portal to another line"),
+    ]
+    alignment: Annotated[str | None, about("its axis; left out: the first")] = None
+    from_km: Annotated[float | None, about("where it begins; not for points")] = None
+    to_km: Annotated[float | None, about("where it ends; not for points")] = None
+    offset_m: Annotated[float, about("lateral, to the right going down")] = 0.0
 
 
 class PointsTable(Record):
     """`[[points]]`: stem between the toe and the end the facing train comes from, legs on the other side."""
 
-    id: Id
-    section: str
-    terminal: Id
-    alignment: str | None = None
-    from_km: float
-    toe_km: float
-    to_km: float
-    faces: DirectionName
-    stem: str
-    normal: str
-    reverse: str
-    throw_time_s: Positive
-    diverging_limit_kmh: Positive
-    offset_m: float | None = None
-    initial: Literal["normal", "reverse"] = "normal"
+    id: Annotated[Id, about("name of the points (転てつ器)")]
+    section: Annotated[str, about("points section they lie in")]
+    terminal: Annotated[Id, about("terminal that drives them")]
+    alignment: Annotated[str | None, about("its axis; left out: the first")] = None
+    from_km: Annotated[float, about("low end")]
+    toe_km: Annotated[float, about("where the legs part")]
+    to_km: Annotated[float, about("high end")]
+    faces: Annotated[DirectionName, about("direction of the trains that meet the toe first")]
+    stem: Annotated[str, about("what lies before the toe")]
+    normal: Annotated[str, about("where the normal leg leads")]
+    reverse: Annotated[str, about("where the reverse leg leads")]
+    throw_time_s: Annotated[Positive, about("from end to end")]
+    diverging_limit_kmh: Annotated[Positive, about("limit on the reverse leg")]
+    offset_m: Annotated[float | None, about("of the stem; left out: that of the section before it")] = None
+    initial: Annotated[Literal["normal", "reverse"], about("how they lie at first")] = "normal"
 
 
 class JointTable(Record):
     """`[[joints]]`: the high end of `low` meets the low end of `high`."""
 
-    low: str
-    high: str
+    low: Annotated[str, about("its high end")]
+    high: Annotated[str, about("meets the low end of this one")]
 
 
 class PlatformTable(Record):
     """`stations.tracks`."""
 
-    name: Annotated[str, Field(min_length=1)]
-    section: str
-    platform_from_km: float
-    platform_to_km: float
-    mark_down_km: float | None = None
-    mark_up_km: float | None = None
-    directions: list[DirectionName] | None = None
+    name: Annotated[str, Field(min_length=1), about("number of the track")]
+    section: Annotated[str, about("section it lies in")]
+    platform_from_km: Annotated[float, about("platform, low end")]
+    platform_to_km: Annotated[float, about("platform, high end")]
+    mark_down_km: Annotated[float | None, about("stopping mark for down trains")] = None
+    mark_up_km: Annotated[float | None, about("stopping mark for up trains")] = None
+    directions: Annotated[
+        list[DirectionName] | None, about("whose usual track it is; left out: all that have a mark")
+    ] = None
 
 
 class StationTable(Record):
     """`[[stations]]`."""
 
-    id: Id
-    name: str
-    name_ja: str = ""
-    km: float
-    halt: bool = False
-    tracks: Annotated[list[PlatformTable], Field(min_length=1)]
+    id: Annotated[Id, about("name of the station")]
+    name: Annotated[str, about("what people call it")]
+    name_ja: Annotated[str, about("the same in Japanese")] = ""
+    km: Annotated[float, about("kilometrage")]
+    halt: Annotated[bool, about("on a section between stations, no track of its own")] = False
+    tracks: Annotated[list[PlatformTable], Field(min_length=1), about("platform tracks")]
 
 
 class TagTable(Record):
     """`[[tags]]`: in `section` when that is a single piece, else on `piece`."""
 
-    id: int = Field(ge=1, le=TAG_ID_MAX)
-    section: str | None = None
-    piece: str | None = None
-    km: float
-    purpose: Literal["arrival", "control_start", "departed", "approach", "position", "portal"]
-    directions: list[DirectionName] = Field(default=["down", "up"], min_length=1)
+    id: Annotated[int, about("what the tag (地上子) says")] = Field(ge=1, le=TAG_ID_MAX)
+    section: Annotated[str | None, about("where it lies, if that is one piece")] = None
+    piece: Annotated[str | None, about("where it lies, among points")] = None
+    km: Annotated[float, about("kilometrage")]
+    purpose: Annotated[
+        Literal["arrival", "control_start", "departed", "approach", "position", "portal"],
+        about("what for: paper, table 3"),
+    ]
+    directions: Annotated[list[DirectionName], about("whose trains read it")] = Field(
+        default=["down", "up"], min_length=1
+    )
 
 
 class LineFile(Record):
     """A whole line file."""
 
     line: LineTable
-    alignments: Annotated[list[AlignmentTable], Field(min_length=1)]
-    sections: Annotated[list[SectionTable], Field(min_length=1)]
-    points: list[PointsTable] = Field(default_factory=list)
-    joints: list[JointTable] = Field(default_factory=list)
-    stations: list[StationTable] = Field(default_factory=list)
-    tags: list[TagTable] = Field(default_factory=list)
+    alignments: Annotated[list[AlignmentTable], Field(min_length=1), about("axes")]
+    sections: Annotated[list[SectionTable], Field(min_length=1), about("sections")]
+    points: Annotated[list[PointsTable], about("points")] = Field(default_factory=list)
+    joints: Annotated[list[JointTable], about("plain joints between sections")] = Field(default_factory=list)
+    stations: Annotated[list[StationTable], about("stations and halts")] = Field(default_factory=list)
+    tags: Annotated[list[TagTable], about("tags, by the rule of network.tag_layout or by hand")] = Field(
+        default_factory=list
+    )

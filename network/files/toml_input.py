@@ -12,7 +12,11 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from network.errors import InputError
+from network.files.schema_walk import keys_text, node_at, range_text
 
+_OUT_OF_RANGE: Final = frozenset(
+    {"greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number"}
+)
 _KNOWN_SHOWN_MAX: Final = 12
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -52,7 +56,7 @@ def validate(table: Mapping[str, Any], file: str, model: type[ModelT]) -> ModelT
     try:
         return model.model_validate(table)
     except ValidationError as error:
-        raise _input_error(file, error.errors(include_url=False)[0]) from error
+        raise _input_error(file, error.errors(include_url=False)[0], model) from error
 
 
 def key_path(location: Iterable[int | str]) -> str:
@@ -77,12 +81,18 @@ def one_of(known: Iterable[str], wanted: str = "") -> str:
     return f"one of {', '.join(names)}"
 
 
-def _input_error(file: str, detail: ErrorDetails) -> InputError:
-    key = key_path(detail["loc"])
+def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> InputError:
+    schema = model.model_json_schema()
+    node, location = node_at(schema, detail["loc"])
+    key, value = key_path(location), detail["input"]
     if detail["type"] == "missing":
         return InputError(file, key, None, "this key, which is missing")
     if detail["type"] == "extra_forbidden":
-        return InputError(file, key, detail["input"], "no such key: the format does not know it")
-    value = detail["input"]
+        known = keys_text(node_at(schema, location[:-1])[0], str(location[-1]))
+        return InputError(file, key, value, f"no such key, but {known}")
+    if detail["type"] in _OUT_OF_RANGE:
+        what = "an integer" if node.get("type") == "integer" else "a number"
+        what = "a finite number" if detail["type"] == "finite_number" else what
+        return InputError(file, key, value, f"{what} {range_text(node)}".rstrip())
     expected = detail["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
     return InputError(file, key, "a table" if isinstance(value, dict) else value, expected)

@@ -53,9 +53,9 @@ class Eyes:
         self._next_target = next_target
         self._agenda = agenda
         vision = trains.setup.vision
-        self._stations = vision.stations
+        self._vision = vision
         self._every_steps = max(1, round(STEPS_PER_S / vision.rate_hz))
-        self._model = line_sightings() if vision.stations else None
+        self._model = line_sightings() if vision.wanted else None
         setup = trains.setup
         self._chance = [generator(setup.seed, "camera", s, *setup.today) for s in trains.stock_ids]
         self._looking: set[int] = set()
@@ -93,7 +93,7 @@ class Eyes:
         if duty is None or following >= len(duty.mission.targets):
             return None
         target = duty.mission.targets[following]
-        if target.station_id not in self._stations:
+        if not self._vision.has_sign(target.station_id):
             return None
         planned = (
             duty.mission.path.piece_ids

@@ -40,7 +40,7 @@ class OnBoard:
         """The train's memory of its stops, with what it has learned on days before; it outlives the unit's boots."""
         trains, tuning = self._trains, self._setup.tuning
         train, stock_id = trains.kinds[slot], trains.stock_ids[slot]
-        learned = tuning.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
+        learned = self._setup.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
         fill_design(trains.designs[slot], train, trains.behaviours[slot], learned)
         return StopKeeper(trains.tascs[slot], trains.designs[slot], trains.waves[slot], learned, tuning.learn)
 

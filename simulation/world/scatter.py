@@ -6,48 +6,77 @@ and day. The on-board units know nothing of it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, ValidationInfo, field_validator
 
+from network.files.kinds import SharePositive, TimeOfDay, about
+from network.files.toml_input import Record
 from radio.chance import generator
 from vehicle.records import TRAIN
 
 SIGMAS_MAX: Final = 3.0  # normal draws are cut here
 
-
-@dataclass(frozen=True, slots=True)
-class Weather:
-    """Adhesion of a part of the day: factor of the dry rail, evenly between `low` and `high`, leg by leg."""
-
-    from_s: float
-    to_s: float
-    adhesion_low: float
-    adhesion_high: float
+Sigma = Annotated[float, Field(ge=0.0, le=0.3)]
+Spread = Annotated[float, Field(ge=0.0, le=2.0)]
+Offset = Annotated[float, Field(ge=-2.0, le=2.0)]
 
 
-@dataclass(frozen=True, slots=True)
-class Individual:
-    """What is known of one stock's real brakes; None: drawn."""
+class Weather(Record):
+    """`scatter.weather`: adhesion of a part of the day, evenly between two factors, leg by leg."""
 
-    brake_factor: float | None = None  # real over designed deceleration of the service brake
-    dead_time_offset_s: float | None = None  # real less believed
-    lag_offset_s: float | None = None
+    from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
+    to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
+    adhesion_low: Annotated[SharePositive, about("least factor of the dry rail's adhesion")]
+    adhesion_high: Annotated[SharePositive, about("greatest factor")]
+
+    @field_validator("to_s")
+    @classmethod
+    def _later(cls, to_s: float, info: ValidationInfo) -> float:
+        if to_s <= info.data.get("from_s", -1.0):
+            raise ValueError("a time after that of from")
+        return to_s
+
+    @field_validator("adhesion_high")
+    @classmethod
+    def _not_lower(cls, high: float, info: ValidationInfo) -> float:
+        if high < (low := info.data.get("adhesion_low", 0.0)):
+            raise ValueError(f"at least adhesion_low = {low:g}")
+        return high
 
 
-@dataclass(frozen=True, slots=True)
-class Scatter:
-    """Spread of trains and days; all zero: every train is as its file says, on dry rail."""
+class Individual(Record):
+    """`[scatter.stock.<id>]`: what is known of one stock's real brakes; what is left out is drawn."""
 
-    brake_sigma: float = 0.0  # of the brake factor, train to train
-    brake_leg_sigma: float = 0.0  # and of the same train from leg to leg: friction, temperature
-    dead_time_spread_s: float = 0.0  # real less believed dead time, evenly within +-
-    lag_spread_s: float = 0.0
-    weather: tuple[Weather, ...] = ()
-    stock: Mapping[str, Individual] = field(default_factory=dict)
+    brake_factor: Annotated[
+        Annotated[float, Field(gt=0.0, le=2.0)] | None,
+        about("real over designed deceleration of the service brake"),
+    ] = None
+    dead_time_offset_s: Annotated[Offset | None, about("real less believed dead time")] = None
+    lag_offset_s: Annotated[Offset | None, about("real less believed lag")] = None
+
+
+class Scatter(Record):
+    """`[scatter]`: spread of trains and days; all zero: every train is as its file says, on dry rail."""
+
+    brake_sigma: Annotated[Sigma, about("of the brake factor, train to train", "assumed: no spread")] = 0.0
+    brake_leg_sigma: Annotated[
+        Sigma, about("of the same train from leg to leg: friction, temperature", "assumed: no spread")
+    ] = 0.0
+    dead_time_spread_s: Annotated[
+        Spread, about("real less believed dead time, evenly within +-", "assumed: no spread")
+    ] = 0.0
+    lag_spread_s: Annotated[
+        Spread, about("real less believed lag, evenly within +-", "assumed: no spread")
+    ] = 0.0
+    weather: Annotated[
+        tuple[Weather, ...], Field(strict=False), about("parts of the day with slippery rails")
+    ] = ()
+    stock: Annotated[dict[str, Individual], about("what is known of single trains, by stock id")] = Field(
+        default_factory=dict
+    )
 
     def body(self, seed: int, stock_id: str, believed: NDArray[np.void]) -> tuple[NDArray[np.void], float]:
         """The real TRAIN row of a stock, shape (1,), and its brake factor."""

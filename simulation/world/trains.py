@@ -235,9 +235,9 @@ class Trains:
         self.set_boundaries(slot)
         self.begin_leg(slot, duty.enter_s)
         chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
-        spread = self.setup.load_share_spread
+        spread = self.setup.load.load_share_spread
         plant.load_share = float(
-            np.clip(self.setup.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
+            np.clip(self.setup.load.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
         )
         self.energy_marks[slot] = EnergyMark(
             float(plant.energy_traction_j),

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.driving.tuning import OFFSET_STEP_MPS2, STEP_S, Learned
-from simulation.setup import Setup, Tuning
+from simulation.settings import Tuning
+from simulation.setup import Setup
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.run.run import Link, Run, execute
 from study.scenario.scenario import Scenario, load_scenario
@@ -151,7 +152,9 @@ def parameters(setup: Setup, fleets: int) -> tuple[Parameter, ...]:
         ),
         Parameter("lag off its design", scatter.lag_spread_s, "s, evenly +-", "assumed"),
         Parameter("adhesion in the wet parts of the day", wet, "of the dry one", "assumed: dew, drizzle"),
-        Parameter("load", setup.load_share_mean, f"+- {setup.load_share_spread:g}, share", "assumed"),
+        Parameter(
+            "load", setup.load.load_share_mean, f"+- {setup.load.load_share_spread:g}, share", "assumed"
+        ),
         Parameter("wheel's circumference", sensors.wheel_factor_sigma, "share (sigma)", "assumed: wear"),
         Parameter("tag reading", sensors.tag_read_sigma_m, "m (sigma)", "assumed; Oda, table 1: about 0.1 m"),
         Parameter("pattern", setup.driving.stop_deceleration_mps2, "m/s^2", "assumed"),

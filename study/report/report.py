@@ -6,6 +6,7 @@ the tables of the page and fills `templates/report.html.j2`.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +29,8 @@ from study.run.tables import RunTables
 
 REPORT_FILE: Final = "report.html"
 EVENTS_SHOWN: Final = 200
+CHANGES_SHOWN: Final = 200
+CHANGES_OPEN: Final = 20  # more are folded
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +75,8 @@ def write_report(
 
     `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
-    "broken_expectations" (text). Figures of `study.run.summary.summarise` found in it are used as they are.
+    "broken_expectations" (text), "changes" (objects with file, key, old and new). Figures of
+    `study.run.summary.summarise` found in it are used as they are.
     `tuned` is what each train learned of its stops, by unit.
     Raises OSError when the file cannot be written.
     """
@@ -203,8 +207,33 @@ def _parts(run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned]) -> tu
         svg = () if figure is None else (svg_of(figure, title.split()[0].lower()),)
         parts.append(Part(title, caption if svg else "Nothing to show: the run has none.", svg))
     parts.extend(_tuning_part(tuned))
+    parts.extend(_changes_part(facts.get("changes", ())))
     parts.append(Part("Trains", "", grids=(_train_grid(run),), folded="Plan and run of every train"))
     return (*parts, _telegram_part(run.tables.telegrams), _event_part(run.tables.events))
+
+
+def _changes_part(changes: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:
+    """What a what-if has changed of the files it names; nothing where it changed nothing."""
+    if not changes:
+        return ()
+    shown = tuple(
+        (str(c["file"]), str(c["key"]), _value(c["old"]), _value(c["new"])) for c in changes[:CHANGES_SHOWN]
+    )
+    rest = len(changes) - len(shown)
+    return (
+        Part(
+            "What was changed",
+            f"{len(changes):,} differences from the files that the scenario names and extends.",
+            grids=(Grid(("file", "key", "old", "new"), shown),),
+            folded="" if len(shown) <= CHANGES_OPEN else "File, key, old and new value",
+            notes=(f"and {rest:,} more in summary.json",) if rest else (),
+        ),
+    )
+
+
+def _value(value: object) -> str:
+    """A value as the files write it, tables in one line; a dash where there is none."""
+    return "–" if value is None else json.dumps(value, ensure_ascii=False)
 
 
 def _tuning_part(tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:

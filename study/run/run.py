@@ -139,6 +139,7 @@ def execute(
         "empty_workings_arrived": len(result.empty_arrived),
         "invariants_broken": len(result.violations),
         "collisions": len(result.collisions),
+        "changes": [change.as_dict() for change in scenario.changes],
         "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
         "ended_because": result.ended_because,
         "broken": list(broken),
@@ -246,7 +247,7 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     line = setup.line
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
     return device_specs(
-        manager_config(line, all_routes(line), unit_ids, reentry=setup.reentry),
+        manager_config(line, all_routes(line), unit_ids, reentry=setup.operation.reentry),
         terminal_configs(line),
         master_key,
     )

@@ -1,116 +1,46 @@
 """Scenarios: line, timetable, trains, sensors, air and seed of a run, read from TOML and made into a Setup.
 
-A scenario may extend another (`extends = "karasuyama_weekday"`) and patch the line (`[line_patch]`): that is a
-what-if. Whatever it leaves out has the defaults of `simulation.setup`, which are assumed and shown by the report.
+A scenario may extend another (`extends = "karasuyama_weekday"`) and patch every file it names (`[patch]`): that is
+a what-if. Whatever it leaves out has the defaults of its tables, which are assumed; `docs/files.md` lists them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from importlib.resources import files
-from math import inf
 from pathlib import Path
-from typing import Any, Final, Literal
-
-from pydantic import Field
+from typing import Final
 
 from network.errors import InputError
-from network.files.line_file import load_line, validate_train_fits
+from network.files.edits import Change
+from network.files.line_file import validate_train_fits
+from network.files.patch import patched_line
 from network.files.shipped import find_file, shipped_line, shipped_timetable
-from network.files.toml_input import Record, one_of, parse_table, read_text, validate
-from network.model import Line
-from network.timetable import Timetable, load_timetable
+from network.files.timetable_patch import patched_timetable
+from network.files.toml_input import one_of
+from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
-from radio.air import AirParameters, DelayShape
-from simulation.setup import STEP_S, Driving, Sensors, Setup
-from study.scenario.fleet_file import ScatterTable, TuningTable, VisionTable, scatter_of, tuning_of, vision_of
-from study.scenario.script_file import ActTable, ExpectTable, FaultTable, script_of
-from vehicle.train_file import TrainType, load_train, shipped_train
-from wayside.config import ReentryMode
+from simulation.setup import Setup
+from study.scenario.fleet_file import check_scatter, check_vision, learned_of
+from study.scenario.layers import Pile, pile_of
+from study.scenario.scenario_file import ScenarioFile
+from study.scenario.script_file import script_of
+from vehicle.train_file import TrainType, shipped_train
+from vehicle.train_patch import patched_train
 
 FOLDER: Final = "scenarios"
-# of the tables that hold parameters: what makes no sense at 0, and what makes none above a bound
-POSITIVE: Final = frozenset(
-    {
-        "service_guaranteed_share",
-        "emergency_guaranteed_share",
-        "standing_brake_share",
-        "stop_deceleration_mps2",
-        "stop_gain_per_s",
-        "cruise_gain_per_s",
-        "tag_accuracy_m",
-        "tag_window_m",
-        "restricted_mps",
-    }
-)
-MOST: Final = {"wheel_factor_sigma": 0.1, "tag_read_sigma_m": 10.0}
-
-
-class _Trains(Record):
-    default: str
-    stock: dict[str, str] = Field(default_factory=dict)
-    load_share_mean: float = Field(default=0.2, ge=0.0, le=1.0)
-    load_share_spread: float = Field(default=0.15, ge=0.0, le=0.5)
-
-
-class _Air(Record):
-    delay_min_s: float = Field(default=STEP_S, ge=STEP_S)
-    delay_mean_s: float = Field(default=STEP_S, ge=STEP_S)
-    delay_shape: Literal["constant", "exponential"] = "exponential"
-    loss_good_p: float = Field(default=0.0, ge=0.0, le=1.0)
-    loss_bad_p: float = Field(default=1.0, ge=0.0, le=1.0)
-    good_to_bad_per_s: float = Field(default=0.0, ge=0.0)
-    bad_to_good_per_s: float = Field(default=1.0, ge=0.0)
-    duplicate_p: float = Field(default=0.0, ge=0.0, le=1.0)
-    reorder_p: float = Field(default=0.0, ge=0.0, le=1.0)
-    reorder_delay_s: float = Field(default=1.0, ge=0.0)
-    flip_p: float = Field(default=0.0, ge=0.0, le=1.0)
-
-
-class _Limits(Record):
-    time_limit_s: float = Field(default=3600.0, gt=0.0)
-    stall_limit_s: float = Field(default=3600.0, gt=0.0)
-
-
-class _Operation(Record):
-    portal_lead_s: float = Field(default=210.0, ge=0.0)
-    change_ends_s: float = Field(default=60.0, ge=0.0)
-    reentry: Literal["assisted", "by_hand"] = "assisted"
-
-
-class _ScenarioFile(Record):
-    id: str
-    name: str
-    line: str
-    timetable: str
-    seed: int = Field(default=1, ge=0)
-    trains: _Trains
-    air: _Air = Field(default_factory=_Air)
-    unit: dict[str, float] = Field(default_factory=dict)
-    driving: dict[str, float] = Field(default_factory=dict)
-    sensors: dict[str, float] = Field(default_factory=dict)
-    scatter: ScatterTable = Field(default_factory=ScatterTable)
-    tuning: TuningTable | None = None
-    vision: VisionTable | None = None
-    limits: _Limits = Field(default_factory=_Limits)
-    operation: _Operation = Field(default_factory=_Operation)
-    line_patch: dict[str, Any] = Field(default_factory=dict)
-    fault: list[FaultTable] = Field(default_factory=list)
-    act: list[ActTable] = Field(default_factory=list)
-    expect: list[ExpectTable] = Field(default_factory=list)
-    assumed: list[str] = Field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A scenario ready to run. `patched` says whether the line differs from its file."""
+    """A scenario ready to run. `changes` says what differs from the files it names or extends."""
 
     id: str
     name: str
     file: str
     setup: Setup
-    patched: bool
+    changes: tuple[Change, ...]
     assumed: tuple[str, ...]
 
 
@@ -127,70 +57,42 @@ def find_scenario(name: str) -> Path:
 def load_scenario(name: str, seed: int | None = None) -> Scenario:
     """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
     path = find_scenario(name)
-    model = _read(path)
-    line = _line(path, model)
-    timetable = load_timetable(_named(path, "timetable", model.timetable, shipped_timetable), line)
-    trains = _trains(path, model, timetable)
+    pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
+    model = pile.validated(path)
+    line, of_line = patched_line(_named(path, "line", model.line, shipped_line), pile.files.get("line", ()))
+    file = _named(path, "timetable", model.timetable, shipped_timetable)
+    timetable, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
+    trains, of_trains = _trains(path, model, timetable, pile)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
+    check_scatter(str(path), model.scatter, trains)
+    check_vision(str(path), model.vision, line.stations)
     setup = Setup(
         name=model.id,
         line=line,
         timetable=timetable,
         trains=trains,
         seed=model.seed if seed is None else seed,
-        air=_air(path, model.air),
-        unit=_fill(UnitParameters, {"dwell_min_s": timetable.dwell_min_s, **model.unit}, path, "unit"),
-        driving=_fill(Driving, model.driving, path, "driving"),
-        sensors=_fill(Sensors, model.sensors, path, "sensors"),
-        scatter=scatter_of(str(path), model.scatter, trains),
-        tuning=tuning_of(path, model.tuning, trains),
-        vision=vision_of(str(path), model.vision, line),
-        load_share_mean=model.trains.load_share_mean,
-        load_share_spread=model.trains.load_share_spread,
-        portal_lead_s=model.operation.portal_lead_s,
-        change_ends_s=model.operation.change_ends_s,
-        reentry=ReentryMode(model.operation.reentry),
-        time_limit_s=model.limits.time_limit_s,
-        stall_limit_s=model.limits.stall_limit_s,
+        air=model.air,
+        unit=_unit(model.unit, timetable),
+        driving=model.driving,
+        sensors=model.sensors,
+        scatter=model.scatter,
+        tuning=model.tuning,
+        learned=learned_of(path, model.tuning, trains),
+        vision=model.vision,
+        load=model.trains,
+        limits=model.limits,
+        operation=model.operation,
     )
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
-    return Scenario(model.id, model.name, str(path), setup, bool(model.line_patch), assumed)
+    changes = (*pile.changes, *of_line, *of_timetable, *of_trains)
+    return Scenario(model.id, model.name, str(path), setup, changes, assumed)
 
 
 def _folder() -> Path:
     return Path(str(files("study"))) / FOLDER
-
-
-def _read(path: Path) -> _ScenarioFile:
-    return validate(_merged(path, ()), str(path), _ScenarioFile)
-
-
-def _merged(path: Path, above: tuple[Path, ...]) -> dict[str, Any]:
-    """The tables of a scenario laid over those of the one that it extends."""
-    if path in above:
-        raise InputError(str(path), "extends", path.stem, "a scenario that does not extend itself")
-    data = parse_table(read_text(path), str(path))
-    base = data.pop("extends", None)
-    if base is None:
-        return data
-    if not isinstance(base, str):
-        raise InputError(str(path), "extends", base, "the name of a scenario")
-    beside = path.parent / f"{base.removesuffix('.toml')}.toml"
-    below = beside if beside.is_file() else _named(path, "extends", base, find_scenario)
-    return _laid_over(_merged(below, (*above, path)), data)
-
-
-def _laid_over(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    merged = dict(below)
-    for key, value in above.items():
-        known = merged.get(key)
-        if isinstance(known, dict) and isinstance(value, dict):
-            merged[key] = _laid_over(known, value)
-        else:
-            merged[key] = value
-    return merged
 
 
 def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> Path:
@@ -204,16 +106,10 @@ def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> P
         raise InputError(str(path), key, name, error.expected) from error
 
 
-def _line(path: Path, model: _ScenarioFile) -> Line:
-    file = _named(path, "line", model.line, shipped_line)
-    if not model.line_patch:
-        return load_line(file)
-    from network.files.patch import load_patched_line
-
-    return load_patched_line(file, model.line_patch, str(path))
-
-
-def _trains(path: Path, model: _ScenarioFile, timetable: Timetable) -> dict[str, TrainType]:
+def _trains(
+    path: Path, model: ScenarioFile, timetable: Timetable, pile: Pile
+) -> tuple[dict[str, TrainType], tuple[Change, ...]]:
+    """The kind of train of each stock, and what patches have changed of them."""
     known = {diagram.stock_id for diagram in timetable.diagrams}
     for stock_id in model.trains.stock:
         if stock_id not in known:
@@ -222,33 +118,27 @@ def _trains(path: Path, model: _ScenarioFile, timetable: Timetable) -> dict[str,
             )
     named = {"trains.default": model.trains.default}
     named |= {f"trains.stock.{stock_id}": name for stock_id, name in model.trains.stock.items()}
-    loaded = {name: load_train(_named(path, key, name, shipped_train)) for key, name in named.items()}
-    return {
-        stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)] for stock_id in sorted(known)
+    for train, patches in pile.trains.items():
+        if train not in named.values():
+            raise InputError(
+                patches[0].file, patches[0].key, None, f"a train that runs, {one_of(named.values())}"
+            )
+    loaded = {
+        name: patched_train(_named(path, key, name, shipped_train), pile.trains.get(name, ()))
+        for key, name in named.items()
     }
+    kinds = {
+        stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)][0]
+        for stock_id in sorted(known)
+    }
+    return kinds, tuple(change for _, changes in loaded.values() for change in changes)
 
 
-def _air(path: Path, model: _Air) -> AirParameters:
-    values = model.model_dump()
-    values["delay_shape"] = DelayShape(values["delay_shape"])
-    try:
-        return AirParameters(**values)
-    except InputError as error:
-        raise InputError(str(path), f"air.{error.key}", error.value, error.expected) from error
-
-
-def _fill(kind: type[Any], values: Mapping[str, float], path: Path, table: str) -> Any:  # noqa: ANN401
-    """A parameter dataclass from a table; unknown keys and what cannot be are refused."""
-    known = [field.name for field in fields(kind)]
-    for key, value in values.items():
-        if key not in known:
-            raise InputError(str(path), f"{table}.{key}", value, one_of(known, key))
-        most = 1.0 if key.endswith("_share") else MOST.get(key, inf)
-        if not 0.0 <= value <= most or (value == 0.0 and key in POSITIVE):
-            least = "above 0" if key in POSITIVE else "not below 0"
-            expected = f"a number {least}" + (f" and at most {most:g}" if most < inf else "")
-            raise InputError(str(path), f"{table}.{key}", value, expected)
-    return kind(**values)
+def _unit(unit: UnitParameters, timetable: Timetable) -> UnitParameters:
+    """The units' parameters; the shortest stop is the timetable's where the scenario gives none."""
+    if "dwell_min_s" in unit.model_fields_set:
+        return unit
+    return unit.model_copy(update={"dwell_min_s": timetable.dwell_min_s})
 
 
 def _train_assumptions(trains: Mapping[str, TrainType]) -> tuple[str, ...]:

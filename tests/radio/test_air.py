@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from network.errors import InputError
+from network.files.toml_input import validate
 from radio.air import Air, AirEvent, AirParameters, DelayShape, Delivery
 
 N = 20_000
@@ -33,11 +34,9 @@ def test_no_coverage_no_delivery_and_no_draw() -> None:
     assert one.counts[AirEvent.UNCOVERED] == 1
 
 
-@pytest.mark.parametrize(
-    ("delay_s", "steps"), [(0.0, 1), (0.05, 1), (0.1, 1), (0.3, 3), (0.31, 4), (2.0, 20)]
-)
+@pytest.mark.parametrize(("delay_s", "steps"), [(0.1, 1), (0.3, 3), (0.31, 4), (2.0, 20)])
 def test_delay_is_rounded_up_to_steps(delay_s: float, steps: int) -> None:
-    parameters = AirParameters(delay_s, delay_s, DelayShape.CONSTANT)
+    parameters = AirParameters(delay_min_s=delay_s, delay_mean_s=delay_s, delay_shape=DelayShape.CONSTANT)
     assert send(Air(parameters, 1), 3) == [(Delivery(step + steps, b"x" * 40),) for step in range(3)]
 
 
@@ -128,5 +127,6 @@ def test_steps_must_not_go_back() -> None:
     ],
 )
 def test_parameters_that_cannot_be(wrong: dict[str, Any], key: str) -> None:
-    with pytest.raises(InputError, match=key):
-        AirParameters(**wrong)
+    with pytest.raises(InputError) as refused:
+        validate(wrong, "s.toml", AirParameters)
+    assert refused.value.key == key

@@ -22,7 +22,7 @@ MISSED = "".join(
     f'[[fault]]\nkind = "miss"\ntarget = "{tag}"\nstart = "09:51:00"\n' for tag in (801, 802, 803)
 )
 FAR_MARK = """
-[line_patch]
+[patch.line]
 set = { "stations.B.tracks.1.platform_to_km" = 1.05, "stations.B.tracks.1.mark_down_km" = 1.05 }
 """
 
@@ -69,7 +69,7 @@ def test_a_weak_brake_is_stopped_by_the_emergency_brake(tmp_path: Path) -> None:
 
 
 def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
-    text = '[line_patch]\nremove_tags = { purpose = "position", near_marks_m = 120.0 }\n[vision]\nstations = "all"\n'
+    text = '[patch.line]\nremove_tags = { purpose = "position", near_marks_m = 120.0 }\n[vision]\nstations = "all"\n'
     run = run_of(tmp_path, text)
     assert [note.station for note in noted(run, SignSeen)] == ["B"]
     error_m = run.result.stops[-1].error_m

@@ -113,8 +113,8 @@ CASES: Mapping[str, tuple[dict[str, str], tuple[str, ...]]] = {
         ("s.toml: air.delay_mean_s is 0.2", "at least 0.5"),
     ),
     "patch of an unknown track": (
-        {"s.toml": BASE + '[line_patch]\nremove_tracks = ["Z.2"]'},
-        ("s.toml: line_patch.remove_tracks[0] is 'Z.2'", "platform track"),
+        {"s.toml": BASE + '[patch.line]\nremove_tracks = ["Z.2"]'},
+        ("s.toml: patch.line.remove_tracks[0] is 'Z.2'", "platform track"),
     ),
     "extends nothing known": ({"s.toml": 'extends = "none"'}, ("s.toml: extends is 'none'", "karasuyama_weekday")),
     "extends itself": ({"s.toml": 'extends = "s"'}, ("s.toml: extends is 's'", "does not extend itself")),

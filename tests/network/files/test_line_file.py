@@ -108,7 +108,7 @@ FAULTS = [
         changed("max_speed_kmh = 90", "max_speed_kmh = -9"),
         "line.max_speed_kmh",
         -9,
-        "greater",
+        "above 0",
     ),
     (
         "nan",
@@ -122,7 +122,7 @@ FAULTS = [
         changed("speed_kmh = 63", "speed_kmh = 0"),
         "alignments[0].limits[0].speed_kmh",
         0,
-        "greater",
+        "above 0",
     ),
     ("bad id", changed('id = "sample"', 'id = "a b"'), "line.id", "a b", "match"),
     ("kind", changed('kind = "portal"', 'kind = "door"'), "sections[0].kind", "door", "'track'"),

@@ -105,72 +105,76 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
 @pytest.mark.parametrize(
     ("toml", "message"),
     [
-        ("take = 1", "what_if.toml: line_patch.take is 1; expected no such key: the format does not know it"),
-        ('remove_tracks = "A.2"', "what_if.toml: line_patch.remove_tracks is 'A.2'; expected a valid list"),
+        (
+            "take = 1",
+            "what_if.toml: patch.line.take is 1; expected no such key, but one of remove, set, times, add, "
+            "remove_tracks, remove_tags",
+        ),
+        ('remove_tracks = "A.2"', "what_if.toml: patch.line.remove_tracks is 'A.2'; expected a valid list"),
         (
             'remove_tracks = ["A.2", "A.8"]',
-            "what_if.toml: line_patch.remove_tracks[1] is 'A.8'; expected a platform track, one of A.1, B.1, B.2",
+            "what_if.toml: patch.line.remove_tracks[1] is 'A.8'; expected a platform track, one of A.1, B.1, B.2",
         ),
         (
             'set = { "point.A.11.throw_time_s" = 5 }',
-            "what_if.toml: line_patch.set.\"point.A.11.throw_time_s\" is 'point'; expected a table that the line "
+            "what_if.toml: patch.line.set.\"point.A.11.throw_time_s\" is 'point'; expected a table that the line "
             "has, one of line, alignments, sections, points, stations, tags, as in "
             '"points.OGN.11.throw_time_s" = 12.0',
         ),
         (
             'set = { "points.A.99.throw_time_s" = 5 }',
-            "what_if.toml: line_patch.set.\"points.A.99.throw_time_s\" is 'A.99.throw_time_s'; "
+            "what_if.toml: patch.line.set.\"points.A.99.throw_time_s\" is 'A.99.throw_time_s'; "
             "expected one of A.11, A.12, B.11",
         ),
         (
             'set = { "points.A.11.throw_time" = 5 }',
-            'what_if.toml: line_patch.set."points.A.11.throw_time" is 5; '
-            "expected no such key: the format does not know it",
+            'what_if.toml: patch.line.set."points.A.11.throw_time" is 5; '
+            "expected no such key, but one of 15, such as throw_time_s, to_km, toe_km, from_km, alignment",
         ),
         (
             'set = { "stations.H" = 5 }',
-            'what_if.toml: line_patch.set."stations.H"; expected a key of H, one of id, name, km, halt, tracks',
+            'what_if.toml: patch.line.set."stations.H"; expected a key of H, one of id, name, km, halt, tracks',
         ),
         (
             'set = { "line.assumed[0].x" = 5 }',
-            'what_if.toml: line_patch.set."line.assumed[0].x"; expected the whole list',
+            'what_if.toml: patch.line.set."line.assumed[0].x"; expected the whole list',
         ),
         (
             'set.points."A.11".throw_time_s = 5',
-            "what_if.toml: line_patch.set.\"points\" is 'a table'; expected one whole key in quotes, such as "
+            "what_if.toml: patch.line.set.\"points\" is 'a table'; expected one whole key in quotes, such as "
             '"points.OGN.11.throw_time_s" = 12.0',
         ),
         (
             'set = { "points.A.11.throw_time_s" = -5 }',
-            'what_if.toml: line_patch.set."points.A.11.throw_time_s" is -5; expected greater than 0',
+            'what_if.toml: patch.line.set."points.A.11.throw_time_s" is -5; expected a number above 0',
         ),
         (
             'set = { "alignments.main.coverage" = [{ from_km = 0.0 }] }',
-            'what_if.toml: line_patch.set."alignments.main.coverage"[0].to_km; '
+            'what_if.toml: patch.line.set."alignments.main.coverage"[0].to_km; '
             "expected this key, which is missing",
         ),
         (
             'set = { "sections.A.1.to_km" = 9.0 }',
-            'what_if.toml: line_patch.set."sections.A.1.to_km" is 9.0; '
+            'what_if.toml: patch.line.set."sections.A.1.to_km" is 9.0; '
             "expected 0 to 3.2, the range of alignment main",
         ),
         (
             "add.curbs = [{}]",
-            "what_if.toml: line_patch.add is 'curbs'; expected one of sections, points, joints, stations, tags, "
+            "what_if.toml: patch.line.add is 'curbs'; expected one of sections, points, joints, stations, tags, "
             "limits, curves, coverage",
         ),
         (
             'add.limits = [{ alignment = "branch", from_km = 0.0, to_km = 0.1, speed_kmh = 5 }]',
-            "what_if.toml: line_patch.add.limits[0].alignment is 'branch'; expected one of main",
+            "what_if.toml: patch.line.add.limits[0].alignment is 'branch'; expected one of main",
         ),
         (
             "add.limits = [{ from_km = 3.0, to_km = 3.1, speed_kmh = 5 },"
             " { from_km = 0.0, to_km = 0.1, speed_kmh = 0 }]",
-            "what_if.toml: line_patch.add.limits[1].speed_kmh is 0; expected greater than 0",
+            "what_if.toml: patch.line.add.limits[1].speed_kmh is 0; expected a number above 0",
         ),
         (
             'add.tags = [{ id = 7, section = "P", km = 0.05, purpose = "portal" }]',
-            "what_if.toml: line_patch.add.tags[0].id is 7; expected an id of its own; tags[0] has this one",
+            "what_if.toml: patch.line.add.tags[0].id is 7; expected an id of its own; tags[0] has this one",
         ),
     ],
 )
@@ -182,7 +186,7 @@ def test_the_patch_is_to_blame(toml: str, message: str) -> None:
 
 def test_what_is_wrong_elsewhere_names_patch_and_line() -> None:
     with pytest.raises(
-        InputError, match=r"^what_if\.toml: line_patch; expected a patch that leaves the line"
+        InputError, match=r"^what_if\.toml: patch.line; expected a patch that leaves the line"
     ) as error:
         patched('set = { "sections.A.1.to_km" = 0.3 }')  # A.12 no longer meets it
     assert "sample_line.toml: points[1].normal" in str(error.value)
@@ -227,7 +231,7 @@ def test_any_patch_gives_a_line_or_one_clear_error(values: dict[str, Any], rows:
         line = load_patched_line(SAMPLE, {"set": values, "add": rows}, "what_if.toml")
     except InputError as error:
         assert error.file == "what_if.toml"
-        assert error.key.startswith("line_patch")
+        assert error.key.startswith("patch.line")
     else:
         assert line.sections
 
@@ -262,8 +266,8 @@ def test_tags_near_the_marks_are_taken_out() -> None:
 @pytest.mark.parametrize(
     ("table", "key"),
     [
-        ({"purpose": "position", "near_marks_m": 0.01}, "line_patch.remove_tags"),
-        ({"purpose": "beacon", "near_marks_m": 100.0}, "line_patch.remove_tags.purpose"),
+        ({"purpose": "position", "near_marks_m": 0.01}, "patch.line.remove_tags"),
+        ({"purpose": "beacon", "near_marks_m": 100.0}, "patch.line.remove_tags.purpose"),
     ],
 )
 def test_tags_that_do_not_exist_cannot_be_taken_out(table: dict[str, Any], key: str) -> None:

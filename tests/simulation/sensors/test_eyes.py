@@ -14,7 +14,8 @@ from simulation.agenda import Agenda, Due
 from simulation.carriers.plain_track import PlainTrack
 from simulation.sensors.camera import LINE_CAMERA, LINE_SIGN, Renderer, record_table, sighted_distances
 from simulation.sensors.eyes import Eyes, line_sightings
-from simulation.setup import STEP_S, Setup, Vision
+from simulation.settings import Vision
+from simulation.setup import STEP_S, Setup
 from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
 
@@ -36,7 +37,7 @@ def test_the_figures_are_those_of_the_renderer(distance_m: float) -> None:
 def running(setup: Setup) -> Trains:
     carrier = PlainTrack({p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}, STEP_S)
     trains = Trains(setup, carrier, b"k" * 32)
-    duty = draw_up(setup.line, setup.timetable, {"K1": 40.0}, setup.portal_lead_s)["K1"][0]
+    duty = draw_up(setup.line, setup.timetable, {"K1": 40.0}, setup.operation.portal_lead_s)["K1"][0]
     trains.place(0, duty)
     unit = trains.on_board[0]
     unit.begin(duty.mission, trains.pattern_rows(0), 0.0, ready_s=0.0, signing_on=True)
@@ -46,7 +47,7 @@ def running(setup: Setup) -> Trains:
 
 def test_frames_come_while_the_sign_is_in_range(rtri_setup: Setup) -> None:
     """Mark at path coordinate 660 m, sign 10 m behind it, seen from 87 m."""
-    trains = running(replace(rtri_setup, vision=Vision(frozenset({"B"}), rate_hz=5.0)))
+    trains = running(replace(rtri_setup, vision=Vision(stations=("B",), rate_hz=5.0)))
     agenda = Agenda()
     eyes = Eyes(trains, agenda)
     eyes.look_ahead(0)

@@ -39,7 +39,8 @@ def test_what_is_known_is_not_drawn() -> None:
 
 
 def test_weather_holds_in_its_hours() -> None:
-    scatter = Scatter(weather=(Weather(18000.0, 28800.0, 0.5, 0.8),))
+    part = Weather.model_validate({"from": "05:00", "to": "08:00", "adhesion_low": 0.5, "adhesion_high": 0.8})
+    scatter = Scatter(weather=(part,))
     chance = generator(1, "test")
     wet = [scatter.adhesion_of_leg(chance, 20000.0) for _ in range(200)]
     assert 0.5 <= min(wet) < 0.55

@@ -22,7 +22,7 @@ def plain(setup: Setup) -> PlainTrack:
 
 
 def first_duty(setup: Setup) -> Duty:
-    return draw_up(setup.line, setup.timetable, {"K1": LENGTH_M}, setup.portal_lead_s)["K1"][0]
+    return draw_up(setup.line, setup.timetable, {"K1": LENGTH_M}, setup.operation.portal_lead_s)["K1"][0]
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from study.report.curve import chosen_trains, draw_run_curve
 from study.report.data import Run
 from study.report.graph import draw_train_graph, spread
 from study.report.occupancy import draw_occupancy, sections_in_order
-from study.report.report import EVENTS_SHOWN, write_report
+from study.report.report import CHANGES_SHOWN, EVENTS_SHOWN, _changes_part, write_report
 from study.report.style import BAND_S_MAX, clock, drawing, svg_of, time_bands, time_grid
 from study.run.tables import SCHEMAS, RunTables, make_table
 
@@ -295,3 +295,20 @@ def test_labels_keep_their_order_and_come_apart(positions: list[float]) -> None:
     assert all(high - low > 1.0 for low, high in pairwise(placed))
     if all(high - low >= 2.0 for low, high in pairwise(positions)):
         assert placed == positions
+
+
+def test_a_what_if_lists_what_it_changed_and_a_plain_run_nothing() -> None:
+    changes = [
+        {"file": "hills.toml", "key": "points.P1.throw_time_s", "old": 6.0, "new": 12.0},
+        {"file": "hills.toml", "key": "tags.7", "old": {"id": 7}, "new": None},
+    ]
+    (part,) = _changes_part(changes)
+    assert part.title == "What was changed"
+    assert part.grids[0].rows == (
+        ("hills.toml", "points.P1.throw_time_s", "6.0", "12.0"),
+        ("hills.toml", "tags.7", '{"id": 7}', "–"),
+    )
+    (many,) = _changes_part(changes * CHANGES_SHOWN)
+    assert len(many.grids[0].rows) == CHANGES_SHOWN
+    assert many.notes == (f"and {CHANGES_SHOWN} more in summary.json",)
+    assert _changes_part([]) == ()

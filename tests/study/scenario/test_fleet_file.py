@@ -36,13 +36,13 @@ def test_tables_become_the_setup(tmp_path: Path) -> None:
     assert (setup.scatter.weather[0].from_s, setup.scatter.weather[0].to_s) == (19800.0, 90000.0)
     assert setup.scatter.stock["K1"].brake_factor == 0.9
     assert (setup.tuning.learn, setup.tuning.days) == (True, 3)
-    assert setup.vision.stations == {"B"}
+    assert setup.vision.stations == ("B",)
 
 
 def test_without_tables_nothing_scatters_learns_or_looks() -> None:
     setup = load_scenario("karasuyama_weekday").setup
     assert not setup.tuning.learn
-    assert not setup.vision.stations
+    assert not setup.vision.wanted
     assert setup.scatter.weather == ()
 
 
@@ -79,7 +79,7 @@ def test_learned_parameters_go_on(tmp_path: Path) -> None:
     (tmp_path / "learned.json").write_text(learned_json(learned), encoding="utf-8")
     assert read_learned(tmp_path / "learned.json") == learned
     setup = load_scenario(scenario(tmp_path, '[tuning]\nlearned = "learned.json"')).setup
-    assert setup.tuning.learned == learned
+    assert setup.learned == learned
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '{"K1": 3}', json.dumps({"K1": {"train_id": 3}})])

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.model import Position
 from radio.air import DelayShape
-from simulation.setup import Driving, Sensors
-from study.scenario.scenario import _laid_over as laid_over
+from simulation.settings import Driving, Sensors
+from study.scenario.layers import laid_over
 from study.scenario.scenario import find_scenario, load_scenario, shipped_scenarios
 
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
@@ -39,7 +39,7 @@ def test_what_a_scenario_leaves_out_has_the_defaults() -> None:
     assert setup.sensors == Sensors()
     assert (setup.air.delay_min_s, setup.air.delay_mean_s, setup.air.loss_p) == (0.1, 0.1, 0.0)
     assert setup.unit.dwell_min_s == setup.timetable.dwell_min_s == 20.0
-    assert (setup.seed, setup.time_limit_s, setup.stall_limit_s) == (1, 3600.0, 3600.0)
+    assert (setup.seed, setup.limits.time_limit_s, setup.limits.stall_limit_s) == (1, 3600.0, 3600.0)
 
 
 def test_the_seed_of_the_command_line_comes_first(tmp_path: Path) -> None:
@@ -51,7 +51,8 @@ def test_the_seed_of_the_command_line_comes_first(tmp_path: Path) -> None:
 
 def test_a_what_if_changes_what_it_names_and_nothing_else() -> None:
     whole, without = load_scenario("karasuyama_weekday"), load_scenario("karasuyama_without_loop")
-    assert (whole.patched, without.patched) == (False, True)
+    assert whole.changes == ()
+    assert {change.file for change in without.changes} == {"karasuyama.toml"}
     assert set(whole.setup.line.sections) - set(without.setup.line.sections) >= {"OGN.2"}
     assert without.setup.air == whole.setup.air
     assert without.setup.timetable == whole.setup.timetable

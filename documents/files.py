@@ -1,0 +1,222 @@
+"""Writes docs/files.md from the schemas: every kind of file, every key.
+
+Run as `python -m documents.files [file]`; a test compares what is committed with what the schemas say.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import BaseModel
+
+from documents.interlocking import table
+from network.files.line_schema import LineFile
+from network.files.schema_walk import range_text, resolved
+from network.files.timetable_schema import TimetableFile
+from study.scenario.scenario_file import ScenarioFile
+from vehicle.train_file import UNITS, TrainFile
+
+FILE: Final = Path(__file__).resolve().parents[1] / "docs" / "files.md"
+HEAD: Final = ("key", "type", "unit", "range", "default", "meaning", "where the default comes from")
+# The last part of a key's name, longest first.
+UNIT_OF: Final = {
+    "_n_per_kn_kmh": "N/kN per km/h",
+    "_n_per_kn": "N/kN",
+    "_n_per_kmh2": "N per (km/h)²",
+    "_s_per_m": "s/m",
+    "_per_s": "1/s",
+    "_mps3": "m/s³",
+    "_mps2": "m/s²",
+    "_mps": "m/s",
+    "_kmh": "km/h",
+    "_km": "km",
+    "_mm": "mm",
+    "_deg": "°",
+    "_kg": "kg",
+    "_hz": "Hz",
+    "_m": "m",
+    "_s": "s",
+    "_n": "N",
+    "_w": "W",
+    "_p": "probability",
+    "_share": "share",
+    "permille": "‰",
+}
+_KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
+    (
+        "Line",
+        LineFile,
+        "`network/lines/*.toml`: what the line is. A figure has a source or is named in `assumed`.",
+    ),
+    (
+        "Timetable",
+        TimetableFile,
+        "`network/timetables/*.toml`: which trains are planned, and which set runs them.",
+    ),
+    (
+        "Train",
+        TrainFile,
+        "`vehicle/trains/*.toml`: what a kind of train is. Every figure is named in `[provenance]`.",
+    ),
+    ("Scenario and drill", ScenarioFile, "`study/scenarios/*.toml`, `study/drills/*/*.toml`: one run."),
+)
+_INTRO: Final = """# Files
+
+Made by `make docs` from the schemas that read the files; `branchline schema KIND` prints them as JSON Schema. All are
+TOML. A key that is not listed is refused, and so is a value outside its range: one message says file, key, value and
+what was expected. `needed` in place of a default: the key must be there. Shipped files are found by name, others by
+their path beside the scenario that names them.
+"""
+_UNITS_INTRO: Final = "Instead of a key in SI a file may have one of another ending, which is converted: "
+_WORDS: Final = """### What a patch may say
+
+`[patch.line]`, `[patch.timetable]` and `[patch.train.<name>]` change the file that the scenario names; the other tables
+change what extended scenarios have said. `set` writes a value, or a whole list in place of what was there; `add` and
+`remove` change a list; `times` multiplies. Entries of lists are called by their id, name, number, station or stock,
+else by their index, and `*` is all of them: `"points.*.throw_time_s"`, `"trains.323M.calls.OGN.departure"`,
+`"alignments.main.limits[3].speed_kmh"`. The report and `summary.json` list every difference.
+"""
+
+
+def document() -> str:
+    """The whole page."""
+    parts = [_INTRO]
+    for title, model, text in _KINDS:
+        parts.append(f"## {title}\n\n{text}\n")
+        if model is TrainFile:
+            endings = ", ".join(f"`{ending}` for `{si}`" for ending, si, _, _ in UNITS)
+            parts.append(f"{_UNITS_INTRO}{endings}.\n")
+        for name, doc, rows in tables_of(model):
+            parts.append(f"### {name}\n")
+            if doc:
+                parts.append(f"{doc}\n")
+            parts.append(table(HEAD, rows) + "\n")
+        if model is ScenarioFile:
+            parts.append(_WORDS)
+    return "\n".join(parts)
+
+
+def tables_of(model: type[BaseModel]) -> Iterator[tuple[str, str, list[tuple[str, ...]]]]:
+    """Every table of a file: how it is written, what it is, and a row a key."""
+    schema = model.model_json_schema()
+    waiting: list[tuple[str, Mapping[str, Any]]] = [("", schema)]
+    while waiting:
+        path, node = waiting.pop(0)
+        rows, below = [], []
+        for key, own in node["properties"].items():
+            field = resolved(schema, own)
+            child, form = _child(schema, field)
+            if child is not None and "properties" in child:
+                below.append((_written(path, key, form), child))
+                if "description" not in own:
+                    continue
+            rows.append(_row(key, own, field, key in node.get("required", ())))
+        if rows:
+            yield _heading(path), _about(node.get("description", "")) if path else "", rows
+        waiting = below + waiting
+
+
+def _about(docstring: str) -> str:
+    """A table's docstring without the name of the table, which the heading says."""
+    text = _first_line(docstring)
+    if text.startswith("`"):
+        text = text.partition("`")[2].partition("`")[2].removeprefix(":").removeprefix(".").strip()
+    return text[:1].upper() + text[1:]
+
+
+def _child(schema: Mapping[str, Any], field: Mapping[str, Any]) -> tuple[Mapping[str, Any] | None, str]:
+    """The table that a key holds, one or many or by name; None for a plain value."""
+    if "properties" in field:
+        return field, "table"
+    if "items" in field:
+        return resolved(schema, field["items"]), "list"
+    if isinstance(field.get("additionalProperties"), Mapping):
+        return resolved(schema, field["additionalProperties"]), "named"
+    return None, ""
+
+
+def _written(path: str, key: str, form: str) -> str:
+    full = f"{path}.{key}" if path else key
+    return {"list": f"{full}[]", "named": f"{full}.<id>", "table": full}[form]
+
+
+def _heading(path: str) -> str:
+    """How a table is written: a list of tables in double brackets."""
+    if not path:
+        return "At the top"
+    plain = path.replace("[]", "")
+    return f"`[[{plain}]]`" if path.endswith("[]") else f"`[{plain}]`"
+
+
+def _row(key: str, own: Mapping[str, Any], field: Mapping[str, Any], needed: bool) -> tuple[str, ...]:
+    numbers = field.get("items", field) if field.get("type") == "array" else field
+    default = "needed" if needed else _default(own.get("default"))
+    meaning = str(own.get("description", field.get("description", "")))
+    return (
+        f"`{key}`",
+        _type(own, field),
+        _unit(key),
+        _choice(numbers) or range_text(numbers),
+        default,
+        _first_line(meaning),
+        str(own.get("origin", "")),
+    )
+
+
+def _default(value: object) -> str:
+    """A default as the file writes it; a dash where a key that is left out means nothing."""
+    return (
+        "–"
+        if value in (None, [], {}, "") or isinstance(value, dict)
+        else f"`{json.dumps(value, ensure_ascii=False)}`"
+    )
+
+
+def _type(own: Mapping[str, Any], field: Mapping[str, Any]) -> str:
+    if "enum" in field or "const" in field:
+        return "word"
+    if field.get("type") == "array":
+        items = field.get("items", {})
+        return "list of tables" if "$ref" in items or items.get("type") == "object" else "list"
+    if field.get("format") == "HH:MM":
+        return "time"
+    names = {
+        "number": "number",
+        "integer": "whole number",
+        "string": "text",
+        "boolean": "true or false",
+        "object": "table",
+    }
+    return names.get(str(field.get("type")), "any" if "type" not in own else str(own["type"]))
+
+
+def _choice(field: Mapping[str, Any]) -> str:
+    if "const" in field:
+        return f"`{field['const']}`"
+    return ", ".join(f"`{value}`" for value in field.get("enum", ()))
+
+
+def _unit(key: str) -> str:
+    return next((unit for ending, unit in UNIT_OF.items() if key.endswith(ending)), "")
+
+
+def _first_line(text: str) -> str:
+    """The first paragraph in one line."""
+    return " ".join(text.partition("\n\n")[0].split())
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the page, to the file given or to its place in the tree."""
+    file = Path(arguments[0]) if arguments else FILE
+    aside = file.with_suffix(".new")
+    aside.write_text(document(), encoding="utf-8")
+    aside.replace(file)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

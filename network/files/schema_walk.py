@@ -1,0 +1,67 @@
+"""Find one's way in the JSON Schema of a settings model: the node of a key, its range and keys in words."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+Schema = Mapping[str, Any]
+
+_SHOWN_MAX: Final = 12
+
+
+def resolved(schema: Schema, node: Schema) -> Schema:
+    """A node with its reference followed, and the choice that is a table or list where there are several."""
+    while True:
+        if "$ref" in node:
+            own = {key: value for key, value in node.items() if key != "$ref"}
+            node = {**schema["$defs"][node["$ref"].rpartition("/")[2]], **own}
+        elif "anyOf" in node:
+            own = {key: value for key, value in node.items() if key != "anyOf"}
+            choices = [choice for choice in node["anyOf"] if choice.get("type") != "null"]
+            rich = [choice for choice in choices if "$ref" in choice or "items" in choice]
+            node = {**(rich or choices)[0], **own}
+        else:
+            return node
+
+
+def node_at(schema: Schema, location: Iterable[int | str]) -> tuple[Schema, tuple[int | str, ...]]:
+    """The node that a path of keys and indices leads to, and the path without what is no key or index."""
+    node, path = resolved(schema, schema), []
+    for part in location:
+        if isinstance(part, int):
+            node = resolved(schema, node.get("items", {}))
+        elif part in node.get("properties", {}):
+            node = resolved(schema, node["properties"][part])
+        elif isinstance(node.get("additionalProperties"), Mapping):
+            node = resolved(schema, node["additionalProperties"])
+        elif "properties" in node:
+            node = {}
+        else:
+            continue  # the name of a choice of a union, which no file writes
+        path.append(part)
+    return node, tuple(path)
+
+
+def range_text(node: Schema) -> str:
+    """Bounds of a number in words, such as `above 0 and at most 1`; empty where there are none."""
+    words = []
+    for key, word in (
+        ("exclusiveMinimum", "above"),
+        ("minimum", "at least"),
+        ("exclusiveMaximum", "below"),
+        ("maximum", "at most"),
+    ):
+        if key in node:
+            words.append(f"{word} {node[key]:g}")
+    return " and ".join(words)
+
+
+def keys_text(node: Schema, wanted: str) -> str:
+    """The keys that a table has, those most like `wanted` where there are many."""
+    names = list(node.get("properties", {}))
+    if len(names) <= _SHOWN_MAX:
+        return f"one of {', '.join(names)}" if names else "none at all"
+    near = difflib.get_close_matches(wanted, names, n=5, cutoff=0.3) or names[:5]
+    return f"one of {len(names)}, such as {', '.join(near)}"

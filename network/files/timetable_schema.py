@@ -1,0 +1,63 @@
+"""The timetable file's tables as they are written; what needs the line is checked in `network.timetable`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from network.files.kinds import NotNegative, about
+from network.files.line_schema import DirectionName, Id
+from network.files.toml_input import Record
+
+_CLOCK = "HH:MM or HH:MM:SS, 24:00 and later after midnight"
+
+
+class HeadTable(Record):
+    """`[timetable]`."""
+
+    id: Annotated[Id, about("name of the timetable")]
+    name: Annotated[str, about("what people call it")] = ""
+    line: Annotated[str, about("id of the line it belongs to")]
+    dwell_min_s: Annotated[
+        NotNegative, about("shortest stop for passengers", "assumed: a quiet platform")
+    ] = 20.0
+    sources: Annotated[list[str], about("where its times come from")] = Field(default_factory=list)
+    assumed: Annotated[list[str], about("what nobody has published, in sentences for the report")] = Field(
+        default_factory=list
+    )
+
+
+class CallTable(Record):
+    """`trains.calls`: a call (停車); only the last may lack a departure."""
+
+    station: Annotated[str, about("id of the station")]
+    track: Annotated[str | None, about("its track; left out: the usual one of the direction")] = None
+    arrival: Annotated[str | None, about(f"when it arrives, {_CLOCK}")] = None
+    departure: Annotated[str | None, about(f"when it leaves, {_CLOCK}")] = None
+
+
+class TrainTable(Record):
+    """`[[trains]]`: a train (列車) as planned."""
+
+    number: Annotated[Id, about("train number")]
+    direction: Annotated[DirectionName, about("down or up the kilometrage")]
+    revenue: Annotated[bool, about("false: an empty working")] = True
+    calls: Annotated[list[CallTable], Field(min_length=1), about("where it calls, in order")]
+    begins: Annotated[str, about("stabled, portal:<section id> or from:<train number>")]
+    ends: Annotated[str, about("stabled, portal:<section id> or becomes:<train number>")]
+
+
+class DiagramTable(Record):
+    """`[[diagrams]]`: one train set (編成) and the trains it runs (運用)."""
+
+    stock: Annotated[Id, about("id of the set")]
+    trains: Annotated[list[str], Field(min_length=1), about("train numbers, in order")]
+
+
+class TimetableFile(Record):
+    """A whole timetable file; every train is in exactly one diagram."""
+
+    timetable: HeadTable
+    trains: Annotated[list[TrainTable], Field(min_length=1), about("trains")]
+    diagrams: Annotated[list[DiagramTable], about("train sets")] = Field(default_factory=list)

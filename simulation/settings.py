@@ -1,0 +1,165 @@
+"""The tables of a scenario that a run reads as they are: one class each, for the file and for the run.
+
+Ranges are those of the kinds in `network.files.kinds`; what a key means and where its default comes from stands
+with it, and `docs/files.md` is made from here.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Literal
+
+from pydantic import Field
+
+from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
+from network.files.toml_input import Record
+from wayside.config import ReentryMode
+
+DAYS_MAX: Final = 60
+
+
+class Driving(Record):
+    """`[driving]`: how units drive and supervise; neither the line nor the paper gives figures."""
+
+    service_guaranteed_share: Annotated[
+        SharePositive,
+        about("of the strongest service notch, on which supervision counts", "assumed: worn pads, wet rail"),
+    ] = 0.8
+    emergency_guaranteed_share: Annotated[
+        SharePositive, about("of the emergency brake, on which supervision counts", "assumed: the same")
+    ] = 0.8
+    reaction_reserve_s: Annotated[
+        NotNegative, about("beyond dead time and lag of the brake", "assumed: ageing valves")
+    ] = 0.5
+    service_margin_mps: Annotated[
+        NotNegative, about("over the permitted speed before the service brake comes", "assumed: 2 km/h")
+    ] = 0.6
+    release_margin_mps: Annotated[
+        NotNegative, about("under it before that brake goes", "assumed: so that it does not chatter")
+    ] = 1.0
+    emergency_margin_mps: Annotated[
+        NotNegative, about("over it before the emergency brake comes", "assumed: 7 km/h")
+    ] = 2.0
+    driving_margin_mps: Annotated[
+        NotNegative, about("under the permitted speed at which trains are driven", "assumed: 4 km/h")
+    ] = 1.2
+    stop_deceleration_mps2: Annotated[
+        Positive, about("of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s")
+    ] = 0.6
+    stop_gain_per_s: Annotated[
+        Positive, about("proportional gain to the stop pattern", "assumed: settles in about a second")
+    ] = 0.8
+    cruise_gain_per_s: Annotated[
+        Positive, about("proportional gain to the cruising speed", "assumed: settles in about 3 s")
+    ] = 0.3
+    notch_hold_s: Annotated[
+        NotNegative, about("a notch is kept at least this long", "assumed: spares the switchgear")
+    ] = 2.0
+    standing_brake_share: Annotated[
+        SharePositive, about("of the notches, applied while a train stands", "assumed: holds on 20 permille")
+    ] = 0.5
+
+
+class Sensors(Record):
+    """`[sensors]`: errors of the sensors, drawn per train or per reading from seeded sources."""
+
+    wheel_factor_sigma: Annotated[
+        float,
+        Field(ge=0.0, le=0.1),
+        about(
+            "of real over assumed wheel circumference, train to train", "assumed: wear between two turnings"
+        ),
+    ] = 0.003
+    tag_read_sigma_m: Annotated[
+        float,
+        Field(ge=0.0, le=10.0),
+        about("of where a tag is read", "assumed: a reader's field of about 0.1 m"),
+    ] = 0.05
+    tag_read_max_m: Annotated[
+        NotNegative, about("beyond this the reader discards", "assumed: the edge of its field")
+    ] = 0.2
+
+
+class Load(Record):
+    """The passengers: shares of the load when full, drawn per train number."""
+
+    load_share_mean: Annotated[
+        Share, about("mean load as a share of the full one", "assumed: a branch line")
+    ] = 0.2
+    load_share_spread: Annotated[
+        float, Field(ge=0.0, le=0.5), about("train to train, evenly within +-", "assumed: peak and off-peak")
+    ] = 0.15
+
+
+class Tuning(Record):
+    """`[tuning]`: trains learn to stop; the table alone switches it on."""
+
+    days: Annotated[
+        int, Field(ge=1, le=DAYS_MAX), about("the same day that often; the last one is reported")
+    ] = 1
+    learn: Annotated[bool, about("whether trains go on learning")] = True
+    learned: Annotated[
+        str | None, about("file that an earlier run left (`learned.json`), beside the scenario")
+    ] = None
+
+
+class Vision(Record):
+    """`[vision]`: stop signs, and a camera on each train that looks for them; without the table there are none."""
+
+    stations: Annotated[
+        Literal["all"] | Annotated[tuple[str, ...], Field(strict=False)],
+        about("ids of stations with signs, or all"),
+    ] = "all"
+    rate_hz: Annotated[
+        float,
+        Field(gt=0.0, le=10.0),
+        about(
+            "frames taken up; the camera has more, but errors of neighbours are alike",
+            "assumed: half of the camera's",
+        ),
+    ] = 5.0
+
+    @property
+    def wanted(self) -> bool:
+        """Whether any station has a sign."""
+        return bool(self.stations)
+
+    def has_sign(self, station_id: str | None) -> bool:
+        """Whether that station has stop signs; None is a place that is no station."""
+        if station_id is None:
+            return False
+        return self.stations == "all" or station_id in self.stations
+
+
+class Limits(Record):
+    """`[limits]`: when a run ends whatever happens."""
+
+    time_limit_s: Annotated[
+        Positive, about("the run ends this long after the last planned time", "assumed: an hour of delay")
+    ] = 3600.0
+    stall_limit_s: Annotated[
+        Positive,
+        about(
+            "or when no train has moved for this long although one waits for a section", "assumed: an hour"
+        ),
+    ] = 3600.0
+
+
+class Operation(Record):
+    """`[operation]`: what people do."""
+
+    portal_lead_s: Annotated[
+        NotNegative,
+        about("a train stands at the portal this long before its first departure", "assumed: 3.5 min"),
+    ] = 210.0
+    change_ends_s: Annotated[
+        NotNegative, about("the driver walks to the other end", "assumed: 40 m and the cabs")
+    ] = 60.0
+    reentry: Annotated[
+        ReentryMode,
+        Field(strict=False),
+        about("how the block state comes back after the manager lost it", "assumed: people are helped"),
+    ] = ReentryMode.ASSISTED
+
+
+NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table
+NO_VISION: Final = Vision(stations=())

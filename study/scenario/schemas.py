@@ -1,0 +1,83 @@
+"""JSON Schema of every kind of file, for `branchline schema`, for editors and for `docs/files.md`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from typing import Any, Final
+
+from network.errors import InputError
+from network.files.line_schema import LineFile
+from network.files.timetable_schema import TimetableFile
+from network.files.toml_input import one_of
+from study.scenario.scenario_file import ScenarioFile
+from vehicle.train_file import UNITS, TrainFile
+
+DRAFT: Final = "https://json-schema.org/draft/2020-12/schema"
+
+
+def schema_of(kind: str) -> dict[str, Any]:
+    """The JSON Schema of a kind of file. Raises InputError for a kind that there is not."""
+    if kind not in KINDS:
+        raise InputError("command line", "KIND", kind, one_of(KINDS, kind))
+    return {"$schema": DRAFT, **KINDS[kind](), "title": f"branchline {kind} file"}
+
+
+def _scenario() -> dict[str, Any]:
+    """A scenario that extends another may leave out what that one says."""
+    schema = ScenarioFile.model_json_schema()
+    needed = schema.pop("required")
+    return schema | {"anyOf": [{"required": needed}, {"required": ["extends"]}]}
+
+
+def _drill() -> dict[str, Any]:
+    """A drill says what must happen."""
+    schema = _scenario()
+    schema["properties"]["expect"]["minItems"] = 1
+    return schema | {"required": ["expect"]}
+
+
+def _train() -> dict[str, Any]:
+    """Each figure in any of its units: one of the keys that differ in their ending alone."""
+    schema = deepcopy(TrainFile.model_json_schema())
+    for table in schema["$defs"].values():
+        properties, needed = table["properties"], set(table.get("required", ()))
+        for key in list(properties):
+            others = other_keys(key)
+            for other, factor in others.items():
+                properties[other] = _scaled(properties[key], factor)
+            if others and key in needed:
+                needed.remove(key)
+                table.setdefault("allOf", []).append({"oneOf": [{"required": [k]} for k in (key, *others)]})
+        table["required"] = sorted(needed)
+    return schema
+
+
+def other_keys(key: str) -> dict[str, float]:
+    """Keys of a train file that mean the same in another unit, with the factor to SI."""
+    found = {}
+    for ending, si_ending, up, down in UNITS:
+        plain = "_per_" not in key and key.endswith(si_ending)
+        # `_m` is also the end of `_mm`'s SI, and of nothing else: longer endings have a unit of their own.
+        if plain:
+            found[key.removesuffix(si_ending) + ending] = up / down
+    return found
+
+
+def _scaled(node: dict[str, Any], factor: float) -> dict[str, Any]:
+    """A figure's node in another unit: what bounds it is scaled."""
+    scaled = deepcopy(node)
+    for holder in (scaled, scaled.get("items", {})):
+        for bound in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default"):
+            if isinstance(holder.get(bound), int | float):
+                holder[bound] = holder[bound] / factor
+    return scaled
+
+
+KINDS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
+    "line": LineFile.model_json_schema,
+    "timetable": TimetableFile.model_json_schema,
+    "train": _train,
+    "scenario": _scenario,
+    "drill": _drill,
+}

@@ -1,0 +1,119 @@
+"""docs/files.md is what the schemas say, and the schemas say something of every key."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from documents.files import _KINDS, FILE, UNIT_OF, document, tables_of
+from network.errors import InputError
+from network.files.line_schema import LineFile
+from network.files.shipped import shipped_line
+from study.scenario.scenario import shipped_scenarios
+from study.scenario.scenario_file import ScenarioFile
+from study.scenario.schemas import KINDS, other_keys, schema_of
+from vehicle.train_file import TRAINS_FOLDER, TrainFile, _table_in_si
+
+# Faults, acts and expectations are types of their own: what their keys mean is said with each.
+SCRIPT = ("[[fault]]", "[[act]]", "[[expect]]")
+
+
+def rows() -> Iterator[tuple[str, tuple[str, ...]]]:
+    for _, model, _ in _KINDS:
+        for heading, _, found in tables_of(model):
+            if not any(name in heading for name in SCRIPT):
+                yield from ((f"{model.__name__} {heading}", row) for row in found)
+
+
+def test_the_page_is_what_the_schemas_say() -> None:
+    assert FILE.read_text("utf-8") == document(), "make docs"
+
+
+def test_every_key_has_a_meaning() -> None:
+    assert [(where, row[0]) for where, row in rows() if not row[5]] == []
+
+
+def test_every_figure_with_a_default_says_where_it_comes_from() -> None:
+    """Zeros that mean none, switches and places on the map need no source."""
+    figures = [
+        (where, row[0])
+        for where, row in rows()
+        if where.startswith("ScenarioFile")
+        and row[1] == "number"
+        and row[4] not in ("needed", "–")
+        and not row[6]
+    ]
+    assert figures == []
+
+
+def test_every_key_that_ends_in_a_unit_shows_it() -> None:
+    for where, row in rows():
+        key = row[0].strip("`")
+        if row[1] == "number" and any(key.endswith(ending) for ending in UNIT_OF):
+            assert row[2], (where, key)
+
+
+def test_every_setting_of_a_run_has_a_range() -> None:
+    """A number that a run reads is bounded on at least one side; factors of patches are judged by their result."""
+    for where, row in rows():
+        if where.startswith("ScenarioFile") and "patch" not in where and row[1] == "number":
+            assert row[3], (where, row[0])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_command_prints_a_schema(main: Callable[..., Any], kind: str) -> None:
+    ended = main("schema", kind)
+    assert ended.code == 0
+    assert ended.figures() == json.loads(json.dumps(schema_of(kind)))
+    assert set(main("schema").figures()) == set(KINDS)
+
+
+def test_an_unknown_kind_lists_the_known_ones(main: Callable[..., Any]) -> None:
+    assert main("schema", "train_type").code == 2
+    with pytest.raises(InputError, match="one of line, timetable, train, scenario, drill"):
+        schema_of("train_type")
+
+
+def test_keys_in_other_units_are_those_that_the_reader_converts() -> None:
+    """The schema's other keys of a figure and the reader's agree, factor and all."""
+    for key in (
+        "force_max_n",
+        "speed_max_mps",
+        "mass_empty_kg",
+        "notch_deceleration_mps2",
+        "wheel_diameter_m",
+    ):
+        others = other_keys(key)
+        assert others
+        for other, factor in others.items():
+            assert _table_in_si("f", "t", {other: 2.0}, {})[key] == pytest.approx(2.0 * factor)
+
+
+def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
+    data = tomllib.loads(shipped_line("busy_line").read_text("utf-8"))
+    assert set(data) <= set(LineFile.model_json_schema()["properties"])
+    train = schema_of("train")
+    for file in TRAINS_FOLDER.glob("*.toml"):
+        for name, values in tomllib.loads(file.read_text("utf-8")).items():
+            if isinstance(values, dict) and name != "provenance":
+                table = train["$defs"][
+                    TrainFile.model_json_schema()["properties"][name]["$ref"].rpartition("/")[2]
+                ]
+                assert set(values) <= set(table["properties"]), (file, name)
+    assert shipped_scenarios()
+    assert "patch" in ScenarioFile.model_json_schema()["properties"]
+
+
+def test_the_example_of_the_readme_loads(tmp_path: Path) -> None:
+    from study.scenario.scenario import load_scenario
+
+    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
+    text = readme.partition("```toml\n")[2].partition("```")[0]
+    (tmp_path / "slow_points.toml").write_text(text, "utf-8")
+    changed = {change.file for change in load_scenario(str(tmp_path / "slow_points.toml")).changes}
+    assert changed == {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}
