@@ -247,25 +247,44 @@ def drill(
 
 @app.command()
 def bench(
-    scenario: Annotated[str, typer.Argument(help="Scenario to measure.")] = "karasuyama_weekday",
+    scenarios: Annotated[
+        list[str] | None, typer.Argument(help="Scenarios to measure; default karasuyama_weekday.")
+    ] = None,
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
     as_json: Json = False,
 ) -> None:
     """Measure the same day three ways: SUMO alone, full system, full system over Zenoh."""
     from study.evaluate.bench import bench as measure
 
-    figures = measure(scenario, rounds, _tell)
+    found = [measure(scenario, rounds, _tell) for scenario in scenarios or ["karasuyama_weekday"]]
     if as_json:
-        _print_json(figures)
-        return
-    sys.stdout.write(f"{scenario}: medians of {rounds} rounds\n")
-    heads = ("", "wall s", "min", "max", "of SUMO", "of simulated", "peak MB")
-    lines = [heads, *(tuple(_short(value) for value in row.values()) for row in figures["rows"])]
-    for line in lines:
-        sys.stdout.write(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]) + "\n")
+        _print_json({"scenarios": found})
+    else:
+        for figures in found:
+            _print_bench(figures)
+    raise typer.Exit(0 if all(figures["same_digest"] for figures in found) else BROKEN)
+
+
+def _print_bench(figures: dict[str, Any]) -> None:
+    head = f"{figures['scenario']}, {figures['trains']} trains: medians of {figures['rounds']} rounds"
+    sys.stdout.write(head + "\n")
+    _print_table(("", "wall s", "min", "max", "of SUMO", "of simulated", "peak MB"), figures["rows"])
+    sys.stdout.write(f"microseconds, {figures['stretches']} stretches\n")
+    heads = ("", "queries", "telegrams", "us a query", "us a telegram", "us a stretch", "beyond SUMO")
+    _print_table(heads, figures["parts"])
+    sys.stdout.write(f"{figures['computed']}\n")
+    for budget in figures["budgets"]:
+        kept = "kept" if budget["kept"] else "NOT KEPT"
+        sys.stdout.write(
+            f"budget: {budget['what']} at most {budget['limit']:g}: {budget['found']:g}, {kept}\n"
+        )
     same = "the same journal digest" if figures["same_digest"] else "DIFFERENT journal digests"
-    _tell(f"budgets: {figures['budgets']}; the full runs gave {same}")
-    raise typer.Exit(0 if figures["same_digest"] else BROKEN)
+    _tell(f"the full runs gave {same}")
+
+
+def _print_table(heads: tuple[str, ...], rows: list[dict[str, object]]) -> None:
+    for line in (heads, *(tuple(_short(value) for value in row.values()) for row in rows)):
+        sys.stdout.write(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]) + "\n")
 
 
 def _short(value: object) -> str:

@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import zenoh
 
@@ -42,6 +42,15 @@ _DEATH_LIMIT_S: Final = 2.0
 _OWN_SESSION: Final = "1"
 
 
+@dataclass(frozen=True, slots=True)
+class _Wires:
+    """The open session, what is heard on the radio plane, and who joins."""
+
+    session: zenoh.Session
+    inbox: zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]
+    joined: zenoh.TransportEventsListener[zenoh.handlers.Handler[zenoh.TransportEvent]]
+
+
 @dataclass(slots=True)
 class _Hosted:
     spec: PartySpec
@@ -67,9 +76,7 @@ class ZenohParties:
         self._sessions: set[str] = set()
         self._endpoint = ""
         self._folder = ExitStack()
-        self._session: zenoh.Session | None = None
-        self._inbox: Any = None
-        self._joined: Any = None
+        self._open_wires: _Wires | None = None
 
     @property
     def endpoint(self) -> str:
@@ -101,7 +108,7 @@ class ZenohParties:
         question, tagged = hosted.asker.ask(now_s, telegrams, told)
         if len(question) > PAYLOAD_BYTES_MAX:
             raise PartyError(f"a question of {len(question)} bytes to {party_id} is too long for its link")
-        session = self._running()
+        session = self._wires.session
         for telegram in tagged:
             session.put(
                 radio_key(self._line_id, party_id),
@@ -142,16 +149,17 @@ class ZenohParties:
         folder = self._folder.enter_context(private_folder())
         self._endpoint = endpoint_of(folder)
         config = zenoh.Config.from_json5(session_json5("listen", self._endpoint, _OWN_SESSION))
-        session = self._session = zenoh.open(config)
+        session = zenoh.open(config)
         (folder / SOCKET_NAME).chmod(0o600)
-        self._joined = session.info.declare_transport_events_listener(
+        joined = session.info.declare_transport_events_listener(
             zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
         )
-        self._inbox = session.declare_subscriber(
+        inbox = session.declare_subscriber(
             radio_key(self._line_id, "*"),
             zenoh.handlers.FifoChannel(INBOX_TELEGRAMS),
             allowed_origin=zenoh.Locality.REMOTE,
         )
+        self._open_wires = _Wires(session, inbox, joined)
         for spec in self._specs:
             querier = session.declare_querier(
                 time_key(self._line_id, spec.party_id),
@@ -212,9 +220,10 @@ class ZenohParties:
     def _collect(self, hosted: _Hosted, expected: int) -> list[Tagged]:
         """All telegrams that are there: the party's came before its answer, on the same link."""
         heard: list[Tagged] = []
+        inbox = self._wires.inbox
         limit_s = time.monotonic() + ANSWER_LIMIT_S
         while True:
-            sample = self._inbox.try_recv()
+            sample = inbox.try_recv()
             if sample is not None:
                 tag = b"" if sample.attachment is None else sample.attachment.to_bytes()
                 destination = str(sample.key_expr).rpartition("/")[2]
@@ -229,7 +238,7 @@ class ZenohParties:
 
     def _look_for_strangers(self) -> None:
         """Whoever joined must be a session that was given to a party."""
-        while (event := self._joined.try_recv()) is not None:
+        while (event := self._wires.joined.try_recv()) is not None:
             session_id = str(event.transport.zid)
             if not of_run(session_id, self._sessions):
                 raise ForeignError(f"a foreign session has joined the run: {session_id}")
@@ -238,10 +247,11 @@ class ZenohParties:
         words = last_words(hosted.state)
         return f"party {hosted.spec.party_id} {what}" + (f"; it wrote: {words}" if words else "")
 
-    def _running(self) -> zenoh.Session:
-        if self._session is None:
+    @property
+    def _wires(self) -> _Wires:
+        if self._open_wires is None:
             raise PartyError("the parties are not there: use them as a context manager")
-        return self._session
+        return self._open_wires
 
     def _close(self) -> None:
         """All processes end, even if one of them or the session gives trouble."""
@@ -252,9 +262,9 @@ class ZenohParties:
             process.terminate()
         for process in processes:
             process.end()
-        session, self._session = self._session, None
+        wires, self._open_wires = self._open_wires, None
         try:
-            if session is not None:
-                session.close()  # type: ignore[no-untyped-call, unused-ignore]
+            if wires is not None:
+                wires.session.close()  # type: ignore[no-untyped-call, unused-ignore]
         finally:
             self._folder.close()

@@ -88,11 +88,12 @@ def execute(
     carrier: CarrierKind = CarrierKind.SUMO,
     progress: Progress | None = None,
     wrap: Callable[[Carrier], Carrier] | None = None,
+    watch: Callable[[Parties], Parties] | None = None,
 ) -> Run:
     """Run a scenario and compute its tables and summary; writes nothing that stays.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
-    `wrap` may put something around the carrier, to watch what it is asked to do.
+    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties.
     """
     setup = scenario.setup
     with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
@@ -114,7 +115,7 @@ def execute(
                 simulation = Simulation(
                     setup,
                     (lambda begin_s: wrapped(make(begin_s))) if last else make,
-                    parties,
+                    parties if watch is None else watch(parties),
                     read_net(net),
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
                     link.value,

@@ -6,14 +6,16 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import libsumo
 import numpy as np
 import pytest
 
+from host.party import Advance
 from network.model import Direction
 from simulation.carriers.carrier import Carrier, Truth
-from study.evaluate.bench import Recorder, replay
+from study.evaluate.bench import BUDGET, BUSY_BUDGET, Metered, Recorder, parts, replay, report
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 from sumo_cfg.build import net_for
@@ -89,6 +91,92 @@ def test_a_recording_has_a_speed_for_every_step_of_a_train_on_the_line(tmp_path:
     kinds = [(step, kind, unit) for step, kind, unit, *_ in header["operations"]]
     assert kinds == [(3, "insert", "K2"), (7, "remove", "K2"), (7, "insert", "K1")]
     assert header["operations"][0][3] == ["3+", "P5.normal+"]
+
+
+def test_a_stretch_is_counted_where_it_is_carried() -> None:
+    recorder = Recorder(Silent())
+    for steps in (3, 50, 1):
+        recorder.run([], steps)
+    assert recorder.stretches == 3
+
+
+@dataclass
+class Relay:
+    """Parties of which one sends every telegram on, twice."""
+
+    asked: list[str] = field(default_factory=list)
+
+    def __enter__(self) -> Relay:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.asked.append("closed")
+
+    def advance(self, party_id: str, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
+        self.asked.append(party_id)
+        return Advance(tuple(("u1", data) for data in (*telegrams, *telegrams)), told, None)
+
+    def alive(self, party_id: str) -> bool:
+        return party_id == "t"
+
+    def kill(self, party_id: str) -> None:
+        self.asked.append("kill")
+
+    def restart(self, party_id: str) -> None:
+        self.asked.append("restart")
+
+
+def test_a_meter_passes_everything_on_and_counts_telegrams_both_ways() -> None:
+    relay = Relay()
+    with Metered(relay) as metered:
+        assert metered.advance("t", 1.0, [b"a", b"b"], b"told").said == b"told"
+        metered.advance("t", 2.0, [], b"")
+        metered.kill("t")
+        metered.restart("t")
+        assert (metered.alive("t"), metered.alive("u")) == (True, False)
+    assert relay.asked == ["t", "t", "kill", "restart", "closed"]
+    assert (metered.queries, metered.telegrams) == (2, 6)
+    assert metered.spent_s > 0.0
+
+
+def test_time_is_divided_into_queries_and_stretches() -> None:
+    """4 s, of which 1 s in 500 queries with 2000 telegrams; SUMO alone takes 2 s for the same 1000 stretches."""
+    found = parts("a link", [{"wall_s": 4.0, "queries": 500, "telegrams": 2000, "queries_s": 1.0}], 1000, 2.0)
+    assert found["us_per_query"] == 2000.0
+    assert found["us_per_telegram"] == 500.0
+    assert found["us_per_stretch"] == 3000.0
+    assert found["us_per_stretch_beyond_sumo"] == 1000.0
+    idle = parts("a link", [{"wall_s": 4.0, "queries": 0, "telegrams": 0, "queries_s": 0.0}], 1000, 2.0)
+    assert (idle["us_per_query"], idle["us_per_telegram"]) == (0.0, 0.0)
+
+
+def figures(
+    sumo_s: float, simulated_s: float, zenoh_s: float, other: str = "d"
+) -> dict[str, list[dict[str, Any]]]:
+    asked = {"queries": 1, "telegrams": 1, "queries_s": 0.1, "peak_mb": 500.0}
+    return {
+        "sumo": [{"wall_s": sumo_s, "peak_mb": 100.0}] * 3,
+        "simulated": [{"wall_s": simulated_s, "digest": "d", **asked}] * 3,
+        "zenoh": [{"wall_s": zenoh_s, "digest": other, **asked}] * 3,
+    }
+
+
+@pytest.mark.parametrize(
+    ("walls", "kept", "kept_if_busy"),
+    [
+        ((10.0, 13.9, 18.0), [True, True, True], [True, True, True]),
+        ((10.0, 14.1, 18.4), [False, False, True], [True, True, True]),
+        ((10.0, 17.1, 24.0), [False, False, True], [False, False, True]),
+    ],
+)
+def test_budgets_are_ratios_and_a_busy_line_has_its_own(
+    walls: tuple[float, float, float], kept: list[bool], kept_if_busy: list[bool]
+) -> None:
+    for budget, expected in ((BUDGET, kept), (BUSY_BUDGET, kept_if_busy)):
+        found = report(figures(*walls), 10, budget)
+        assert [line["kept"] for line in found["budgets"]] == expected
+        assert found["same_digest"]
+    assert not report(figures(*walls, other="e"), 10, BUDGET)["same_digest"]
 
 
 @pytest.mark.system
