@@ -9,7 +9,10 @@ from typing import Any, Final
 import polars as pl
 
 from network.timetable import clock
-from simulation.faults.script import Fault, FaultKind, Script, Trigger, matcher_of
+from simulation.faults.devices import PowerOff
+from simulation.faults.links import ANY, Cut
+from simulation.faults.links import Link as RadioLink
+from simulation.faults.script import Failure, Script, Trigger, matcher_of
 from study.run.run import Link, Run, execute
 from study.scenario.scenario import Scenario, load_scenario
 from wayside.config import MANAGER_ID
@@ -158,9 +161,10 @@ def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> Run:
     if matcher is None:
         raise ValueError(case.event)
     trigger = Trigger(on=matcher, after_s=case.after_s)
-    faults = [Fault(FaultKind.POWER_OFF, UNIT, trigger, POWER_OFF_S)]
+    faults = [Failure(PowerOff(target=UNIT), trigger, POWER_OFF_S)]
     if not radio:
-        faults.append(Fault(FaultKind.CUT, f"{UNIT} <-> *", trigger, NO_RADIO_S))
+        cut = Cut(target=RadioLink(UNIT, ANY, both_ways=True))
+        faults.append(Failure(cut, trigger, NO_RADIO_S))
     setup = replace(scenario.setup, script=Script(tuple(faults)))
     return execute(replace(scenario, setup=setup), Link.SIMULATED)
 
@@ -220,7 +224,7 @@ def _without_radio(run: Run) -> str:
     over_s = next(
         float(e["t"])
         for e in run.result.journal.entries
-        if e["what"] == "fault_over" and e["kind"] == FaultKind.CUT.value
+        if e["what"] == "fault_over" and e["kind"] == Cut.kind
     )
     before = [entry for entry in entries if float(entry["t"]) < over_s]
     if (arrived := _first(before, "arrived")) is not None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -26,6 +27,7 @@ from simulation.sensors.eyes import Eyes
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
+from simulation.world.frozen import Piles
 from simulation.world.kernel import advance
 from simulation.world.points import WaysideWorld, header_of
 from simulation.world.records import (
@@ -106,6 +108,7 @@ class Simulation:
         self._broken = ""
         self._becoming: list[Duty] = []
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
+        self._frozen = Piles()
         self._eyes = Eyes(self.trains, self._agenda)
         self._crew = Crew(self.trains, self.wayside.machines.__getitem__, self.journal)
         self._injector = Injector(
@@ -116,6 +119,7 @@ class Simulation:
             self.journal,
             self._agenda,
             self._unit_power,
+            self._unit_freeze,
             self._give_back,
         )
 
@@ -179,14 +183,12 @@ class Simulation:
                 if slot in self.trains.unpowered:
                     self.journal.write(now_s, "world", "lost_at_dead_device", device=item.subject)
                     continue
-                actions = self.trains.on_board[slot].receive(item.data, now_s)
-                header = header_of(item.data)
-                self._apply(slot, actions, None if header is None else header.sequence)
+                self._frozen.when_it_works(slot, partial(self._receive, slot, item.data))
             elif item.kind is Due.UNIT_TIMER:
                 slot = self.trains.slot_of[item.subject]
                 if self._timer_steps.get(item.subject) == self._step and slot not in self.trains.unpowered:
                     del self._timer_steps[item.subject]
-                    self._apply(slot, self.trains.on_board[slot].timer(now_s))
+                    self._frozen.when_it_works(slot, partial(self._timer, slot))
             elif item.kind is Due.SCRIPT and item.subject.startswith("crew "):
                 slot = self.trains.slot_of[item.subject.removeprefix("crew ")]
                 self._looking.discard(slot)
@@ -197,9 +199,18 @@ class Simulation:
             elif item.kind is Due.CAMERA:
                 slot = self.trains.slot_of[item.subject]
                 seen_m = self._eyes.frame(slot, self._step)
-                self._apply(slot, self.trains.on_board[slot].frame_taken(seen_m))
+                if slot not in self._frozen:  # a picture is of use only while it is fresh
+                    self._apply(slot, self.trains.on_board[slot].frame_taken(seen_m))
             elif item.kind is Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[item.subject])
+
+    def _receive(self, slot: int, data: bytes) -> None:
+        header = header_of(data)
+        actions = self.trains.on_board[slot].receive(data, self.now_s)
+        self._apply(slot, actions, None if header is None else header.sequence)
+
+    def _timer(self, slot: int) -> None:
+        self._apply(slot, self.trains.on_board[slot].timer(self.now_s))
 
     def _advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
@@ -319,16 +330,32 @@ class Simulation:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
             if read_id is not None and slot not in trains.unpowered:
-                self._apply(slot, unit.tag_read(read_id, odometer_m, now_s))
-                if trains.units[slot].position_known:
-                    trains.position_fixed(slot)
+                self._frozen.when_it_works(slot, partial(self._read, slot, read_id, odometer_m))
         if events & EVENT_CAMERA:
             self._eyes.begin(slot, self._step)
         if events & EVENT_UNIT_BITS and slot not in trains.unpowered:
-            at = unit.at
-            self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))
-            if events & EVENT_STOPPED and unit.at == at:
-                self._crew_stands(slot)
+            self._frozen.when_it_works(slot, partial(self._sensed, slot, events & EVENT_UNIT_BITS))
+
+    def _read(self, slot: int, read_id: int, odometer_m: float) -> None:
+        self._apply(slot, self.trains.on_board[slot].tag_read(read_id, odometer_m, self.now_s))
+        if self.trains.units[slot].position_known:
+            self.trains.position_fixed(slot)
+
+    def _sensed(self, slot: int, events: int) -> None:
+        unit = self.trains.on_board[slot]
+        at = unit.at
+        self._apply(slot, unit.events(events, self.now_s))
+        if events & EVENT_STOPPED and unit.at == at:
+            self._crew_stands(slot)
+
+    def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
+        """The event-driven part of a unit does nothing, or goes on with what has piled up."""
+        slot = self.trains.slot_of[stock_id]
+        if frozen:
+            self._frozen.freeze(slot)
+            return
+        for act in self._frozen.thaw(slot):
+            act()
 
     # power of units, crews ------------------------------------------------------------------------------------
 
@@ -339,6 +366,7 @@ class Simulation:
             return
         self.journal.write(self.now_s, "world", "power_on" if on else "power_off", device=stock_id)
         if not on:
+            self._frozen.forget(slot)
             self.trains.power_off(slot)
             return
         before = self.trains.on_board[slot]
@@ -349,22 +377,25 @@ class Simulation:
         duty = self.trains.duties[slot]
         if duty is None or not self.trains.truths[slot].active:
             return
+        self._frozen.when_it_works(slot, partial(self._restart, slot, duty, stood_at if stands else None))
+
+    def _restart(self, slot: int, duty: Duty, stands_at: int | None) -> None:
+        pattern, now_s = self.trains.pattern_rows(slot), self.now_s
         unit = self.trains.on_board[slot]
-        pattern = self.trains.pattern_rows(slot)
-        actions = unit.restart(
-            duty.mission, pattern, self.now_s, ready_s=self.now_s, stands_at=stood_at if stands else None
-        )
-        self._apply(slot, actions)
+        self._apply(slot, unit.restart(duty.mission, pattern, now_s, ready_s=now_s, stands_at=stands_at))
 
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead (進路取消)."""
         slot = self.trains.slot_of[stock_id]
         if slot not in self.trains.unpowered:
-            self._apply(slot, self.trains.on_board[slot].give_back(self.now_s, hold_s))
+            self._frozen.when_it_works(slot, partial(self._set_back, slot, hold_s))
+
+    def _set_back(self, slot: int, hold_s: float) -> None:
+        self._apply(slot, self.trains.on_board[slot].give_back(self.now_s, hold_s))
 
     def _crew_stands(self, slot: int) -> None:
         """A train on sight stands: the crew looks at the points, or has reached a mark."""
-        if self.trains.plants[slot].speed_mps > 0.0 or slot in self.trains.unpowered:
+        if self.trains.plants[slot].speed_mps > 0.0 or slot in self.trains.unpowered or slot in self._frozen:
             return
         seen = self._crew.stand(slot, self.now_s)
         unit = self.trains.on_board[slot]
@@ -390,7 +421,7 @@ class Simulation:
         stock_id = self.trains.stock_ids[slot]
         duty = self._duties[stock_id][self._next_duty[stock_id]]
         on_line = bool(self.trains.truths[slot].active)
-        if not on_line and duty.enters and self._portal_busy(duty):
+        if slot in self._frozen or (not on_line and duty.enters and self._portal_busy(duty)):
             self._agenda.put(self._step + round(PORTAL_RETRY_S / STEP_S), Due.DUTY, stock_id)
             return
         turns = on_line and duty.mission.direction is not self.trains.direction(slot)
@@ -508,6 +539,16 @@ class Simulation:
                 return False
         return True
 
+    def _duty_done(self, slot: int) -> bool:
+        """Whether the stock has truly left the line, or stands where its last duty ends."""
+        stock_id, duty = self.trains.stock_ids[slot], self.trains.duties[slot]
+        if self._next_duty[stock_id] < len(self._duties[stock_id]):
+            return False
+        if duty is None or not self.trains.truths[slot].active:
+            return True
+        stands = self.trains.plants[slot].speed_mps <= 0.0
+        return stands and not duty.leaves and duty.train.number in self._books.arrived
+
     def _stalled(self) -> bool:
         """Nothing has moved for long although a train waits for a section."""
         if (self._step - self._moved_step) / STEPS_PER_S < self.setup.stall_limit_s:
@@ -546,6 +587,8 @@ class Simulation:
             spans=self._books.spans,
             journal=self.journal,
             ended_because=because,
+            unfinished=tuple(s for i, s in enumerate(self.trains.stock_ids) if not self._duty_done(i)),
+            courses=self._injector.courses,
             learned=self.trains.learned(),
             learned_from=self.trains.learned_from(),
         )
