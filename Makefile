@@ -32,6 +32,7 @@ bench: install
 
 docs: install
 	$(BIN)/python -m documents.interlocking
+	$(BIN)/python -m documents.faults
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

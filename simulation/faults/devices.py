@@ -1,8 +1,9 @@
 """Faults of devices and on-board units: without power, started again, frozen.
 
 Power is off while any `power_off` is in force; a person who switches the device on ends them. A frozen party does
-nothing, and finds later what has come to it meanwhile; what it last commanded stays. Losing its power it loses that,
-too, and booting while it is frozen it goes on only afterwards.
+nothing, and finds later what has come to it meanwhile; what it last commanded stays. A train whose unit is frozen
+goes on with the last command: its compiled supervision holds it to the stop limit that it has. Losing its power a party
+loses what has piled up, and one that boots while it is frozen goes on only afterwards.
 """
 
 from __future__ import annotations
@@ -57,9 +58,7 @@ class Restart(PowerFault):
 
 
 class Frozen(DeviceFault):
-    """The device or unit does nothing, then goes on with what has piled up. A train goes on with its last command:
-    its compiled supervision still holds it to the stop limit that it has.
-    """
+    """The device does nothing, then goes on with what has piled up."""
 
     kind = "frozen"
     changes = "frozen"

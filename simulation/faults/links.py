@@ -1,4 +1,7 @@
-"""Faults of radio links, behind the air: each telegram passes every fault in force on its way, in their order."""
+"""Faults of radio links, behind the air: each telegram passes every fault in force on its way, in their order.
+
+A link is written `A -> B` or `A <-> B`; `*` is any party.
+"""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def run_drill(name: str, link: Link, seed: int | None = None, progress: Progress
     """Run a drill. InputError for a file that is no drill: nothing fails, nobody acts, it expects nothing."""
     scenario = load_scenario(find_drill(name), seed)
     script = scenario.setup.script
-    if not script.faults and not script.acts and set(script.expectations) <= set(DEFAULTS):
+    if not script.faults and not script.acts and all(e in DEFAULTS for e in script.expectations):
         raise InputError(
             scenario.file, "fault", None, "at least one [[fault]], [[act]] or [[expect]] to make it a drill"
         )
