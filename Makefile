@@ -38,6 +38,7 @@ docs: install
 	$(BIN)/python -m documents.files
 	$(BIN)/python -m documents.interlocking
 	$(BIN)/python -m documents.journal
+	$(BIN)/python -m documents.faults
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

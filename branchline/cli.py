@@ -220,20 +220,24 @@ def drill(
     as_json: Json = False,
 ) -> None:
     """Run a drill and print it expectation by expectation; exit code 1 if one is not met."""
-    from study.run.drill import run_drill, shipped_drills
-    from study.run.run import check_out, link_of, write_run
+    from study.run.drill import run_drill, score_text, sentence_of, shipped_drills, write_drill
+    from study.run.run import check_out, link_of, units_at
 
     if file == "list":
-        _print_json(list(shipped_drills())) if as_json else sys.stdout.write(
-            "\n".join(shipped_drills()) + "\n"
-        )
+        sentences = {name: sentence_of(name) for name in shipped_drills()}
+        if as_json:
+            _print_json([{"drill": name, "sentence": sentence} for name, sentence in sentences.items()])
+        else:
+            width = max(map(len, sentences), default=0)
+            sys.stdout.write("".join(f"{name:{width}}  {text}\n" for name, text in sentences.items()))
         return
     if out is not None:
         check_out(out.resolve())
     with _progress(Path(file).stem) as progress:
-        done = run_drill(file, link_of(link), seed, progress)
+        chosen = link_of(link)
+        done = run_drill(file, chosen, seed, progress, units_at(units, chosen))
     if out is not None:
-        write_run(done.run, out.resolve())
+        write_drill(done, out.resolve())
     if as_json:
         _print_json(done.as_dict())
     else:
@@ -242,6 +246,7 @@ def drill(
             sys.stdout.write(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
+        sys.stdout.write(f"  {score_text(done.scores)}\n")
     raise typer.Exit(0 if done.passed else BROKEN)
 
 

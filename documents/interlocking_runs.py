@@ -24,7 +24,10 @@ from onboard.notes import (
 )
 from radio.noted import Noted, Sent
 from simulation.events import Entry, Event, FaultOver, PointsLocked, PointsMoving
-from simulation.faults.script import Fault, FaultKind, Script, Trigger, matcher_of
+from simulation.faults.devices import PowerOff
+from simulation.faults.links import ANY, Cut
+from simulation.faults.links import Link as RadioLink
+from simulation.faults.script import Failure, Script, Trigger, matcher_of
 from study.run.run import Link, Run, execute
 from study.scenario.scenario import Scenario, load_scenario
 from wayside.config import MANAGER_ID
@@ -178,9 +181,10 @@ def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> Run:
     if matcher is None:
         raise ValueError(case.event)
     trigger = Trigger(on=matcher, after_s=case.after_s)
-    faults = [Fault(FaultKind.POWER_OFF, UNIT, trigger, POWER_OFF_S)]
+    faults = [Failure(PowerOff(target=UNIT), trigger, POWER_OFF_S)]
     if not radio:
-        faults.append(Fault(FaultKind.CUT, f"{UNIT} <-> *", trigger, NO_RADIO_S))
+        cut = Cut(target=RadioLink(UNIT, ANY, both_ways=True))
+        faults.append(Failure(cut, trigger, NO_RADIO_S))
     setup = replace(scenario.setup, script=Script(tuple(faults)))
     return execute(replace(scenario, setup=setup), Link.SIMULATED)
 
@@ -242,7 +246,7 @@ def _without_radio(run: Run) -> str:
     over_s = next(
         e.t_s
         for e in run.result.journal.entries
-        if isinstance(e.event, FaultOver) and e.event.kind == FaultKind.CUT.value
+        if isinstance(e.event, FaultOver) and e.event.kind == Cut.kind
     )
     before = [entry.event for entry in entries if entry.t_s < over_s]
     if (arrived := _first(before, Arrived)) is not None:

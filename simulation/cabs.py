@@ -45,13 +45,20 @@ class Cabs:
         self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._timer_steps: dict[int, int] = {}
+        self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
         self.told: Callable[[int, Told, int], None] = lambda _slot, _told, _step: None
         self.looked_ahead: Callable[[int], None] = lambda _slot: None  # eyes, which see signs
 
     def tell(
         self, slot: int, step: int, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()
     ) -> None:
-        """Put what happened to a unit, and do what it says. A unit without power does not hear it."""
+        """Put what happened to a unit, and do what it says.
+
+        A unit without power does not hear it; for one that is frozen it waits.
+        """
+        if slot in self._frozen and slot not in self._on_board.unpowered:
+            self._frozen[slot].append((happened, telegrams))
+            return
         now_s = step / STEPS_PER_S
         answered = self._on_board.tell(slot, now_s, happened, telegrams)
         if answered is None:
@@ -84,6 +91,18 @@ class Cabs:
             del self._timer_steps[slot]
             self.tell(slot, step)
 
+    def freeze(self, slot: int, step: int, *, frozen: bool) -> None:
+        """The event-driven part of a unit does nothing, or goes on with what has piled up, in its order.
+
+        Physics and the compiled tick go on with the last command, supervised to the stop limit that the unit has: that
+        only ever restricts, so nothing that is safe rests on a unit that answers.
+        """
+        if frozen:
+            self._frozen.setdefault(slot, [])
+            return
+        for happened, telegrams in self._frozen.pop(slot, []):
+            self.tell(slot, step, happened, telegrams)
+
     # crews ----------------------------------------------------------------------------------------------------------
 
     def crew_looks(self, slot: int, step: int) -> None:
@@ -94,7 +113,7 @@ class Cabs:
 
     def crew_stands(self, slot: int, step: int) -> None:
         """A train on sight stands: the crew looks at the points, or has reached a mark."""
-        happened = self._crew.stand(slot, step / STEPS_PER_S)
+        happened = [] if slot in self._frozen else self._crew.stand(slot, step / STEPS_PER_S)
         if happened:
             self.tell(slot, step, happened)
 
@@ -117,6 +136,8 @@ class Cabs:
             return
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=self._trains.stock_ids[slot]))
         self._on_board.power_off(slot)
+        if slot in self._frozen:
+            self._frozen[slot].clear()
         self._timer_steps.pop(slot, None)
         self._trains.truths[slot].sight_m = math.inf
 

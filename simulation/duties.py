@@ -94,6 +94,15 @@ class Duties:
         """Whether nothing follows for any stock."""
         return all(stage is Stage.DONE for stage in self._stage)
 
+    def truly_done(self, slot: int) -> bool:
+        """Whether the stock has truly left the line, or stands where its last duty ends."""
+        duty = self._trains.duties[slot]
+        if self._stage[slot] is not Stage.DONE:
+            return False
+        if duty is None or not self._trains.truths[slot].active:
+            return True
+        return self._trains.plants[slot].speed_mps <= 0.0 and duty.train.number in self._books.arrived
+
     def overdue_s(self, now_s: float) -> float:
         """For how long the train that is most behind its plan should have gone on, s; 0 where none is."""
         late_s = 0.0

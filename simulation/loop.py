@@ -125,6 +125,7 @@ class Simulation:
             self.journal,
             self._agenda,
             self._unit_power,
+            self._unit_freeze,
             self._give_back,
         )
 
@@ -313,6 +314,10 @@ class Simulation:
         elif self._cabs.power_on(slot, self._step):
             self._duties.powered_on(slot, self._step)
 
+    def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
+        """The event-driven part of a unit does nothing, or goes on with what has piled up."""
+        self._cabs.freeze(self.trains.slot_of[stock_id], self._step, frozen=frozen)
+
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""
         self._cabs.set_back(self.trains.slot_of[stock_id], self._step, hold_s)
@@ -356,6 +361,12 @@ class Simulation:
             spans=self._books.spans,
             journal=self.journal,
             ended_because=because,
+            unfinished=tuple(
+                stock_id
+                for slot, stock_id in enumerate(self.trains.stock_ids)
+                if not self._duties.truly_done(slot)
+            ),
+            courses=self._injector.courses,
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
         )

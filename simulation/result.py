@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopRecord as StopWaves
+from simulation.faults.script import Course
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
 from simulation.motion_digest import motion_digest
@@ -93,6 +94,8 @@ class RunResult:
     spans: list[TraceSpan]
     journal: Journal
     ended_because: str
+    unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
+    courses: tuple[Course, ...] = ()  # what became of the script's faults and acts
     learned: Mapping[str, Learned] = field(default_factory=dict)  # by stock id; empty: no train learned
     learned_from: Mapping[str, StopWaves] = field(default_factory=dict)  # waves of the last stop that counted
 

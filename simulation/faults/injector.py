@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Final
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from network.model import Position
 from radio.air import Delivery
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, Acted, FaultBegan, FaultOver
-from simulation.faults.script import Act, ActKind, Fault, FaultKind, Script, Trigger, Watch
+from simulation.faults.devices import PowerFault
+from simulation.faults.fault import InForce, World, fold
+from simulation.faults.links import LinkFault
+from simulation.faults.points import PointsFault
+from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
 from wayside.config import MANAGER_ID
@@ -25,24 +26,8 @@ if TYPE_CHECKING:
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
-BOTH_WAYS: Final = " <-> "
-ONE_WAY: Final = " -> "
-ANY: Final = "*"
-NOT_FROZEN: Final = -1.0
-
-Power = Callable[[str, bool], None]  # stock id, on
+Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
-
-
-def link_ends(target: str) -> tuple[tuple[str, str], ...]:
-    """Directed links of 'A -> B' or 'A <-> B'; an end may be '*'. Empty if the words are not of that form."""
-    if BOTH_WAYS in target:
-        one, other = target.split(BOTH_WAYS, 1)
-        return ((one, other), (other, one))
-    if ONE_WAY in target:
-        one, other = target.split(ONE_WAY, 1)
-        return ((one, other),)
-    return ()
 
 
 class Injector:
@@ -57,22 +42,23 @@ class Injector:
         wayside: WaysideWorld,
         journal: Journal,
         agenda: Agenda,
-        unit_power: Power,
+        unit_power: Switch,
+        unit_freeze: Switch,
         give_back: GiveBack,
     ) -> None:
         self._script = script
+        self._seed = seed
         self._trains = trains
         self._on_board = on_board
         self._wayside = wayside
         self._journal = journal
         self._agenda = agenda
-        self._unit_power = unit_power
         self._give_back = give_back
-        self._step = 0
+        self._world = World(trains, wayside, unit_power, unit_freeze)
+        self._in_force = InForce()
+        self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter
-        self._disturbed: dict[int, Fault] = {}  # link faults in force, by number
-        self._chance = [generator(seed, "fault", str(i)) for i in range(len(script.faults))]
-        triggers = {i: fault.trigger for i, fault in enumerate(script.faults)}
+        triggers = {i: failure.trigger for i, failure in enumerate(script.faults)}
         first_act = len(script.faults)
         triggers |= {first_act + i: act.trigger for i, act in enumerate(script.acts)}
         self._triggers: dict[int, Trigger] = triggers
@@ -80,146 +66,94 @@ class Injector:
         journal.watch(self._watch.see)
         wayside.disturb = self._disturb
 
+    @property
+    def courses(self) -> tuple[Course, ...]:
+        """What has begun so far, faults first, each in the order of the script."""
+        return tuple(course for _, course in sorted(self._courses.items()))
+
     def start(self, step: int) -> None:
         """Put everything that has a time on the agenda."""
-        self._step = step
+        self._world.step = step
         for key, trigger in self._triggers.items():
             if trigger.at_s is not None:
                 self._come_due(key, trigger.at_s + trigger.after_s)
 
     def _come_due(self, key: int, at_s: float) -> None:
-        step = max(math.ceil(at_s * STEPS_PER_S - 1e-6), self._step)
+        step = max(math.ceil(at_s * STEPS_PER_S - 1e-6), self._world.step)
         self._agenda.put(step, Due.SCRIPT, f"begin {key}")
 
     def due(self, step: int, subject: str) -> None:
         """A script item has come due."""
-        self._step = step
+        self._world.step = step
         what, number = subject.split()
         key = int(number)
         if what == "word":
             self._wayside.input(step, MANAGER_ID, self._words[key])
-            return
-        if key >= len(self._script.faults):
-            self._act(self._script.acts[key - len(self._script.faults)])
-            return
-        fault = self._script.faults[key]
-        begins = what == "begin"
-        changed = FaultBegan if begins else FaultOver
-        event = changed(kind=fault.kind.value, target=fault.target, parameters=dict(fault.parameters))
-        self._journal.write(step / STEPS_PER_S, WORLD, event)
-        _EFFECTS[fault.kind](self, key, fault, begins)
-        if begins and fault.duration_s is not None:
-            self._agenda.put(step + round(fault.duration_s * STEPS_PER_S), Due.SCRIPT, f"end {key}")
-
-    # devices ------------------------------------------------------------------------------------------------
-
-    def _power(self, _key: int, fault: Fault, begins: bool) -> None:
-        self._switch(fault.target, on=not begins)
-
-    def _restart(self, _key: int, fault: Fault, begins: bool) -> None:
-        if begins:
-            self._switch(fault.target, on=False)
-            self._switch(fault.target, on=True)
-
-    def _switch(self, target: str, *, on: bool) -> None:
-        if target in self._trains.slot_of:
-            self._unit_power(target, on)
-        elif on:
-            self._wayside.power_on(self._step, target)
+        elif what == "end":
+            self._end(key)
+        elif key < len(self._script.faults):
+            self._begin(key, self._script.faults[key])
         else:
-            self._wayside.power_off(self._step, target)
+            act = self._script.acts[key - len(self._script.faults)]
+            self._courses[key] = Course(act, step / STEPS_PER_S)
+            self._act(act)
 
-    def _freeze(self, _key: int, fault: Fault, begins: bool) -> None:
-        self._wayside.freeze(self._step, fault.target, frozen=begins)
+    # faults -------------------------------------------------------------------------------------------------
 
-    # links --------------------------------------------------------------------------------------------------
+    def _begin(self, key: int, failure: Failure) -> None:
+        step = self._world.step
+        self._courses[key] = Course(failure, step / STEPS_PER_S)
+        self._world.chance = generator(self._seed, "fault", str(key))
+        self._write(FaultBegan, failure)
+        self._in_force.begin(key, failure.fault, self._world)
+        if failure.fault.momentary:
+            self._end(key)
+        elif failure.duration_s is not None:
+            self._agenda.put(step + round(failure.duration_s * STEPS_PER_S), Due.SCRIPT, f"end {key}")
 
-    def _link(self, key: int, fault: Fault, begins: bool) -> None:
-        if begins:
-            self._disturbed[key] = fault
-        else:
-            self._disturbed.pop(key, None)
+    def _end(self, key: int) -> None:
+        """A fault is over: its time has come, or a person has ended it before."""
+        if key not in self._in_force:
+            return
+        failure = self._script.faults[key]
+        self._courses[key].over_s = self._world.step / STEPS_PER_S
+        if not failure.fault.momentary:
+            self._write(FaultOver, failure)
+        self._in_force.end(key, self._world)
+
+    def _end_all(self, changes: str, target: str) -> None:
+        """A person ends all faults of one quantity of a target."""
+        for key in self._in_force.at((changes, target)):
+            self._end(key)
+
+    def _write(self, changed: type[FaultBegan | FaultOver], failure: Failure) -> None:
+        fault = failure.fault
+        event = changed(kind=fault.kind, target=str(fault.target), parameters=fault.parameters())
+        self._journal.write(self._world.step / STEPS_PER_S, WORLD, event)
 
     def _disturb(
         self, _step: int, source: str, destination: str, deliveries: tuple[Delivery, ...]
     ) -> tuple[Delivery, ...]:
         """What the link faults in force make of a telegram on its way."""
-        for key, fault in self._disturbed.items():
-            ends = link_ends(fault.target)
-            if any(a in (ANY, source) and b in (ANY, destination) for a, b in ends):
-                deliveries = self._disturb_one(key, fault, deliveries)
-        return deliveries
-
-    def _disturb_one(self, key: int, fault: Fault, deliveries: tuple[Delivery, ...]) -> tuple[Delivery, ...]:
-        chance = self._chance[key]
-        p = fault.parameters.get("p", 1.0)
-        later = round(fault.parameters.get("seconds", 1.0) * STEPS_PER_S)
-        changed: list[Delivery] = []
-        for delivery in deliveries:
-            hit = chance.random() < p
-            match fault.kind:
-                case FaultKind.CUT | FaultKind.LOSS:
-                    changed += [] if hit else [delivery]
-                case FaultKind.DELAY | FaultKind.REORDER:
-                    changed.append(replace(delivery, step=delivery.step + later) if hit else delivery)
-                case FaultKind.DUPLICATE:
-                    changed += [delivery, replace(delivery, step=delivery.step + 1)] if hit else [delivery]
-                case _:
-                    changed.append(_flipped(delivery, chance) if hit else delivery)
-        return tuple(changed)
-
-    # sensors, tags, points ----------------------------------------------------------------------------------
-
-    def _tachometer(self, _key: int, fault: Fault, begins: bool) -> None:
-        truth = self._trains.truths[self._trains.slot_of[fault.target]]
-        gain = {FaultKind.SCALE: fault.parameters.get("factor", 1.0), FaultKind.NO_OUTPUT: 0.0}
-        truth.tachometer_gain = gain.get(fault.kind, 1.0) if begins else 1.0
-        plant = self._trains.plants[self._trains.slot_of[fault.target]]
-        stuck = begins and fault.kind is FaultKind.STUCK_OUTPUT
-        self._trains.tachometer_faults[self._trains.slot_of[fault.target]] = begins
-        truth.tachometer_frozen_mps = plant.wheel_speed_mps if stuck else NOT_FROZEN
-
-    def _rail(self, _key: int, fault: Fault, begins: bool) -> None:
-        plant = self._trains.plants[self._trains.slot_of[fault.target]]
-        plant.adhesion_factor = fault.parameters["factor"] if begins else 1.0
-
-    def _tag(self, _key: int, fault: Fault, begins: bool) -> None:
-        tag_id = int(fault.target)
-        if not begins:
-            self._trains.tag_faults.pop(tag_id, None)
-        elif fault.kind is FaultKind.MISS:
-            self._trains.tag_faults[tag_id] = None
-        else:
-            self._trains.tag_faults[tag_id] = int(fault.parameters["id"])
-
-    def _points(self, _key: int, fault: Fault, begins: bool) -> None:
-        machine = self._wayside.machines[fault.target]
-        match fault.kind:
-            case FaultKind.STUCK:
-                changed = replace(machine, stuck=begins)
-            case FaultKind.NO_DETECTION:
-                changed = replace(machine, detection_fault=begins)
-            case _:
-                factor = fault.parameters["factor"]
-                slower = machine.throw_time_s * (factor if begins else 1.0 / factor)
-                changed = replace(machine, throw_time_s=slower)
-        self._wayside.set_machine(self._step, changed)
+        on_its_way = [f for f in self._in_force.of(LinkFault) if f.target.joins(source, destination)]
+        return fold(deliveries, on_its_way)
 
     # people -------------------------------------------------------------------------------------------------
 
     def _act(self, act: Act) -> None:
         acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections)
-        self._journal.write(self._step / STEPS_PER_S, act.person, acted)
+        self._journal.write(self._world.step / STEPS_PER_S, act.person, acted)
         match act.kind:
             case ActKind.CONFIRM_OUTSIDE:
-                self._wayside.input(self._step, MANAGER_ID, ConfirmOutside(act.target, act.person))
+                self._wayside.input(self._world.step, MANAGER_ID, ConfirmOutside(act.target, act.person))
             case ActKind.CONFIRM_HOLDING:
                 entry = ConfirmHolding(act.target, act.sections, act.person)
-                self._wayside.input(self._step, MANAGER_ID, entry)
+                self._wayside.input(self._world.step, MANAGER_ID, entry)
             case ActKind.POWER_ON:
-                self._switch(act.target, on=True)
+                self._end_all(PowerFault.changes, act.target)
             case ActKind.REPAIR_POINTS:
-                self._wayside.repair(self._step, act.target, Position(act.position))
+                self._end_all(PointsFault.changes, act.target)
+                self._wayside.repair(self._world.step, act.target, Position(act.position))
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
             case ActKind.ACCEPT_PICTURE | ActKind.REENTER_ASSISTED:
@@ -227,7 +161,7 @@ class Injector:
             case ActKind.ENTER_SECTION:
                 for section_id in act.sections:
                     word = EnterSection(section_id, act.target or None, act.person)
-                    self._wayside.input(self._step, MANAGER_ID, word)
+                    self._wayside.input(self._world.step, MANAGER_ID, word)
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
 
@@ -245,36 +179,6 @@ class Injector:
     def _enter(self, words: Sequence[Input], pace_s: float) -> None:
         """A person enters words one after the other, `pace_s` for each."""
         for count, word in enumerate(words, 1):
-            step = self._step + round(count * pace_s * STEPS_PER_S)
+            step = self._world.step + round(count * pace_s * STEPS_PER_S)
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
-
-
-def _flipped(delivery: Delivery, chance: np.random.Generator) -> Delivery:
-    """The telegram with one bit turned."""
-    data = bytearray(delivery.data)
-    bit = int(chance.integers(8 * len(data)))
-    data[bit // 8] ^= 1 << bit % 8
-    return replace(delivery, data=bytes(data))
-
-
-_EFFECTS: Final[dict[FaultKind, Callable[[Injector, int, Fault, bool], None]]] = {
-    FaultKind.POWER_OFF: Injector._power,
-    FaultKind.RESTART: Injector._restart,
-    FaultKind.FROZEN: Injector._freeze,
-    FaultKind.CUT: Injector._link,
-    FaultKind.LOSS: Injector._link,
-    FaultKind.DELAY: Injector._link,
-    FaultKind.DUPLICATE: Injector._link,
-    FaultKind.REORDER: Injector._link,
-    FaultKind.FLIP: Injector._link,
-    FaultKind.SCALE: Injector._tachometer,
-    FaultKind.STUCK_OUTPUT: Injector._tachometer,
-    FaultKind.NO_OUTPUT: Injector._tachometer,
-    FaultKind.SLIPPERY: Injector._rail,
-    FaultKind.MISS: Injector._tag,
-    FaultKind.WRONG_ID: Injector._tag,
-    FaultKind.STUCK: Injector._points,
-    FaultKind.NO_DETECTION: Injector._points,
-    FaultKind.SLOW: Injector._points,
-}

@@ -23,74 +23,8 @@ from simulation.events import (
     unit_of,
     word_of,
 )
+from simulation.faults.fault import Fault
 from wayside.said import Started
-
-
-class FaultKind(Enum):
-    """What can fail; the value is the word in scenario files, the target's kind stands before the colon."""
-
-    POWER_OFF = "power_off"  # device: off, on again after the duration (never without one)
-    RESTART = "restart"  # device: off and on at once
-    FROZEN = "frozen"  # device: does nothing for the duration, then goes on with what has piled up
-    CUT = "cut"  # link
-    LOSS = "loss"  # link: probability p
-    DELAY = "delay"  # link: seconds more
-    DUPLICATE = "duplicate"  # link: probability p
-    REORDER = "reorder"  # link: probability p, held back by seconds
-    FLIP = "flip"  # link: probability p that a telegram has a bit turned
-    SCALE = "scale"  # tachometer: factor
-    STUCK_OUTPUT = "stuck_output"  # tachometer: shows the speed of the moment for ever
-    NO_OUTPUT = "no_output"  # tachometer: shows nothing
-    SLIPPERY = "slippery"  # rail under a train: adhesion factor; wheels slip and slide by the physics
-    MISS = "miss"  # tag: is not read
-    WRONG_ID = "wrong_id"  # tag: reads as id
-    STUCK = "stuck"  # points do not move
-    NO_DETECTION = "no_detection"  # points move, detection shows nothing
-    SLOW = "slow"  # points: throw time times factor
-
-
-class TargetKind(Enum):
-    """What a fault aims at."""
-
-    DEVICE = "device"
-    LINK = "link"
-    UNIT = "unit"
-    TAG = "tag"
-    POINTS = "points"
-
-
-TARGETS: Final[Mapping[FaultKind, TargetKind]] = {
-    FaultKind.POWER_OFF: TargetKind.DEVICE,
-    FaultKind.RESTART: TargetKind.DEVICE,
-    FaultKind.FROZEN: TargetKind.DEVICE,
-    FaultKind.CUT: TargetKind.LINK,
-    FaultKind.LOSS: TargetKind.LINK,
-    FaultKind.DELAY: TargetKind.LINK,
-    FaultKind.DUPLICATE: TargetKind.LINK,
-    FaultKind.REORDER: TargetKind.LINK,
-    FaultKind.FLIP: TargetKind.LINK,
-    FaultKind.SCALE: TargetKind.UNIT,
-    FaultKind.STUCK_OUTPUT: TargetKind.UNIT,
-    FaultKind.NO_OUTPUT: TargetKind.UNIT,
-    FaultKind.SLIPPERY: TargetKind.UNIT,
-    FaultKind.MISS: TargetKind.TAG,
-    FaultKind.WRONG_ID: TargetKind.TAG,
-    FaultKind.STUCK: TargetKind.POINTS,
-    FaultKind.NO_DETECTION: TargetKind.POINTS,
-    FaultKind.SLOW: TargetKind.POINTS,
-}
-# parameter a fault needs: name, lowest, highest
-NEEDS: Final[Mapping[FaultKind, tuple[str, float, float]]] = {
-    FaultKind.LOSS: ("p", 0.0, 1.0),
-    FaultKind.DELAY: ("seconds", 0.0, 600.0),
-    FaultKind.DUPLICATE: ("p", 0.0, 1.0),
-    FaultKind.REORDER: ("p", 0.0, 1.0),
-    FaultKind.FLIP: ("p", 0.0, 1.0),
-    FaultKind.SCALE: ("factor", 0.0, 10.0),
-    FaultKind.SLIPPERY: ("factor", 0.0, 1.0),
-    FaultKind.WRONG_ID: ("id", 1.0, 65535.0),
-    FaultKind.SLOW: ("factor", 1.0, 100.0),
-}
 
 
 class ActKind(Enum):
@@ -156,14 +90,12 @@ class Trigger:
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
-    """A failure with its beginning and, unless it lasts, its duration."""
+class Failure:
+    """A fault with its beginning and, unless it lasts, its duration."""
 
-    kind: FaultKind
-    target: str
+    fault: Fault[Any]
     trigger: Trigger
     duration_s: float | None = None
-    parameters: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,9 +121,12 @@ class Property(Enum):
     NEVER_ENTERS = "never_enters"  # unit, section, between from and until
 
 
+WHOLE_RUN: Final = frozenset({Property.NO_INVARIANT_BROKEN, Property.EVERYONE_ARRIVES})
+
+
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """An event by a time, its absence, or a property; exactly one of `event` and `holds` is set."""
+    """An event by a time, or a property; exactly one of `event` and `holds` is set. `absent`: that it is not so."""
 
     text: str
     event: Matcher | None = None
@@ -206,11 +141,18 @@ class Expectation:
     until: Matcher | None = None
 
 
+# What every drill expects unless its file says otherwise of the same property.
+DEFAULTS: Final = (
+    Expectation("every train reaches its station", holds=Property.EVERYONE_ARRIVES),
+    Expectation("no invariant is broken", holds=Property.NO_INVARIANT_BROKEN),
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Script:
     """All of a drill."""
 
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[Failure, ...] = ()
     acts: tuple[Act, ...] = ()
     expectations: tuple[Expectation, ...] = ()
 
@@ -250,6 +192,15 @@ def matcher_of(text: str) -> Matcher | None:
         if match is not None:
             return Matcher(text, **build(match))
     return None
+
+
+@dataclass(slots=True)
+class Course:
+    """What became of a failure or an act: when it began, and when it was over (None: never)."""
+
+    item: Failure | Act
+    begun_s: float
+    over_s: float | None = None
 
 
 class Watch:

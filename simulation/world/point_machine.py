@@ -31,7 +31,7 @@ class MachineState(Enum):
 @dataclass(frozen=True, slots=True)
 class PointMachine:
     """One machine. Faults: `stuck` does not move, `lock_fault` moves but does not lock, `detection_fault`
-    shows nothing.
+    shows nothing, `throw_factor` is how much longer a throw takes. `forced`: a train ran through it; broken.
 
     `target` and `done_at_s` are set while the motor runs.
     """
@@ -45,6 +45,8 @@ class PointMachine:
     stuck: bool = False
     lock_fault: bool = False
     detection_fault: bool = False
+    throw_factor: float = 1.0
+    forced: bool = False
 
     @property
     def state(self) -> MachineState:
@@ -101,10 +103,10 @@ def detection(machine: PointMachine) -> PointsDetected:
 def _start(machine: PointMachine, event: StartThrow, now_s: float) -> PointMachine:
     """The motor runs; nothing happens if it is there and locked, on its way, or stuck."""
     settled = machine.position is event.position and machine.locked
-    if settled or machine.stuck or machine.target is event.position:
+    if settled or machine.stuck or machine.forced or machine.target is event.position:
         return machine
     # A motor already there has only the lock left to do, but its cycle takes the same time.
-    done_at_s = now_s + machine.throw_time_s
+    done_at_s = now_s + machine.throw_time_s * machine.throw_factor
     return replace(machine, position=None, locked=False, target=event.position, done_at_s=done_at_s)
 
 
@@ -122,8 +124,8 @@ def _arrive(machine: PointMachine, event: Arrived, _now_s: float) -> PointMachin
 
 
 def _force(machine: PointMachine, _event: Forced, _now_s: float) -> PointMachine:
-    """Broken: between positions, unlocked and stuck until it is repaired."""
-    return replace(machine, position=None, locked=False, target=None, done_at_s=None, stuck=True)
+    """Broken: between positions and unlocked until it is repaired."""
+    return replace(machine, position=None, locked=False, target=None, done_at_s=None, forced=True)
 
 
 def _repair(machine: PointMachine, event: Repaired, _now_s: float) -> PointMachine:

@@ -189,8 +189,12 @@ class WaysideWorld:
             self.input(step, self._terminal_of[points], shown)
 
     def set_machine(self, step: int, machine: PointMachine) -> None:
-        """Change a machine: a fault comes or goes."""
+        """Change a machine: a fault comes or goes. A motor that was held on its way may arrive now."""
         self._moved(step, machine)
+        if machine.done_at_s is not None:
+            self._agenda.put(
+                max(math.ceil(machine.done_at_s / STEP_S - 1e-6), step), Due.POINTS, machine.points_id
+            )
 
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""
@@ -205,6 +209,9 @@ class WaysideWorld:
             return
         self._parties.kill(device_id)
         self._down.add(device_id)
+        if device_id in self._frozen:
+            self._frozen[device_id].clear()
+            self._inputs.pop(device_id, None)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
 
     def power_on(self, step: int, device_id: str) -> None:

@@ -90,6 +90,7 @@ class Trains:
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self._brake_factors = np.ones(n)
         self._adhesion = np.ones(n)  # as the weather has it
+        self._rail = np.ones(n)  # what faults leave of it
         self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
         self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
         for slot, stock_id in enumerate(self.stock_ids):
@@ -250,10 +251,13 @@ class Trains:
         """Draw what passes, for the run to the next stop: the brake's factor, the rail's adhesion."""
         scatter, plant, chance = self.setup.scatter, self.plants[slot], self._legs[slot]
         plant.brake_factor = self._brake_factors[slot] * scatter.brake_of_leg(chance)
-        adhesion = scatter.adhesion_of_leg(chance, now_s)
-        if plant.adhesion_factor in (1.0, self._adhesion[slot]):  # else a fault has made the rail slippery
-            plant.adhesion_factor = adhesion
-        self._adhesion[slot] = adhesion
+        self._adhesion[slot] = scatter.adhesion_of_leg(chance, now_s)
+        self.set_rail(slot, float(self._rail[slot]))
+
+    def set_rail(self, slot: int, share: float) -> None:
+        """What faults of the rail leave of the weather's adhesion."""
+        self._rail[slot] = share
+        self.plants[slot].adhesion_factor = self._adhesion[slot] * share
 
     def _onward(self, path: Path) -> Path:
         """The path with the track that really goes on beyond it, to the end of the line: for who overruns."""

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from network.model import Alignment, Direction, Line
 from study.report.data import Run
-from study.report.graph import spread, station_label
-from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, TRACTION, WIDTH_IN
+from study.report.graph import station_label
+from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, TRACTION, WIDTH_IN, spread
 
 Floats = NDArray[np.float64]
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from network.model import Station
 from network.timetable import TimetableTrain
 from study.report.data import Run
+from study.report.drill import Mark, draw_strip, mark_graph, strip_height_in
 from study.report.style import (
     DIRECTION_COLOUR,
     INK,
@@ -27,6 +28,7 @@ from study.report.style import (
     TimeGrid,
     can_write_japanese,
     draw_clock_axis,
+    spread,
     time_bands,
 )
 
@@ -38,14 +40,23 @@ _NUMBER_ROOM_SHARE: Final = 0.008  # a run seen for less of the panel than this 
 _LABEL_GAP_MIN: Final = 0.055  # least distance of station labels, share of the panel's height
 
 
-def draw_train_graph(run: Run) -> tuple[Figure, dict[str, str]]:
-    """The train graph in panels of at most 6.5 h, and a tip for the line of each train (see `svg_of`)."""
+def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict[str, str]]:
+    """The train graph in panels of at most 6.5 h, and a tip for the line of each train (see `svg_of`).
+
+    The marks of a drill stand on the panels, and in a strip of rows under each.
+    """
     bands, grid = time_bands(*run.window_s)
-    figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(bands) + 0.2), layout="constrained")
-    panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+    shown = [[mark for mark in marks if mark.shows(band)] for band in bands]
+    heights_in = [h for part in shown for h in (_PANEL_IN, strip_height_in(part)) if h]
+    figure = Figure(figsize=(WIDTH_IN, sum(heights_in) + 0.2), layout="constrained")
+    panels = iter(figure.subplots(len(heights_in), 1, squeeze=False, height_ratios=heights_in)[:, 0])
     tips: dict[str, str] = {}
-    for index, (axes, band) in enumerate(zip(panels, bands, strict=True)):
+    for index, (band, part) in enumerate(zip(bands, shown, strict=True)):
+        axes = next(panels)
         _frame(axes, run, band, grid)
+        mark_graph(axes, part, band)
+        if part:
+            draw_strip(next(panels), part, band, grid)
         for train in run.timetable.trains.values():
             _draw_plan(axes, run, train, band)
         for (unit, number), course in run.courses.items():
@@ -85,22 +96,6 @@ def station_label(station: Station) -> str:
     """Romanised name, with the Japanese one where a font has it."""
     japanese = f" {station.name_ja}" if station.name_ja and can_write_japanese() else ""
     return f"{station.name}{japanese}"
-
-
-def spread(positions: Sequence[float], gap_min: float) -> list[float]:
-    """Positions moved apart, in their order, to at least gap_min; clusters stay about where they are."""
-    placed = list(positions)
-    for _ in range(20):
-        moved = False
-        for i, (low, high) in enumerate(pairwise(placed)):
-            lack = gap_min - (high - low)
-            if lack > 1e-9 * max(1.0, gap_min):
-                placed[i] -= lack / 2
-                placed[i + 1] += lack / 2
-                moved = True
-        if not moved:
-            break
-    return placed
 
 
 def _draw_plan(axes: Axes, run: Run, train: TimetableTrain, band: TimeBand) -> None:

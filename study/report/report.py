@@ -20,6 +20,7 @@ from network.timetable import Timetable
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import chosen_trains, draw_run_curve
 from study.report.data import Run
+from study.report.drill import DrillShown, MarkKind, expectation_rows, item_rows
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.style import clock, drawing, svg_of
@@ -31,6 +32,10 @@ REPORT_FILE: Final = "report.html"
 EVENTS_SHOWN: Final = 200
 CHANGES_SHOWN: Final = 200
 CHANGES_OPEN: Final = 20  # more are folded
+DRILL_HELP: Final = (
+    " Faults are red bands (F), acts dashed lines (A); below, each has a row of its own, and so has each expectation"
+    " (E): grey is the stretch judged, a green dot where it was met, a red cross where it was not."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +75,7 @@ def write_report(
     tables: RunTables,
     summary: Mapping[str, Any],
     tuned: Mapping[str, Tuned] | None = None,
+    drill: DrillShown | None = None,
 ) -> Path:
     """Write `report.html` into `directory` and return its path; written aside, then renamed.
 
@@ -77,13 +83,13 @@ def write_report(
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
     "broken_expectations" (text), "changes" (objects with file, key, old and new). Figures of
     `study.run.summary.summarise` found in it are used as they are.
-    `tuned` is what each train learned of its stops, by unit.
+    `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of.
     Raises OSError when the file cannot be written.
     """
     run = Run(line, timetable, tables)
     facts = {**summarise(tables, timetable), **summary}
     with drawing():
-        parts = _parts(run, facts, tuned or {})
+        parts = _parts(run, facts, tuned or {}, drill)
     environment = Environment(
         loader=PackageLoader("study", "templates"),
         autoescape=True,
@@ -94,7 +100,7 @@ def write_report(
     page = environment.get_template("report.html.j2").render(
         line=line,
         subtitle=_subtitle(timetable, facts),
-        headline=_headline(facts),
+        headline=(*_drill_facts(drill), *_headline(facts)),
         broken=_broken(facts),
         parts=parts,
         assumed=(*line.assumed, *timetable.assumed),
@@ -140,6 +146,20 @@ def _headline(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     )
 
 
+def _drill_facts(drill: DrillShown | None) -> tuple[Fact, ...]:
+    return () if drill is None else (Fact("Drill", drill.verdict(), not drill.passed),)
+
+
+def _drill_part(drill: DrillShown) -> Part:
+    """What was done to the line, what was expected, and what became of it."""
+    items = item_rows(drill.of(MarkKind.FAULT, MarkKind.ACT))
+    judged = expectation_rows(drill.of(MarkKind.EXPECTATION))
+    grids = [Grid(("", "expected", "verdict", "what happened"), judged)]
+    if items:
+        grids.insert(0, Grid(("", "fault or act", "begun", "over"), items))
+    return Part("Drill", drill.score, grids=tuple(grids))
+
+
 def _stops(facts: Mapping[str, Any]) -> str:
     mean_m, sigma_m, worst_m = (facts[f"stop_error_m_{name}"] for name in ("mean", "sigma", "max_abs"))
     if mean_m is None:
@@ -162,14 +182,17 @@ def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
     return (*lines, *(f"Expected: {text}" for text in facts.get("broken_expectations", ())))
 
 
-def _parts(run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned]) -> tuple[Part, ...]:
+def _parts(
+    run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned], drill: DrillShown | None
+) -> tuple[Part, ...]:
     """Every part of the report, in the order in which a planner reads them."""
-    graph, tips = draw_train_graph(run)
-    parts = [
+    graph, tips = draw_train_graph(run, () if drill is None else drill.marks)
+    parts = [] if drill is None else [_drill_part(drill)]
+    parts += [
         Part(
             "Train graph",
             "Plan thin, run thick; blue runs down, orange up, dashed carries no passengers; dotted links are"
-            " turn-rounds, red crosses are interventions of supervision.",
+            f" turn-rounds, red crosses are interventions of supervision.{'' if drill is None else DRILL_HELP}",
             (svg_of(graph, "graph", tips),),
         )
     ]

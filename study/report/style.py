@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from html import escape
 from importlib.util import find_spec
 from io import StringIO
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -187,3 +188,19 @@ def draw_clock_axis(axes: Axes, band: TimeBand, grid: TimeGrid) -> None:
             if i * step_s not in drawn:
                 drawn.add(i * step_s)
                 axes.axvline(i * step_s, color=RULE, lw=width_pt, ls=style, zorder=0.5)
+
+
+def spread(positions: Sequence[float], gap_min: float) -> list[float]:
+    """Positions moved apart, in their order, to at least gap_min; clusters stay about where they are."""
+    placed = list(positions)
+    for _ in range(20):
+        moved = False
+        for i, (low, high) in enumerate(pairwise(placed)):
+            lack = gap_min - (high - low)
+            if lack > 1e-9 * max(1.0, gap_min):
+                placed[i] -= lack / 2
+                placed[i + 1] += lack / 2
+                moved = True
+        if not moved:
+            break
+    return placed

@@ -1,26 +1,39 @@
-"""Drills: a scenario with faults, acts and expectations, run and judged expectation by expectation."""
+"""Drills: a scenario with faults, acts and expectations, run and judged expectation by expectation.
+
+That nothing unsafe happens and that everyone arrives every drill expects; its file says so only if it expects else.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import polars as pl
+
 from network.errors import InputError
-from network.files.toml_input import one_of
+from network.files.toml_input import one_of, parse_table, read_text
+from network.timetable import clock
+from simulation.faults.script import DEFAULTS, Act, Course, Failure
 from simulation.loop import Progress
-from study.run.run import Link, Run, execute
-from study.run.verdict import Verdict, judge
+from simulation.setup import STEPS_PER_S
+from study.report.drill import DrillShown, Mark, MarkKind
+from study.run.run import Link, Run, UnitsAt, execute, write_run
+from study.run.scores import Scores, score
+from study.run.tables import RunTables, make_table
+from study.run.verdict import Verdict, judge, not_arrived
 from study.scenario.scenario import load_scenario
 
 
 @dataclass(frozen=True, slots=True)
 class Drill:
-    """A finished drill."""
+    """A finished drill. Its run's summary and events hold the verdicts, too."""
 
     run: Run
     verdicts: tuple[Verdict, ...]
+    scores: Scores
 
     @property
     def passed(self) -> bool:
@@ -33,9 +46,8 @@ class Drill:
             "drill": self.run.scenario.id,
             "name": self.run.scenario.name,
             "passed": self.passed,
-            "expectations": [
-                {"text": v.text, "passed": v.passed, "happened": v.happened} for v in self.verdicts
-            ],
+            "expectations": expectations_dict(self.verdicts),
+            "scores": self.scores.as_dict(),
             "summary": self.run.summary,
         }
 
@@ -46,6 +58,12 @@ def shipped_drills() -> tuple[str, ...]:
     return tuple(
         sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.toml"))
     )
+
+
+def sentence_of(name: str) -> str:
+    """What a drill is about, in the sentence that is its name."""
+    path = Path(find_drill(name))
+    return str(parse_table(read_text(path), str(path)).get("name", ""))
 
 
 def find_drill(name: str) -> str:
@@ -59,16 +77,124 @@ def find_drill(name: str) -> str:
     raise InputError(name, "", None, expected)
 
 
-def run_drill(name: str, link: Link, seed: int | None = None, progress: Progress | None = None) -> Drill:
-    """Run a drill. InputError for a file that is no drill, because it expects nothing."""
+def run_drill(
+    name: str,
+    link: Link,
+    seed: int | None = None,
+    progress: Progress | None = None,
+    units: UnitsAt = UnitsAt.SIMULATOR,
+) -> Drill:
+    """Run a drill. InputError for a file that is no drill: nothing fails, nobody acts, it expects nothing."""
     scenario = load_scenario(find_drill(name), seed)
-    expectations = scenario.setup.script.expectations
-    if not expectations:
+    script = scenario.setup.script
+    if not script.faults and not script.acts and all(e in DEFAULTS for e in script.expectations):
         raise InputError(
-            scenario.file, "expect", None, "at least one [[expect]]: a drill says what must happen"
+            scenario.file, "fault", None, "at least one [[fault]], [[act]] or [[expect]] to make it a drill"
         )
-    run = execute(scenario, link, progress=progress)
-    return Drill(run, judge(expectations, run.result, run.tables))
+    run = execute(scenario, link, units=units, progress=progress)
+    verdicts = judge(script.expectations, run.result, run.tables)
+    scores = score(
+        run.result.courses,
+        run.tables.stops,
+        run.summary["late_s_max"],
+        all_arrived=not not_arrived(run.result),
+    )
+    end_s = run.result.end_step / STEPS_PER_S
+    told = {
+        "name": scenario.name,
+        "passed": all(verdict.passed for verdict in verdicts),
+        "expectations": expectations_dict(verdicts),
+        "script": [_course_dict(course) for course in run.result.courses],
+        "scores": scores.as_dict(),
+    }
+    run = replace(
+        run, summary=run.summary | {"drill": told}, tables=_with_verdicts(run.tables, verdicts, end_s)
+    )
+    return Drill(run, verdicts, scores)
+
+
+def write_drill(drill: Drill, out: Path) -> Path:
+    """Write the run directory of a drill, its report showing the drill. Raises InputError as `write_run` does."""
+    return write_run(drill.run, out, shown(drill))
+
+
+def shown(drill: Drill) -> DrillShown:
+    """What the report shows."""
+    result = drill.run.result
+    end_s = result.end_step / STEPS_PER_S
+    marks: list[Mark] = []
+    for kind, item in ((MarkKind.FAULT, Failure), (MarkKind.ACT, Act)):
+        mine = [course for course in result.courses if isinstance(course.item, item)]
+        for number, course in enumerate(mine, 1):
+            over_s = course.begun_s if kind is MarkKind.ACT else course.over_s
+            over = (
+                "lasts" if over_s is None else "at once" if over_s == course.begun_s else clock(int(over_s))
+            )
+            to_s = end_s if over_s is None else over_s
+            marks.append(Mark(kind, number, text_of(course.item), course.begun_s, to_s, happened=over))
+    for number, verdict in enumerate(drill.verdicts, 1):
+        bounded = math.isfinite(verdict.from_s) or math.isfinite(verdict.to_s)
+        from_s = max(verdict.from_s, result.begin_step / STEPS_PER_S) if bounded else end_s
+        fell = verdict.at_s if verdict.passed else None  # once met, there is nothing more to judge
+        to_s = min(verdict.to_s, end_s) if fell is None else fell
+        marks.append(
+            Mark(
+                MarkKind.EXPECTATION,
+                number,
+                verdict.text,
+                from_s,
+                to_s,
+                verdict.at_s,
+                verdict.passed,
+                verdict.happened,
+            )
+        )
+    return DrillShown(drill.passed, tuple(marks), score_text(drill.scores))
+
+
+def text_of(item: Failure | Act) -> str:
+    """A fault or an act in words."""
+    if isinstance(item, Act):
+        words = [f"{item.person}:", item.kind.value, item.target, " ".join(item.sections), item.position]
+        return " ".join(word for word in words if word)
+    parameters = [f"{name} {value:g}" for name, value in item.fault.parameters().items()]
+    return ", ".join([f"{item.fault.kind} {item.fault.target}", *parameters])
+
+
+def score_text(scores: Scores) -> str:
+    """The scores in a sentence."""
+    late = f"Latest {scores.late_s_max:.0f} s after plan."
+    if scores.normal_after_s is None or scores.healed_s is None:
+        return f"{late} Time back to normal: none, because {scores.why}."
+    return (
+        f"{late} Back to normal {scores.normal_after_s:.0f} s after the last heal at {clock(int(scores.healed_s))}:"
+        f" from then on every departure was within {scores.on_time_s:.0f} s of plan."
+    )
+
+
+def expectations_dict(verdicts: tuple[Verdict, ...]) -> list[dict[str, Any]]:
+    """Verdicts for JSON."""
+    return [{"text": v.text, "passed": v.passed, "happened": v.happened} for v in verdicts]
+
+
+def _course_dict(course: Course) -> dict[str, Any]:
+    what = "fault" if isinstance(course.item, Failure) else "act"
+    return {what: text_of(course.item), "begun_s": course.begun_s, "over_s": course.over_s}
+
+
+def _with_verdicts(tables: RunTables, verdicts: tuple[Verdict, ...], end_s: float) -> RunTables:
+    """The tables with a row among the events for each verdict, at the time when it fell."""
+    rows = make_table(
+        "events",
+        {
+            "t_s": [min(v.to_s, end_s) if v.at_s is None else v.at_s for v in verdicts],
+            "source": ["drill"] * len(verdicts),
+            "kind": ["expectation"] * len(verdicts),
+            "text": [f"{'met' if v.passed else 'NOT MET'}: {v.text}: {v.happened}" for v in verdicts],
+        },
+    )
+    events = pl.concat([tables.events, rows]).sort("t_s", maintain_order=True)
+    return RunTables(**{f.name: getattr(tables, f.name) for f in fields(tables)} | {"events": events})
 
 
 def _folder() -> Path:

@@ -29,6 +29,7 @@ from simulation.events import Unsafe
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
@@ -163,7 +164,7 @@ def check_out(out: Path) -> None:
         raise InputError("command line", "--out", str(out), f"{expected}; it holds {min(strange)}")
 
 
-def write_run(run: Run, out: Path) -> Path:
+def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
     """Write the run directory: all of it or nothing. Returns the path of the report.
 
     Raises InputError as `check_out` does, and when the directory cannot be written.
@@ -176,7 +177,7 @@ def write_run(run: Run, out: Path) -> Path:
         expected = f"a directory that can be written ({error.strerror})"
         raise InputError("command line", "--out", str(out), expected) from error
     try:
-        _write_files(run, out, aside / "new")
+        _write_files(run, out, aside / "new", drill)
         if out.exists():
             out.rename(aside / "old")
         (aside / "new").rename(out)
@@ -189,7 +190,7 @@ def write_run(run: Run, out: Path) -> Path:
     return out / "report.html"
 
 
-def _write_files(run: Run, out: Path, folder: Path) -> None:
+def _write_files(run: Run, out: Path, folder: Path, drill: DrillShown | None) -> None:
     """All files of a run into a new folder; `out` is where they will be found."""
     setup = run.scenario.setup
     folder.mkdir()
@@ -203,18 +204,18 @@ def _write_files(run: Run, out: Path, folder: Path) -> None:
         "scenario": run.scenario.name,
         "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
         "violations": run.summary["violations"],
-        "broken_expectations": list(run.broken),
+        "broken_expectations": [*run.broken, *(() if drill is None else drill.unmet())],
         "assumed": list(run.scenario.assumed),
     }
     waves = run.result.learned_from
     tuned = {
         unit: Tuned(learned, waves[unit]) for unit, learned in run.result.learned.items() if unit in waves
     }
-    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned)
+    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill)
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
-    """What makes a run a failure: collisions, broken invariants, trains that did not arrive and why."""
+    """What makes a run a failure: collisions, broken invariants, who did not arrive or finish, and why."""
     broken = [*result.collisions]
     happened = (entry.event for entry in result.journal.entries)
     broken += [f"{event.unit_id} {event.text}" for event in happened if isinstance(event, Unsafe)]
@@ -226,6 +227,11 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     ]
     if missing:
         broken.append(f"{len(missing)} trains did not arrive: {', '.join(missing)}")
+    broken += [
+        f"{stock} has neither left the line nor stands where its last duty ends"
+        for stock in result.unfinished
+    ]
+    if missing or result.unfinished:
         broken += [_waiting_text(waiting) for waiting in result.waiting]
         broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
     return tuple(broken)

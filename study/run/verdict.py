@@ -10,9 +10,10 @@ import polars as pl
 
 from network.timetable import clock
 from onboard.notes import MissionBegun
-from simulation.events import Entry
+from simulation.events import Entry, Unsafe
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.result import RunResult
+from simulation.setup import STEPS_PER_S
 from study.run.tables import RunTables
 
 KMH_PER_MPS: Final = 3.6
@@ -26,6 +27,9 @@ class Verdict:
     text: str
     passed: bool
     happened: str
+    at_s: float | None = None  # when it happened, or was broken
+    from_s: float = -math.inf  # the stretch of time that was judged
+    to_s: float = math.inf
 
 
 def judge(expectations: tuple[Expectation, ...], result: RunResult, tables: RunTables) -> tuple[Verdict, ...]:
@@ -44,7 +48,7 @@ class _Journal:
 
     def __init__(self, result: RunResult) -> None:
         self.result = result
-        self.end_s = result.end_step / 10
+        self.end_s = result.end_step / STEPS_PER_S
         self._rows: list[tuple[Entry, dict[str, str]]] = []
         train_of: dict[str, str] = {}
         for entry in result.journal.entries:
@@ -91,25 +95,21 @@ def _judge_event(expectation: Expectation, seen: _Journal) -> Verdict:
     at_s = seen.first(expectation.event, *window)
     if expectation.absent:
         happened = "did not happen" if at_s is None else f"happened at {_clock(at_s)}"
-        return Verdict(expectation.text, at_s is None, happened)
+        return Verdict(expectation.text, at_s is None, happened, at_s, *window)
     if at_s is not None:
-        return Verdict(expectation.text, True, f"at {_clock(at_s)}")
+        return Verdict(expectation.text, True, f"at {_clock(at_s)}", at_s, *window)
     ever_s = seen.first(expectation.event, -math.inf, math.inf)
     happened = "never happened" if ever_s is None else f"happened at {_clock(ever_s)}, outside the time given"
-    return Verdict(expectation.text, False, happened)
+    return Verdict(expectation.text, False, happened, ever_s, *window)
 
 
 def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables) -> Verdict:
     result = seen.result
     if expectation.holds is Property.NO_INVARIANT_BROKEN:
-        safety = [v for v in result.violations if v.checker != "everyone-arrives"]
-        happened = "none broken" if not safety else f"{safety[0].checker}: {safety[0].text}"
-        return Verdict(expectation.text, not safety and not result.collisions, happened)
+        return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
-        planned = {*result.trains_planned, *result.empty_planned}
-        missing = sorted(planned - {*result.trains_arrived, *result.empty_arrived})
-        happened = "all arrived" if not missing else f"not arrived: {', '.join(missing)}"
-        return Verdict(expectation.text, not missing, happened)
+        happened = not_arrived(result)
+        return Verdict(expectation.text, (not happened) is not expectation.absent, happened or "all arrived")
     window = _window(expectation, seen)
     if isinstance(window, str):
         return Verdict(expectation.text, False, window)
@@ -118,15 +118,40 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
     return _judge_entry(expectation, tables, *window)
 
 
+def _judge_safety(expectation: Expectation, result: RunResult) -> Verdict:
+    """No broken invariant, no collision, nothing that the world calls unsafe."""
+    broken = [(v.t_s, f"{v.checker}: {v.text}") for v in result.violations if v.checker != "everyone-arrives"]
+    broken += [
+        (entry.t_s, f"{entry.event.unit_id} {entry.event.text}")
+        for entry in result.journal.entries
+        if isinstance(entry.event, Unsafe)
+    ]
+    broken += [(result.end_step / STEPS_PER_S, text) for text in result.collisions]
+    at_s, happened = min(broken, default=(None, "none broken"))
+    return Verdict(expectation.text, (not broken) is not expectation.absent, happened, at_s)
+
+
+def not_arrived(result: RunResult) -> str:
+    """Trains that did not arrive and stocks that did not finish their last duty; empty where all did."""
+    planned = {*result.trains_planned, *result.empty_planned}
+    missing = sorted(planned - {*result.trains_arrived, *result.empty_arrived})
+    texts = [f"not arrived: {', '.join(missing)}"] if missing else []
+    texts += [
+        f"{stock_id} has neither left the line nor stands where its last duty ends"
+        for stock_id in result.unfinished
+    ]
+    return "; ".join(texts)
+
+
 def _judge_speed(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:
     rows = tables.trajectory.filter(
         (pl.col("unit") == expectation.unit) & (pl.col("t_s") >= from_s) & (pl.col("t_s") <= to_s)
     )
     if rows.is_empty():
-        return Verdict(expectation.text, True, "stood all the time")
+        return Verdict(expectation.text, True, "stood all the time", None, from_s, to_s)
     fastest_kmh = float(rows["speed_mps"].max() or 0.0) * KMH_PER_MPS  # type: ignore[arg-type]
     passed = fastest_kmh <= expectation.kmh + SPEED_TOLERANCE_KMH
-    return Verdict(expectation.text, passed, f"at most {fastest_kmh:.1f} km/h")
+    return Verdict(expectation.text, passed, f"at most {fastest_kmh:.1f} km/h", None, from_s, to_s)
 
 
 def _judge_entry(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:
@@ -137,8 +162,9 @@ def _judge_entry(expectation: Expectation, tables: RunTables, from_s: float, to_
         & (pl.col("entered_s") <= to_s)
     )
     if rows.is_empty():
-        return Verdict(expectation.text, True, "did not enter")
-    return Verdict(expectation.text, False, f"entered at {_clock(float(rows['entered_s'][0]))}")
+        return Verdict(expectation.text, True, "did not enter", None, from_s, to_s)
+    at_s = float(rows["entered_s"][0])
+    return Verdict(expectation.text, False, f"entered at {_clock(at_s)}", at_s, from_s, to_s)
 
 
 def _clock(t_s: float) -> str:

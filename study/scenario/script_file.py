@@ -11,30 +11,29 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import msgspec
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from network.errors import InputError
-from network.files.toml_input import Record, one_of
+from network.files.toml_input import Record, one_of, validate
 from network.timetable import Timetable
 from radio.noted import key_of
-from simulation.events import EVENTS
-from simulation.faults.injector import ANY, link_ends
+from simulation.events import EVENTS, WORLD
+from simulation.faults.fault import Names
 from simulation.faults.script import (
-    NEEDS,
-    TARGETS,
+    DEFAULTS,
+    WHOLE_RUN,
     WORDS_HELP,
     Act,
     ActKind,
     Expectation,
-    Fault,
-    FaultKind,
+    Failure,
     Matcher,
     Property,
     Script,
-    TargetKind,
     Trigger,
     matcher_of,
 )
+from simulation.faults.table import FAULTS
 from simulation.setup import Setup
 from wayside.config import MANAGER_ID
 
@@ -43,17 +42,15 @@ PEOPLE: Final = ("controller", "staff", "crew")
 
 
 class FaultTable(Record):
-    """`[[fault]]`."""
+    """`[[fault]]`: what every kind has. The kind's own keys are those of its class in `simulation.faults`."""
+
+    model_config = ConfigDict(extra="allow")
 
     kind: str
     target: str
     start: str | dict[str, Any]
     after_s: float = Field(default=0.0, ge=0.0)
     duration_s: float | None = Field(default=None, gt=0.0)
-    p: float | None = None
-    seconds: float | None = None
-    factor: float | None = None
-    id: float | None = None
 
 
 class ActTable(Record):
@@ -86,30 +83,20 @@ class ExpectTable(Record):
     kmh: float | None = None
 
 
-class _Names:
-    """Every name that a script may use."""
-
-    def __init__(self, setup: Setup) -> None:
-        line, timetable = setup.line, setup.timetable
-        self.units = tuple(diagram.stock_id for diagram in timetable.diagrams)
-        self.terminals = tuple(sorted({points.terminal_id for points in line.points.values()}))
-        self.devices = (MANAGER_ID, *self.terminals)
-        self.parties = (*self.units, *self.devices, "world", *PEOPLE)
-        self.tags = tuple(str(tag) for tag in line.tags)
-        self.points = tuple(line.points)
-        self.sections = tuple(line.sections)
-        self.stations = tuple(line.stations)
-        self.trains = tuple(timetable.trains)
-
-    def targets(self, kind: TargetKind) -> tuple[str, ...]:
-        """What a fault of that kind of target may aim at."""
-        return {
-            TargetKind.DEVICE: (*self.devices, *self.units),
-            TargetKind.UNIT: self.units,
-            TargetKind.TAG: self.tags,
-            TargetKind.POINTS: self.points,
-            TargetKind.LINK: (),
-        }[kind]
+def names_of(setup: Setup) -> Names:
+    """Every name that a script of the scenario may use."""
+    line, timetable = setup.line, setup.timetable
+    terminals = sorted({points.terminal_id for points in line.points.values()})
+    return Names(
+        units=tuple(diagram.stock_id for diagram in timetable.diagrams),
+        devices=(MANAGER_ID, *terminals),
+        tags=tuple(str(tag) for tag in line.tags),
+        points=tuple(line.points),
+        sections=tuple(line.sections),
+        stations=tuple(line.stations),
+        trains=tuple(timetable.trains),
+        people=PEOPLE,
+    )
 
 
 def script_of(
@@ -120,64 +107,39 @@ def script_of(
     expectations: Sequence[ExpectTable],
 ) -> Script:
     """The script of a scenario. InputError for anything that cannot be carried out or evaluated."""
-    names = _Names(setup)
+    names = names_of(setup)
+    own = tuple(
+        _expectation(file, f"expect[{i}]", table, names, setup.timetable)
+        for i, table in enumerate(expectations)
+    )
+    judged = {expectation.holds for expectation in own}
     return Script(
         tuple(_fault(file, f"fault[{i}]", table, names) for i, table in enumerate(faults)),
         tuple(_act(file, f"act[{i}]", table, names) for i, table in enumerate(acts)),
-        tuple(
-            _expectation(file, f"expect[{i}]", table, names, setup.timetable)
-            for i, table in enumerate(expectations)
-        ),
+        (*own, *(default for default in DEFAULTS if default.holds not in judged)),
     )
 
 
-def _fault(file: str, key: str, table: FaultTable, names: _Names) -> Fault:
-    kinds = [kind.value for kind in FaultKind]
-    if table.kind not in kinds:
-        raise InputError(file, f"{key}.kind", table.kind, one_of(kinds, table.kind))
-    kind = FaultKind(table.kind)
-    _check_target(file, f"{key}.target", table.target, TARGETS[kind], names)
-    given = {
-        name: value
-        for name in ("p", "seconds", "factor", "id")
-        if (value := getattr(table, name)) is not None
-    }
-    needs = NEEDS.get(kind)
-    if needs is not None:
-        name, low, high = needs
-        value = given.get(name)
-        if value is None or not low <= value <= high:
-            raise InputError(
-                file, f"{key}.{name}", value, f"a number from {low:g} to {high:g}, for {kind.value}"
-            )
-    allowed = {needs[0]} if needs is not None else set()
-    if kind is FaultKind.REORDER:
-        allowed.add("seconds")
-    for name, value in given.items():
-        if name not in allowed:
-            raise InputError(
-                file, f"{key}.{name}", value, f"no such parameter: {kind.value} does not take it"
-            )
+def _fault(file: str, key: str, table: FaultTable, names: Names) -> Failure:
+    kind = FAULTS.get(table.kind)
+    if kind is None:
+        raise InputError(file, f"{key}.kind", table.kind, one_of(FAULTS, table.kind))
+    try:
+        fault = validate({"target": table.target, **(table.model_extra or {})}, file, kind)
+    except InputError as error:
+        expected = f"{error.expected}, for {kind.kind}"
+        raise InputError(file, f"{key}.{error.key}", error.value, expected) from error
+    if expected := fault.wrong_target(names):
+        raise InputError(file, f"{key}.target", table.target, expected)
+    if kind.momentary and table.duration_s is not None:
+        raise InputError(
+            file, f"{key}.duration_s", table.duration_s, f"no such key: {kind.kind} is over at once"
+        )
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
-    return Fault(kind, table.target, trigger, table.duration_s, given)
+    return Failure(fault, trigger, table.duration_s)
 
 
-def _check_target(file: str, key: str, target: str, kind: TargetKind, names: _Names) -> None:
-    if kind is TargetKind.LINK:
-        ends = link_ends(target)
-        parties = (*names.units, *names.devices)
-        for end in {end for pair in ends for end in pair}:
-            if end != ANY and end not in parties:
-                raise InputError(file, key, target, f"a link between {one_of(parties, end)}, or '*'")
-        if not ends:
-            raise InputError(file, key, target, "a link such as 'V1 <-> block-manager' or '* -> OGN-W'")
-        return
-    known = names.targets(kind)
-    if target not in known:
-        raise InputError(file, key, target, f"a {kind.value}: {one_of(known, target)}")
-
-
-def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
+def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
     kinds = [kind.value for kind in ActKind]
     if table.kind not in kinds:
         raise InputError(file, f"{key}.kind", table.kind, one_of(kinds, table.kind))
@@ -209,7 +171,7 @@ def _act(file: str, key: str, table: ActTable, names: _Names) -> Act:
     )
 
 
-def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetable: Timetable) -> Expectation:
+def _expectation(file: str, key: str, table: ExpectTable, names: Names, timetable: Timetable) -> Expectation:
     if (table.event is None) == (table.property is None):
         raise InputError(file, key, table.text, "either event or property, and not both")
     after = None if table.after is None else _matcher(file, f"{key}.after", table.after, names)
@@ -227,7 +189,12 @@ def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetab
     if table.property not in known:
         raise InputError(file, f"{key}.property", table.property, one_of(known, str(table.property)))
     holds = Property(table.property)
-    if holds in (Property.SPEED_AT_MOST, Property.NEVER_ENTERS) and table.unit not in names.units:
+    whole = holds in WHOLE_RUN
+    if whole and (after is not None or until is not None or by_s is not None):
+        raise InputError(file, key, table.text, f"no after, until or by: {holds.value} is of the whole run")
+    if table.absent and not whole:
+        raise InputError(file, f"{key}.absent", True, "an event, or a property of the whole run")
+    if not whole and table.unit not in names.units:
         raise InputError(file, f"{key}.unit", table.unit, f"a unit: {one_of(names.units, table.unit)}")
     if holds is Property.SPEED_AT_MOST and (table.kmh is None or table.kmh < 0.0):
         raise InputError(file, f"{key}.kmh", table.kmh, "a speed in km/h")
@@ -237,6 +204,7 @@ def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetab
         )
     return Expectation(
         table.text,
+        absent=table.absent,
         after=after,
         until=until,
         by_s=by_s,
@@ -247,7 +215,7 @@ def _expectation(file: str, key: str, table: ExpectTable, names: _Names, timetab
     )
 
 
-def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: _Names) -> Trigger:
+def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: Names) -> Trigger:
     if isinstance(given, str) and _CLOCK.fullmatch(given):
         return Trigger(at_s=_time(file, key, given), after_s=after_s)
     return Trigger(on=_matcher(file, key, given, names), after_s=after_s)
@@ -260,12 +228,13 @@ def _time(file: str, key: str, text: str) -> float:
     return int(match[1]) * 3600.0 + int(match[2]) * 60.0 + float(match[3] or 0.0)
 
 
-def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: _Names) -> Matcher:
+def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: Names) -> Matcher:
     matcher = matcher_of(given) if isinstance(given, str) else _table_matcher(file, key, given)
     if matcher is None:
         raise InputError(file, key, given, WORDS_HELP)
-    if matcher.who is not None and matcher.who not in names.parties:
-        raise InputError(file, f"{key}.who", matcher.who, one_of(names.parties, matcher.who))
+    parties = (*names.units, *names.devices, WORLD, *names.people)
+    if matcher.who is not None and matcher.who not in parties:
+        raise InputError(file, f"{key}.who", matcher.who, one_of(parties, matcher.who))
     checks = {
         "tag_id": names.tags,
         "points_id": names.points,

@@ -13,10 +13,15 @@ from network.model import Position
 from radio.air import Delivery
 from simulation.agenda import Agenda
 from simulation.events import WORLD, FaultBegan, FaultOver, PointsMoving
-from simulation.faults.injector import Injector, link_ends
-from simulation.faults.script import Act, ActKind, Fault, FaultKind, Script, Trigger
+from simulation.faults.devices import PowerOff, Restart
+from simulation.faults.injector import Injector
+from simulation.faults.links import Cut, Delay, Duplicate, Flip, Link, LinkFault, Loss, Reorder
+from simulation.faults.points import Stuck
+from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
+from simulation.faults.tags import Miss
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S
+from simulation.world.point_machine import PointMachine
 from wayside.said import AcceptPicture, EnterSection
 
 SENT = (Delivery(100, b"telegram"),)
@@ -25,9 +30,11 @@ SENT = (Delivery(100, b"telegram"),)
 class World:
     """Stands for trains and wayside; keeps what is done to it."""
 
-    def __init__(self, *script: Fault | Act, seed: int = 1) -> None:
+    def __init__(self, *script: Failure | Act, seed: int = 1) -> None:
         self.inputs: list[tuple[str, Any]] = []
         self.switched: list[tuple[str, bool]] = []
+        self.frozen: list[tuple[str, bool]] = []
+        self.repaired: list[str] = []
         self.given_back: list[tuple[str, float]] = []
         held = SimpleNamespace(on_line=True, section_ids=lambda: ("3", "5"))
         wishing = SimpleNamespace(on_line=False, section_ids=lambda: ("PW",))
@@ -41,13 +48,16 @@ class World:
         self.wayside = SimpleNamespace(
             section_ids=("PW", "3", "5"),
             input=lambda _step, device, value: self.inputs.append((device, value)),
+            machines={"P7": PointMachine("P7", 5.0, Position.NORMAL)},
+            set_machine=lambda _step, machine: self.wayside.machines.update({machine.points_id: machine}),
+            repair=lambda _step, points, _position: self.repaired.append(points),
             power_on=lambda _step, device: self.switched.append((device, True)),
             power_off=lambda _step, device: self.switched.append((device, False)),
         )
         self.journal, self.agenda = Journal(), Agenda()
         self.injector = Injector(
             Script(
-                tuple(s for s in script if isinstance(s, Fault)),
+                tuple(s for s in script if isinstance(s, Failure)),
                 tuple(s for s in script if isinstance(s, Act)),
             ),
             seed,
@@ -56,6 +66,7 @@ class World:
             self.journal,
             self.agenda,
             lambda unit_id, on: self.switched.append((unit_id, on)),
+            lambda unit_id, frozen: self.frozen.append((unit_id, frozen)),
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
         )
         self.injector.start(0)
@@ -69,18 +80,15 @@ class World:
         return found
 
 
-def link(kind: FaultKind, target: str = "* <-> *", **parameters: float) -> Fault:
-    return Fault(kind, target, Trigger(at_s=1.0), 10.0, parameters)
+def failing(fault: LinkFault) -> Failure:
+    return Failure(fault, Trigger(at_s=1.0), 10.0)
 
 
-def test_words_for_links() -> None:
-    assert link_ends("K1 -> B-W") == (("K1", "B-W"),)
-    assert link_ends("K1 <-> B-W") == (("K1", "B-W"), ("B-W", "K1"))
-    assert link_ends("K1") == ()
+ALL = Link("*", "*", both_ways=True)
 
 
 def test_a_cut_lasts_as_long_as_it_is_said_to_and_cuts_no_other_link() -> None:
-    world = World(link(FaultKind.CUT, "K1 <-> block-manager"))
+    world = World(failing(Cut(target=Link("K1", "block-manager", both_ways=True))))
     assert world.sent("K1", "block-manager") == SENT
     world.run_to(1 * STEPS_PER_S)
     assert world.sent("K1", "block-manager") == world.sent("block-manager", "K1") == ()
@@ -91,7 +99,7 @@ def test_a_cut_lasts_as_long_as_it_is_said_to_and_cuts_no_other_link() -> None:
 
 
 def test_one_way_cuts_one_way() -> None:
-    world = World(link(FaultKind.CUT, "B-W -> K1"))
+    world = World(failing(Cut(target=Link("B-W", "K1"))))
     world.run_to(10)
     assert world.sent("B-W", "K1") == ()
     assert world.sent("K1", "B-W") == SENT
@@ -99,7 +107,7 @@ def test_one_way_cuts_one_way() -> None:
 
 @given(st.integers(0, 2**16))
 def test_a_flip_turns_exactly_one_bit(seed: int) -> None:
-    world = World(link(FaultKind.FLIP, p=1.0), seed=seed)
+    world = World(failing(Flip(target=ALL, p=1.0)), seed=seed)
     world.run_to(10)
     (delivery,) = world.sent("K1", "B-W")
     turned = [a ^ b for a, b in zip(delivery.data, SENT[0].data, strict=True)]
@@ -110,16 +118,16 @@ def test_a_flip_turns_exactly_one_bit(seed: int) -> None:
 @pytest.mark.parametrize(
     ("fault", "steps"),
     [
-        (link(FaultKind.DELAY, seconds=3.0), [130]),
-        (link(FaultKind.REORDER, p=1.0, seconds=1.5), [115]),
-        (link(FaultKind.REORDER, p=0.0), [100]),
-        (link(FaultKind.DUPLICATE, p=1.0), [100, 101]),
-        (link(FaultKind.LOSS, p=1.0), []),
-        (link(FaultKind.LOSS, p=0.0), [100]),
+        (Delay(target=ALL, seconds=3.0), [130]),
+        (Reorder(target=ALL, p=1.0, seconds=1.5), [115]),
+        (Reorder(target=ALL, p=0.0), [100]),
+        (Duplicate(target=ALL, p=1.0), [100, 101]),
+        (Loss(target=ALL, p=1.0), []),
+        (Loss(target=ALL, p=0.0), [100]),
     ],
 )
-def test_when_a_disturbed_telegram_arrives(fault: Fault, steps: list[int]) -> None:
-    world = World(fault)
+def test_when_a_disturbed_telegram_arrives(fault: LinkFault, steps: list[int]) -> None:
+    world = World(failing(fault))
     world.run_to(10)
     found = world.sent("K1", "B-W")
     assert [delivery.step for delivery in found] == steps
@@ -128,7 +136,7 @@ def test_when_a_disturbed_telegram_arrives(fault: Fault, steps: list[int]) -> No
 
 def test_losses_come_as_often_as_said_and_the_same_with_the_same_seed() -> None:
     def lost(seed: int) -> list[bool]:
-        world = World(link(FaultKind.LOSS, p=0.3), seed=seed)
+        world = World(failing(Loss(target=ALL, p=0.3)), seed=seed)
         world.run_to(10)
         return [not world.sent("K1", "B-W") for _ in range(2000)]
 
@@ -137,8 +145,8 @@ def test_losses_come_as_often_as_said_and_the_same_with_the_same_seed() -> None:
 
 
 def test_power_goes_off_and_comes_back_on_units_and_devices() -> None:
-    off = [Fault(FaultKind.POWER_OFF, target, Trigger(at_s=1.0), 2.0) for target in ("K1", "B-W")]
-    world = World(*off, Fault(FaultKind.RESTART, "block-manager", Trigger(at_s=5.0)))
+    off = [Failure(PowerOff(target=target), Trigger(at_s=1.0), 2.0) for target in ("K1", "B-W")]
+    world = World(*off, Failure(Restart(target="block-manager"), Trigger(at_s=5.0)))
     world.run_to(29)
     assert world.switched == [("K1", False), ("B-W", False)]
     world.run_to(100)
@@ -154,7 +162,7 @@ def test_an_event_begins_a_fault_with_its_delay() -> None:
     from simulation.faults.script import matcher_of
 
     on = matcher_of("points P7 move")
-    world = World(Fault(FaultKind.MISS, "602", Trigger(on=on, after_s=2.0), 3.0))
+    world = World(Failure(Miss(target="602"), Trigger(on=on, after_s=2.0), 3.0))
     world.run_to(1000)
     assert world.tag_faults == {}
     world.journal.write(200.0, WORLD, PointsMoving(points_id="P7", target=Position.REVERSE))
@@ -187,3 +195,34 @@ def test_other_acts_reach_whom_they_are_meant_for() -> None:
         ("block-manager", AcceptPicture("controller")),
     ]
     assert world.given_back == [("K1", 60.0)]
+
+
+def test_a_person_who_switches_on_ends_every_power_cut_of_the_device() -> None:
+    cuts = [Failure(PowerOff(target="B-W"), Trigger(at_s=at_s), 100.0) for at_s in (1.0, 2.0)]
+    other = Failure(PowerOff(target="K1"), Trigger(at_s=1.0))
+    world = World(*cuts, other, Act(ActKind.POWER_ON, "B-W", Trigger(at_s=5.0), "staff"))
+    world.run_to(50)
+    assert world.switched[-1] == ("B-W", True)
+    told = len(world.journal.entries)
+    world.run_to(2000)
+    assert len(world.journal.entries) == told  # their own ends are nothing any more
+    assert [course.over_s for course in world.injector.courses] == [5.0, 5.0, None, None]
+
+
+def test_a_repair_ends_the_faults_of_those_points_for_good() -> None:
+    stuck = [Failure(Stuck(target="P7"), Trigger(at_s=at_s)) for at_s in (1.0, 2.0)]
+    world = World(*stuck, Act(ActKind.REPAIR_POINTS, "P7", Trigger(at_s=5.0), "staff", position="normal"))
+    world.run_to(40)
+    assert world.wayside.machines["P7"].stuck
+    world.run_to(60)
+    assert not world.wayside.machines["P7"].stuck
+    assert world.repaired == ["P7"]
+
+
+def test_started_again_without_power_a_device_stays_off() -> None:
+    off = Failure(PowerOff(target="B-W"), Trigger(at_s=1.0), 10.0)
+    world = World(off, Failure(Restart(target="B-W"), Trigger(at_s=5.0)))
+    world.run_to(60)
+    assert not any(on for _, on in world.switched)
+    world.run_to(110)
+    assert world.switched[-1] == ("B-W", True)

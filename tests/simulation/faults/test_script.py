@@ -7,7 +7,7 @@ import pytest
 from network.model import Position
 from onboard.notes import Departs, Holds, LimitSet, MissionBegun, Proven
 from simulation.events import EVENTS, WORLD, Entry, TagPassed
-from simulation.faults.script import NEEDS, TARGETS, FaultKind, Matcher, Trigger, Watch, matcher_of
+from simulation.faults.script import Matcher, Trigger, Watch, matcher_of
 from simulation.journal import Journal
 
 
@@ -33,11 +33,6 @@ def test_words_name_events_that_a_journal_can_have(words: str) -> None:
 @pytest.mark.parametrize("words", ["", "train 323M", "train 323M passes tag four", "V1 dances", "10:00"])
 def test_other_words_name_nothing(words: str) -> None:
     assert matcher_of(words) is None
-
-
-def test_every_fault_has_a_kind_of_target_and_only_known_faults_have_parameters() -> None:
-    assert set(TARGETS) == set(FaultKind)
-    assert set(NEEDS) <= set(FaultKind)
 
 
 @pytest.mark.parametrize(

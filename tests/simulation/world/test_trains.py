@@ -10,6 +10,7 @@ from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import Duty, draw_up
+from simulation.world.scatter import Scatter, Weather
 from simulation.world.trains import AGREEMENT_M, CarrierDisagrees, Trains
 
 KEY = b"k" * 32
@@ -186,3 +187,21 @@ def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> No
     assert alone.plants[0].load_share == beside.plants[1].load_share
     sigma = rtri_setup.sensors.wheel_factor_sigma
     assert abs(alone.truths[0].wheel_factor - 1.0) <= 3.0 * sigma
+
+
+def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_setup: Setup) -> None:
+    """Drawn anew for each leg, whether a fault is in force or not."""
+    wet = Scatter(weather=(Weather(0.0, 100_000.0, 0.4, 0.8),))
+    placed = Trains(replace(rtri_setup, scatter=wet), plain(rtri_setup), KEY)
+    placed.place(0, first_duty(rtri_setup))
+    plant, now_s = placed.plants[0], 36_000.0
+    weather = float(plant.adhesion_factor)
+    assert 0.4 <= weather <= 0.8
+    placed.set_rail(0, 0.5)
+    assert plant.adhesion_factor == pytest.approx(0.5 * weather)
+    placed.begin_leg(0, now_s)
+    assert 0.2 <= plant.adhesion_factor <= 0.4
+    drawn = 2.0 * float(plant.adhesion_factor)
+    assert drawn != pytest.approx(weather)
+    placed.set_rail(0, 1.0)
+    assert plant.adhesion_factor == pytest.approx(drawn)

@@ -20,10 +20,10 @@ from network.model import Direction
 from study.report.charts import draw_delays, draw_energy
 from study.report.curve import chosen_trains, draw_run_curve
 from study.report.data import Run
-from study.report.graph import draw_train_graph, spread
+from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy, sections_in_order
 from study.report.report import CHANGES_SHOWN, EVENTS_SHOWN, _changes_part, write_report
-from study.report.style import BAND_S_MAX, clock, drawing, svg_of, time_bands, time_grid
+from study.report.style import BAND_S_MAX, clock, drawing, spread, svg_of, time_bands, time_grid
 from study.run.tables import SCHEMAS, RunTables, make_table
 
 FACTS: dict[str, Any] = {

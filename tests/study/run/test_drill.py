@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
+from simulation.cabs import Cabs
 from simulation.events import MANAGER, WORLD, Author, authors_of
-from study.run.drill import Drill, find_drill, run_drill, shipped_drills
+from study.run.drill import Drill, find_drill, run_drill, sentence_of, shipped_drills, write_drill
 from study.run.run import Link, terminals_of
 from study.scenario.scenario import load_scenario
 
@@ -23,6 +24,7 @@ def test_a_shipped_drill_demands_safety_and_arrival_besides_its_own(name: str) -
     properties = {e.holds.value for e in scenario.setup.script.expectations if e.holds is not None}
     assert {"everyone_arrives", "no_invariant_broken"} <= properties
     assert scenario.id == name.replace("/", "_")
+    assert sentence_of(name) == scenario.name
 
 
 @pytest.mark.system
@@ -79,7 +81,9 @@ def test_an_expectation_not_met_is_told_and_fails_the_drill(tmp_path: Path) -> N
     drill = run_drill(str(file), Link.SIMULATED)
     assert not drill.passed
     told = json.loads(json.dumps(drill.as_dict()))
-    assert told["expectations"] == [{"text": "it breaks", "passed": False, "happened": "never happened"}]
+    broken, *defaults = told["expectations"]
+    assert broken == {"text": "it breaks", "passed": False, "happened": "never happened"}
+    assert [item["passed"] for item in defaults] == [True, True]
 
 
 def test_a_drill_that_does_not_exist_is_refused() -> None:
@@ -95,3 +99,76 @@ def test_days_are_shipped_for_the_threats_to_transmission() -> None:
         "links_flip",
         "links_loss",
     }
+
+
+def drill_of(tmp_path: Path, script: str, timetable: str = "") -> Drill:
+    file = tmp_path / "tried.toml"
+    file.write_text(f'extends = "rtri_test_line"\nid = "tried"\n{timetable}{script}')
+    return run_drill(str(file), Link.SIMULATED)
+
+
+@pytest.mark.system
+def test_a_stock_that_never_finishes_its_last_duty_has_not_arrived(tmp_path: Path) -> None:
+    """Its rear never surely clear of the section before the portal, the unit's sign-off is refused for ever."""
+    worn = '[[fault]]\nkind = "scale"\ntarget = "K1"\nstart = "09:50:00"\nfactor = 1.1\n'
+    drill = drill_of(tmp_path, worn, 'timetable = "rtri_two_trains"\n')
+    assert drill.run.result.ended_because == "the time limit of the run"
+    assert drill.run.summary["trains_arrived"] == drill.run.summary["trains_planned"]
+    assert drill.run.result.unfinished == ("K1",)
+    assert not drill.passed
+    assert any("K1" in text for text in drill.run.broken)
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("start_s", [10, 40, 75])
+def test_a_frozen_unit_delays_its_train_and_nothing_else(tmp_path: Path, start_s: int) -> None:
+    fault = (
+        f'[[fault]]\nkind = "frozen"\ntarget = "K1"\nstart = "10:{start_s // 60:02d}:{start_s % 60:02d}"\n'
+    )
+    drill = drill_of(tmp_path, fault + "duration_s = 40.0\n", 'timetable = "rtri_two_trains"\n')
+    assert drill.passed, drill.verdicts
+    begun_s = 36_000.0 + start_s
+    said = [
+        entry.t_s
+        for entry in drill.run.result.journal.entries
+        if entry.who == "K1" and begun_s <= entry.t_s < begun_s + 40.0
+    ]
+    assert said == []  # it does nothing, not even timers
+
+
+@pytest.mark.system
+def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The switch of the test above: what comes meanwhile is lost instead of waiting."""
+    freeze = Cabs.freeze
+
+    def forgetting(self: Cabs, slot: int, step: int, *, frozen: bool) -> None:
+        if not frozen:
+            self._frozen[slot].clear()
+        freeze(self, slot, step, frozen=frozen)
+
+    monkeypatch.setattr(Cabs, "freeze", forgetting)
+    fault = '[[fault]]\nkind = "frozen"\ntarget = "K1"\nstart = "10:00:40"\nduration_s = 40.0\n'
+    drill = drill_of(tmp_path, fault, 'timetable = "rtri_two_trains"\n')
+    assert not drill.passed
+
+
+@pytest.mark.system
+def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
+    drill = run_drill("rtri/21_points_stuck", Link.SIMULATED)
+    out = tmp_path / "out"
+    page = write_drill(drill, out).read_text("utf-8")
+    told = json.loads((out / "summary.json").read_text("utf-8"))["drill"]
+    assert told["passed"] is True
+    assert [item["text"] for item in told["expectations"]] == [v.text for v in drill.verdicts]
+    fault, act = told["script"]
+    assert fault["fault"] == "stuck P7"
+    assert fault["over_s"] == act["begun_s"]  # staff mend it
+    assert told["scores"]["last_heal_s"] == act["begun_s"]
+    for verdict in drill.verdicts:
+        assert verdict.text in page
+    assert "stuck P7" in page and "staff: repair_points P7" in page
+    kinds = drill.run.tables.events["kind"].to_list()
+    assert {"fault", "fault over", "act"} <= set(kinds)
+    assert kinds.count("expectation") == len(drill.verdicts)

@@ -9,7 +9,8 @@ import pytest
 
 from branchline import cli
 from network.errors import InputError
-from simulation.faults.script import ActKind, FaultKind, Property
+from simulation.faults.links import ANY, Cut, Link, Reorder
+from simulation.faults.script import DEFAULTS, ActKind, Property
 from study.scenario.scenario import Scenario, load_scenario
 
 HEAD = 'extends = "rtri_test_line"\nid = "tried"\n'
@@ -30,6 +31,35 @@ REFUSED = {
     "a unit is no tag": ('[[fault]]\nkind = "miss"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].target"),
     "no link": ('[[fault]]\nkind = "cut"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].target"),
     "link to nobody": ('[[fault]]\nkind = "cut"\ntarget = "K1 <-> K9"\nstart = "10:00"\n', "fault[0].target"),
+    "a link of three": (
+        '[[fault]]\nkind = "cut"\ntarget = "K1 <-> B-W <-> K2"\nstart = "10:00"\n',
+        "fault[0].target",
+    ),
+    "two arrows": (
+        '[[fault]]\nkind = "cut"\ntarget = "K1 -> B-W <-> K1"\nstart = "10:00"\n',
+        "fault[0].target",
+    ),
+    "an end missing": ('[[fault]]\nkind = "cut"\ntarget = " -> B-W"\nstart = "10:00"\n', "fault[0].target"),
+    "a duration of what is over at once": (
+        '[[fault]]\nkind = "restart"\ntarget = "K1"\nduration_s = 5.0\nstart = "10:00"\n',
+        "fault[0].duration_s",
+    ),
+    "held back for ever": (
+        '[[fault]]\nkind = "reorder"\ntarget = "* <-> *"\np = 0.5\nseconds = 1e6\nstart = "10:00"\n',
+        "fault[0].seconds",
+    ),
+    "half an id": (
+        '[[fault]]\nkind = "wrong_id"\ntarget = "602"\nid = 1.5\nstart = "10:00"\n',
+        "fault[0].id",
+    ),
+    "safety in a stretch of time": (
+        '[[expect]]\ntext = "t"\nproperty = "everyone_arrives"\nafter = "K1 restarts"\n',
+        "expect[0]",
+    ),
+    "not slow": (
+        '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 1.0\nabsent = true\n',
+        "expect[0].absent",
+    ),
     "parameter missing": ('[[fault]]\nkind = "loss"\ntarget = "* <-> *"\nstart = "10:00"\n', "fault[0].p"),
     "parameter too large": (
         '[[fault]]\nkind = "loss"\ntarget = "* <-> *"\np = 1.5\nstart = "10:00"\n',
@@ -128,22 +158,36 @@ def test_a_script_is_read_as_it_is_meant(tmp_path: Path) -> None:
         '[[expect]]\ntext = "no grant"\nevent = { who = "block-manager", what = "granted" }\nabsent = true\n',
     ).setup.script
     cut, reorder = script.faults
-    assert (cut.kind, cut.trigger.after_s, cut.duration_s) == (FaultKind.CUT, 2.0, 60.0)
+    assert cut.fault == Cut(target=Link(ANY, "block-manager", both_ways=True))
+    assert (cut.trigger.after_s, cut.duration_s) == (2.0, 60.0)
     assert cut.trigger.on is not None and cut.trigger.on.train == "T1"
     assert reorder.trigger.at_s == 36_030.5
-    assert reorder.parameters == {"p": 0.5, "seconds": 2.0}
+    assert reorder.fault == Reorder(target=Link("K1", "B-W"), p=0.5, seconds=2.0)
     (act,) = script.acts
     assert (act.kind, act.hold_s) == (ActKind.GIVE_BACK, 90.0)
-    slow, grant = script.expectations
+    slow, grant, *others = script.expectations
+    assert tuple(others) == DEFAULTS
     assert slow.holds is Property.SPEED_AT_MOST and slow.after is not None
     assert grant.absent and grant.event is not None and grant.event.who == "block-manager"
 
 
-def test_a_drill_must_expect_something(tmp_path: Path) -> None:
+def test_what_every_drill_expects_need_not_be_written_and_can_be_said_otherwise(tmp_path: Path) -> None:
+    assert scenario_of(tmp_path, "").setup.script.expectations == DEFAULTS
+    otherwise = '[[expect]]\ntext = "it is left behind"\nproperty = "everyone_arrives"\nabsent = true\n'
+    behind, safe = scenario_of(tmp_path, otherwise).setup.script.expectations
+    assert (behind.text, behind.absent, behind.holds) == (
+        "it is left behind",
+        True,
+        Property.EVERYONE_ARRIVES,
+    )
+    assert safe == DEFAULTS[1]
+
+
+def test_what_disturbs_nothing_and_expects_nothing_of_its_own_is_no_drill(tmp_path: Path) -> None:
     from study.run.drill import run_drill
-    from study.run.run import Link
+    from study.run.run import Link as Transport
 
     file = tmp_path / "tried.toml"
     file.write_text(HEAD)
     with pytest.raises(InputError, match="at least one"):
-        run_drill(str(file), Link.SIMULATED)
+        run_drill(str(file), Transport.SIMULATED)

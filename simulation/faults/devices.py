@@ -1,0 +1,76 @@
+"""Faults of devices and on-board units: without power, started again, frozen.
+
+Power is off while any `power_off` is in force; a person who switches the device on ends them. A frozen party does
+nothing, and finds later what has come to it meanwhile; what it last commanded stays. A train whose unit is frozen
+goes on with the last command: its compiled supervision holds it to the stop limit that it has. Losing its power a party
+loses what has piled up, and one that boots while it is frozen goes on only afterwards.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from simulation.faults.fault import Fault, Names, World
+
+
+class DeviceFault(Fault[bool]):
+    """What fails in the block manager, a terminal or an on-board unit."""
+
+    aims_at = "device"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return *names.devices, *names.units
+
+
+class PowerFault(DeviceFault):
+    """Whether a device has power."""
+
+    changes = "power"
+
+    def base(self, _world: World) -> bool:
+        return True
+
+    def over(self, _on: bool) -> bool:
+        return False
+
+    def put(self, world: World, on: bool) -> None:
+        if self.target in world.trains.slot_of:
+            world.unit_power(self.target, on)
+        elif on:
+            world.wayside.power_on(world.step, self.target)
+        else:
+            world.wayside.power_off(world.step, self.target)
+
+
+class PowerOff(PowerFault):
+    """The device is off; on again after the duration, and without one never."""
+
+    kind = "power_off"
+
+
+class Restart(PowerFault):
+    """The device goes off and on at once."""
+
+    kind = "restart"
+    momentary: ClassVar[bool] = True
+
+
+class Frozen(DeviceFault):
+    """The device does nothing, then goes on with what has piled up."""
+
+    kind = "frozen"
+    changes = "frozen"
+
+    def base(self, _world: World) -> bool:
+        return False
+
+    def over(self, _frozen: bool) -> bool:
+        return True
+
+    def put(self, world: World, frozen: bool) -> None:
+        if self.target in world.trains.slot_of:
+            world.unit_freeze(self.target, frozen)
+        else:
+            world.wayside.freeze(world.step, self.target, frozen=frozen)

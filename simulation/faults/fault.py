@@ -1,0 +1,137 @@
+"""Invariant: what a quantity is at any time follows from its base value and the faults in force alone, in the order
+in which they began; one that ends takes nothing but itself away.
+
+A fault is a type: its fields are its table in a file, with bounds, its family says what it may aim at and which
+quantity it changes, `over` is its effect. `simulation.faults.table` lists the types. Faults that overlap are folded:
+each makes of the value what it makes of it, from the base up. Nothing is ever set back; it is computed again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
+
+import numpy as np
+
+from network.files.toml_input import Record, one_of
+
+if TYPE_CHECKING:  # the world is built from scripts, so it cannot be imported here
+    from simulation.world.points import WaysideWorld
+    from simulation.world.trains import Trains
+
+V = TypeVar("V")
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """Everything on a line that a fault, an act or an expectation may name."""
+
+    units: tuple[str, ...] = ()
+    devices: tuple[str, ...] = ()  # the block manager and the terminals
+    tags: tuple[str, ...] = ()
+    points: tuple[str, ...] = ()
+    sections: tuple[str, ...] = ()
+    stations: tuple[str, ...] = ()
+    trains: tuple[str, ...] = ()
+    people: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class World:
+    """What faults act on. `step` is the present one; the loop lends how a unit is switched and stopped."""
+
+    trains: Trains
+    wayside: WaysideWorld
+    unit_power: Callable[[str, bool], None]  # stock id, on
+    unit_freeze: Callable[[str, bool], None]  # stock id, frozen
+    step: int = 0
+    chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
+
+    def slot(self, stock_id: str) -> int:
+        """Slot of a train."""
+        return self.trains.slot_of[stock_id]
+
+
+class Fault(Record, Generic[V]):
+    """A kind of failure of something named by `target`; V is the type of the quantity that it changes."""
+
+    kind: ClassVar[str]  # the word in files
+    aims_at: ClassVar[str]  # kind of target, in words
+    changes: ClassVar[str]  # the quantity; faults on the same quantity of the same target are folded
+    momentary: ClassVar[bool] = False  # begins and ends at once
+
+    target: Any
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        """What it may aim at."""
+        raise NotImplementedError
+
+    def wrong_target(self, names: Names) -> str:
+        """What should stand in place of a target that does not exist; empty if it does."""
+        known = self.targets(names)
+        return "" if self.target in known else f"a {self.aims_at}: {one_of(known, self.target)}"
+
+    def begun(self, _world: World, /) -> Self:
+        """The fault as it takes hold; a kind that keeps something of the moment returns a copy that has it."""
+        return self
+
+    def base(self, world: World, /) -> V:
+        """The quantity without any fault."""
+        raise NotImplementedError
+
+    def over(self, value: V, /) -> V:
+        """What the fault makes of the quantity."""
+        raise NotImplementedError
+
+    def put(self, world: World, value: V, /) -> None:
+        """Make the quantity so."""
+        raise NotImplementedError
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """The quantity and whose it is."""
+        return self.changes, str(self.target)
+
+    def parameters(self) -> dict[str, Any]:
+        """Its own fields, without the target."""
+        return self.model_dump(exclude={"target"})
+
+
+def fold(base: V, faults: Iterable[Fault[V]]) -> V:
+    """The value in force: what the faults, in their order, make of the base."""
+    for fault in faults:
+        base = fault.over(base)
+    return base
+
+
+class InForce:
+    """The faults in force, by number, in the order in which they began."""
+
+    def __init__(self) -> None:
+        self._faults: dict[int, Fault[Any]] = {}
+
+    def __contains__(self, key: int) -> bool:
+        return key in self._faults
+
+    def begin(self, key: int, fault: Fault[Any], world: World) -> None:
+        """A fault takes hold."""
+        self._faults[key] = fault.begun(world)
+        self._put(fault, world)
+
+    def end(self, key: int, world: World) -> None:
+        """A fault is over; the others of its place stay in force."""
+        self._put(self._faults.pop(key), world)
+
+    def at(self, place: tuple[str, str]) -> list[int]:
+        """Numbers of the faults in force on one quantity of one target."""
+        return [key for key, fault in self._faults.items() if fault.place == place]
+
+    def of(self, kind: type[Fault[V]]) -> list[Fault[V]]:
+        """Those of a family, in order."""
+        return [fault for fault in self._faults.values() if isinstance(fault, kind)]
+
+    def _put(self, changed: Fault[Any], world: World) -> None:
+        faults = [self._faults[key] for key in self.at(changed.place)]
+        changed.put(world, fold(changed.base(world), faults))

@@ -1,0 +1,179 @@
+"""Faults of radio links, behind the air: each telegram passes every fault in force on its way, in their order.
+
+A link is written `A -> B` or `A <-> B`; `*` is any party.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Final, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, PrivateAttr
+
+from network.files.toml_input import one_of
+from radio.air import Delivery
+from simulation.faults.fault import Fault, Names, World
+from simulation.setup import STEPS_PER_S
+
+ANY: Final = "*"
+BOTH_WAYS: Final = " <-> "
+ONE_WAY: Final = " -> "
+LINK_HELP: Final = "a link such as 'V1 <-> block-manager' or '* -> OGN-W'"
+
+Telegram = tuple[Delivery, ...]  # what arrives of one telegram, and when
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """From one party to another, or both ways; `*` is any party."""
+
+    source: str
+    destination: str
+    both_ways: bool = False
+
+    @classmethod
+    def parse(cls, text: object) -> Link:
+        """The link that 'A -> B' or 'A <-> B' names. ValueError if the words are not of that form."""
+        if isinstance(text, Link):
+            return text
+        for arrow in (BOTH_WAYS, ONE_WAY):
+            ends = text.split(arrow) if isinstance(text, str) else []
+            if len(ends) == 2 and all(end and not any(c in "<> " for c in end) for end in ends):
+                return cls(ends[0], ends[1], arrow == BOTH_WAYS)
+        raise ValueError(LINK_HELP)
+
+    def joins(self, source: str, destination: str) -> bool:
+        """Whether a telegram from `source` to `destination` goes over it."""
+        return self._leads(source, destination) or (self.both_ways and self._leads(destination, source))
+
+    def _leads(self, source: str, destination: str) -> bool:
+        return self.source in (ANY, source) and self.destination in (ANY, destination)
+
+    def __str__(self) -> str:
+        return f"{self.source}{BOTH_WAYS if self.both_ways else ONE_WAY}{self.destination}"
+
+
+class LinkFault(Fault[Telegram]):
+    """What a link does to telegrams; `over` is asked for each one that is sent."""
+
+    aims_at = "link"
+    changes = "link"
+    target: Annotated[Link, BeforeValidator(Link.parse)]
+    _chance: np.random.Generator | None = PrivateAttr(default=None)  # from when it has begun
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return (*names.units, *names.devices, ANY)
+
+    def wrong_target(self, names: Names) -> str:
+        parties = self.targets(names)
+        for end in (self.target.source, self.target.destination):
+            if end not in parties:
+                return f"a link between {one_of(parties[:-1], end)}, or '*'"
+        return ""
+
+    def begun(self, world: World) -> Self:
+        copy = self.model_copy()
+        copy._chance = world.chance
+        return copy
+
+    @property
+    def chance(self) -> np.random.Generator:
+        """Where its chance comes from. ValueError before it has begun."""
+        if self._chance is None:
+            raise ValueError(f"{self.kind} has not begun")
+        return self._chance
+
+    def base(self, _world: World) -> Telegram:
+        return ()
+
+    def put(self, _world: World, _value: Telegram) -> None:
+        """Nothing now: each telegram is folded when it is sent."""
+
+    def over(self, telegram: Telegram) -> Telegram:
+        return tuple(
+            changed
+            for delivery in telegram
+            for changed in (self.disturbed(delivery) if self.hits() else (delivery,))
+        )
+
+    def hits(self) -> bool:
+        """Whether this one is disturbed; all are, unless a kind leaves it to chance."""
+        return True
+
+    def disturbed(self, delivery: Delivery, /) -> Telegram:
+        """What becomes of a telegram that is hit."""
+        raise NotImplementedError
+
+
+class ChanceLinkFault(LinkFault):
+    """One that hits some telegrams and not others."""
+
+    p: float = Field(ge=0.0, le=1.0, description="probability that a telegram is hit")
+
+    def hits(self) -> bool:
+        return self.chance.random() < self.p
+
+
+class Cut(LinkFault):
+    """Nothing gets through."""
+
+    kind = "cut"
+
+    def disturbed(self, _delivery: Delivery) -> Telegram:
+        return ()
+
+
+class Loss(ChanceLinkFault):
+    """Telegrams are lost."""
+
+    kind = "loss"
+
+    def disturbed(self, _delivery: Delivery) -> Telegram:
+        return ()
+
+
+class Delay(LinkFault):
+    """All telegrams take longer."""
+
+    kind = "delay"
+    seconds: float = Field(ge=0.0, le=600.0, description="time added")
+
+    def disturbed(self, delivery: Delivery) -> Telegram:
+        return (_later(delivery, self.seconds),)
+
+
+class Duplicate(ChanceLinkFault):
+    """Telegrams come again a step later."""
+
+    kind = "duplicate"
+
+    def disturbed(self, delivery: Delivery) -> Telegram:
+        return delivery, replace(delivery, step=delivery.step + 1)
+
+
+class Reorder(ChanceLinkFault):
+    """Telegrams are held back and overtaken."""
+
+    kind = "reorder"
+    seconds: float = Field(default=1.0, ge=0.0, le=600.0, description="time held back")
+
+    def disturbed(self, delivery: Delivery) -> Telegram:
+        return (_later(delivery, self.seconds),)
+
+
+class Flip(ChanceLinkFault):
+    """Telegrams have one bit turned."""
+
+    kind = "flip"
+
+    def disturbed(self, delivery: Delivery) -> Telegram:
+        data = bytearray(delivery.data)
+        bit = int(self.chance.integers(8 * len(data)))
+        data[bit // 8] ^= 1 << bit % 8
+        return (replace(delivery, data=bytes(data)),)
+
+
+def _later(delivery: Delivery, seconds: float) -> Delivery:
+    return replace(delivery, step=delivery.step + round(seconds * STEPS_PER_S))

@@ -1,0 +1,71 @@
+"""Faults of point machines (転てつ機). Staff who repair the points end those in force on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pydantic import Field
+
+from simulation.faults.fault import Fault, Names, World
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """The state of repair of a point machine."""
+
+    stuck: bool = False
+    detection_fault: bool = False
+    throw_factor: float = 1.0
+
+
+class PointsFault(Fault[Condition]):
+    """What is wrong with a point machine."""
+
+    aims_at = "points"
+    changes = "points"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.points
+
+    def base(self, _world: World) -> Condition:
+        return Condition()
+
+    def put(self, world: World, condition: Condition) -> None:
+        machine = world.wayside.machines[self.target]
+        changed = replace(
+            machine,
+            stuck=condition.stuck,
+            detection_fault=condition.detection_fault,
+            throw_factor=condition.throw_factor,
+        )
+        world.wayside.set_machine(world.step, changed)
+
+
+class Stuck(PointsFault):
+    """The points do not move."""
+
+    kind = "stuck"
+
+    def over(self, condition: Condition) -> Condition:
+        return replace(condition, stuck=True)
+
+
+class NoDetection(PointsFault):
+    """The points move, detection shows nothing."""
+
+    kind = "no_detection"
+
+    def over(self, condition: Condition) -> Condition:
+        return replace(condition, detection_fault=True)
+
+
+class Slow(PointsFault):
+    """The points take longer to throw."""
+
+    kind = "slow"
+    factor: float = Field(ge=1.0, le=100.0, description="time of a throw over that of the line")
+
+    def over(self, condition: Condition) -> Condition:
+        return replace(condition, throw_factor=condition.throw_factor * self.factor)

@@ -1,0 +1,35 @@
+"""Faults of the rail under a train. The weather's adhesion lies under them: it is drawn anew for each leg."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from simulation.faults.fault import Fault, Names, World
+
+
+class RailFault(Fault[float]):
+    """The adhesion under a train, as a share of what the weather leaves."""
+
+    aims_at = "unit"
+    changes = "rail"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> float:
+        return 1.0
+
+    def put(self, world: World, share: float) -> None:
+        world.trains.set_rail(world.slot(self.target), share)
+
+
+class Slippery(RailFault):
+    """The rail is slippery: wheels slip and slide by the physics."""
+
+    kind = "slippery"
+    factor: float = Field(ge=0.0, le=1.0, description="adhesion over that of the weather")
+
+    def over(self, share: float) -> float:
+        return share * self.factor

@@ -1,0 +1,36 @@
+"""Every fault there is. Files, their checks, the injector and docs/faults.md take them from here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from simulation.faults.devices import Frozen, PowerOff, Restart
+from simulation.faults.fault import Fault
+from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
+from simulation.faults.points import NoDetection, Slow, Stuck
+from simulation.faults.rail import Slippery
+from simulation.faults.tachometer import NoOutput, Scale, StuckOutput
+from simulation.faults.tags import Miss, WrongId
+
+KINDS: Final[tuple[type[Fault[Any]], ...]] = (
+    PowerOff,
+    Restart,
+    Frozen,
+    Cut,
+    Loss,
+    Delay,
+    Duplicate,
+    Reorder,
+    Flip,
+    Scale,
+    StuckOutput,
+    NoOutput,
+    Slippery,
+    Miss,
+    WrongId,
+    Stuck,
+    NoDetection,
+    Slow,
+)
+FAULTS: Final[Mapping[str, type[Fault[Any]]]] = {kind.kind: kind for kind in KINDS}

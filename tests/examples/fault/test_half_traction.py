@@ -1,0 +1,64 @@
+"""The recipe "a fault" of docs/make-a.md, followed: one class, one row of the table, a drill that uses it."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+from typing import Any, cast
+
+import pytest
+
+from network.errors import InputError
+from simulation.faults.table import FAULTS
+from study.run.drill import Drill, run_drill
+from study.run.run import Link
+
+HERE = Path(__file__).parent
+DRILL = str(HERE / "half_traction.toml")
+
+
+@pytest.fixture
+def example() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("traction", HERE / "traction.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def listed(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> type[Any]:
+    """The fault with its row in the table."""
+    kind: type[Any] = example.WeakTraction
+    monkeypatch.setitem(cast("dict[str, Any]", FAULTS), kind.kind, kind)
+    return kind
+
+
+def arrival_s(drill: Drill) -> float:
+    return float(drill.run.tables.stops.filter(train="T1", station="B")["arrival_s"][0])
+
+
+def test_without_its_row_the_table_does_not_know_it() -> None:
+    with pytest.raises(InputError, match="weak_traction"):
+        run_drill(DRILL, Link.SIMULATED)
+
+
+@pytest.mark.system
+def test_with_half_the_force_a_train_accelerates_half_as_fast_and_arrives_later(
+    listed: type[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    weak = run_drill(DRILL, Link.SIMULATED)
+    assert weak.passed
+    monkeypatch.setattr(listed, "over", lambda _self, share: share)
+    whole = run_drill(DRILL, Link.SIMULATED)
+    assert arrival_s(weak) > arrival_s(whole) + 1.0
+
+    def fastest(drill: Drill) -> float:
+        """Strongest acceleration of the train's first minute, m/s^2."""
+        rows = drill.run.tables.trajectory.filter(train="T1")
+        return float(
+            cast("float", rows.filter(rows["t_s"] < rows["t_s"][0] + 60.0)["acceleration_mps2"].max())
+        )
+
+    assert 0.4 < fastest(weak) / fastest(whole) < 0.55  # half the force less the same resistance

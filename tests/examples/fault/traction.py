@@ -1,0 +1,32 @@
+"""Faults of a train's traction: motors cut out. The unit does not know; it drives on as if all pulled."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from simulation.faults.fault import Fault, Names, World
+
+
+class WeakTraction(Fault[float]):
+    """The train pulls with a share of its force."""
+
+    kind = "weak_traction"
+    aims_at = "unit"
+    changes = "traction"
+    target: str
+    factor: float = Field(default=0.5, ge=0.0, le=1.0, description="force left over that of the train file")
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> float:
+        return 1.0
+
+    def over(self, share: float) -> float:
+        return share * self.factor
+
+    def put(self, world: World, share: float) -> None:
+        trains, slot = world.trains, world.slot(self.target)
+        whole = trains.kinds["traction_notch_share"][slot]
+        trains.bodies["traction_notch_share"][slot] = whole * share

@@ -1,0 +1,231 @@
+"""Faults that overlap: at any time a quantity is what those in force make of its base, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any, Final
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from network.model import Position
+from radio.air import Delivery
+from simulation.agenda import Agenda
+from simulation.faults.devices import Frozen, PowerOff
+from simulation.faults.fault import Fault
+from simulation.faults.injector import Injector
+from simulation.faults.links import Cut, Delay, Link
+from simulation.faults.points import NoDetection, Slow, Stuck
+from simulation.faults.rail import Slippery
+from simulation.faults.script import Failure, Script, Trigger
+from simulation.faults.tachometer import NoOutput, Scale, StuckOutput
+from simulation.faults.tags import Miss, WrongId
+from simulation.journal import Journal
+from simulation.world.point_machine import Forced, PointMachine, Repaired, step
+
+WHEEL_MPS: Final = 10.0
+THROW_S: Final = 5.0
+WHERE: Final = Link("K1", "B-W", both_ways=True)
+
+
+@dataclass
+class World:
+    """A train K1, a terminal B-W and points P7, and the value of every quantity that faults change."""
+
+    failures: tuple[Failure, ...]
+    weather: float = 0.5
+    power: dict[str, bool] = field(default_factory=lambda: {"K1": True, "B-W": True})
+    frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
+
+    def __post_init__(self) -> None:
+        self.truth = SimpleNamespace(tachometer_gain=1.0, tachometer_frozen_mps=-1.0, wheel_factor=1.0)
+        self.plant = SimpleNamespace(wheel_speed_mps=WHEEL_MPS)
+        self.rail_share = 1.0
+        self.trains: Any = SimpleNamespace(
+            slot_of={"K1": 0},
+            truths=[self.truth],
+            plants=[self.plant],
+            tachometer_faults={},
+            tag_faults={},
+            on_board=[],
+            set_rail=lambda _slot, share: setattr(self, "rail_share", share),
+        )
+        machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
+        self.wayside: Any = SimpleNamespace(
+            section_ids=(),
+            machines=machines,
+            set_machine=lambda _step, machine: machines.update({machine.points_id: machine}),
+            power_on=lambda _step, device: self.power.update({device: True}),
+            power_off=lambda _step, device: self.power.update({device: False}),
+            freeze=lambda _step, device, *, frozen: self.frozen.update({device: frozen}),
+        )
+        self.agenda = Agenda()
+        self.injector = Injector(
+            Script(self.failures),
+            1,
+            self.trains,
+            self.wayside,
+            Journal(),
+            self.agenda,
+            lambda unit, on: self.power.update({unit: on}),
+            lambda unit, frozen: self.frozen.update({unit: frozen}),
+            lambda _unit, _hold_s: None,
+        )
+        self.injector.start(0)
+
+    def run_to(self, step_now: int) -> None:
+        while (item := self.agenda.pop_due(step_now)) is not None:
+            self.injector.due(item.step, item.subject)
+
+    def arrives(self) -> list[int]:
+        """Steps at which a telegram of step 100 arrives."""
+        return [d.step for d in self.wayside.disturb(90, "K1", "B-W", (Delivery(100, b"x"),))]
+
+
+def failure(fault: Fault[Any], at_s: float, duration_s: float | None = None) -> Failure:
+    return Failure(fault, Trigger(at_s=at_s), duration_s)
+
+
+def test_a_short_fault_inside_a_long_one_takes_only_itself_away() -> None:
+    world = World(
+        (failure(Scale(target="K1", factor=0.8), 2.0, 60.0), failure(NoOutput(target="K1"), 8.0, 6.0))
+    )
+    gains = []
+    for second in (1, 5, 10, 20, 70):
+        world.run_to(second * 10)
+        gains.append(world.truth.tachometer_gain)
+    assert gains == [1.0, 0.8, 0.0, 0.8, 1.0]
+    assert world.trains.tachometer_faults == {0: False}
+
+
+def test_a_train_is_misled_until_the_last_of_its_tachometers_faults_is_over() -> None:
+    world = World(
+        (failure(Scale(target="K1", factor=0.8), 2.0, 60.0), failure(NoOutput(target="K1"), 8.0, 6.0))
+    )
+    world.run_to(200)
+    assert world.trains.tachometer_faults == {0: True}
+
+
+def test_power_comes_back_with_the_last_of_its_cuts() -> None:
+    world = World((failure(PowerOff(target="B-W"), 5.0, 50.0), failure(PowerOff(target="B-W"), 10.0, 5.0)))
+    for second, on in ((4, True), (7, False), (12, False), (20, False), (60, True)):
+        world.run_to(second * 10)
+        assert world.power["B-W"] is on
+
+
+def test_what_is_stuck_shows_what_it_showed_whatever_the_factor() -> None:
+    scale = failure(Scale(target="K1", factor=0.5), 1.0)
+    world = World(
+        (scale, failure(StuckOutput(target="K1"), 2.0, 10.0), failure(NoOutput(target="K1"), 4.0, 2.0))
+    )
+    world.run_to(25)
+    world.plant.wheel_speed_mps = 20.0
+    assert world.truth.tachometer_frozen_mps == 5.0
+    world.run_to(50)
+    assert (world.truth.tachometer_gain, world.truth.tachometer_frozen_mps) == (0.0, -1.0)
+    world.run_to(70)
+    assert world.truth.tachometer_frozen_mps == 5.0
+    world.run_to(130)
+    assert (world.truth.tachometer_gain, world.truth.tachometer_frozen_mps) == (0.5, -1.0)
+
+
+def test_a_tag_that_is_not_read_reads_as_no_other_either() -> None:
+    world = World((failure(Miss(target="602"), 1.0, 10.0), failure(WrongId(target="602", id=601), 2.0, 20.0)))
+    for second, read in ((3, {602: None}), (15, {602: 601}), (30, {})):
+        world.run_to(second * 10)
+        assert world.trains.tag_faults == read
+
+
+def test_points_that_a_train_ran_through_are_not_mended_by_the_end_of_a_fault() -> None:
+    world = World((failure(Stuck(target="P7"), 1.0, 10.0),))
+    world.run_to(20)
+    world.wayside.machines["P7"] = step(world.wayside.machines["P7"], Forced(), 2.0)
+    world.run_to(200)
+    machine = world.wayside.machines["P7"]
+    assert (machine.stuck, machine.forced) == (False, True)
+    assert not step(machine, Repaired(Position.NORMAL), 30.0).forced
+
+
+FAMILIES: Final[dict[str, tuple[Fault[Any], ...]]] = {
+    "tachometer": (Scale(target="K1", factor=0.9), Scale(target="K1", factor=1.5), NoOutput(target="K1")),
+    "rail": (Slippery(target="K1", factor=0.5), Slippery(target="K1", factor=0.25)),
+    "tag": (Miss(target="602"), WrongId(target="602", id=601), WrongId(target="602", id=603)),
+    "points": (Stuck(target="P7"), NoDetection(target="P7"), Slow(target="P7", factor=2.0)),
+    "power of a unit": (PowerOff(target="K1"),),
+    "power of a device": (PowerOff(target="B-W"),),
+    "frozen unit": (Frozen(target="K1"),),
+    "frozen device": (Frozen(target="B-W"),),
+    "link": (Delay(target=WHERE, seconds=1.0), Delay(target=WHERE, seconds=2.0), Cut(target=WHERE)),
+}
+
+
+def _product(values: list[float]) -> float:
+    total = 1.0
+    for value in values:
+        total *= value
+    return total
+
+
+def expected(family: str, faults: list[Fault[Any]]) -> object:
+    """What the faults in force come to, said without folding anything."""
+    match family:
+        case "tachometer":
+            silent = any(isinstance(f, NoOutput) for f in faults)
+            return 0.0 if silent else _product([f.factor for f in faults if isinstance(f, Scale)])
+        case "rail":
+            return _product([f.factor for f in faults if isinstance(f, Slippery)])
+        case "tag":
+            wrong = [f.id for f in faults if isinstance(f, WrongId)]
+            missed = any(isinstance(f, Miss) for f in faults)
+            return {602: None} if missed else {602: wrong[-1]} if wrong else {}
+        case "points":
+            kinds = [type(f) for f in faults]
+            return Stuck in kinds, NoDetection in kinds, 2.0 ** kinds.count(Slow)
+        case "link":
+            later = sum(round(f.seconds * 10) for f in faults if isinstance(f, Delay))
+            return [] if any(isinstance(f, Cut) for f in faults) else [100 + later]
+        case "power of a unit" | "power of a device":
+            return not faults
+        case _:
+            return bool(faults)
+
+
+def found(family: str, world: World) -> object:
+    machine = world.wayside.machines["P7"]
+    return {
+        "tachometer": world.truth.tachometer_gain,
+        "rail": world.rail_share,
+        "tag": world.trains.tag_faults,
+        "points": (machine.stuck, machine.detection_fault, machine.throw_factor),
+        "power of a unit": world.power["K1"],
+        "power of a device": world.power["B-W"],
+        "frozen unit": world.frozen["K1"],
+        "frozen device": world.frozen["B-W"],
+        "link": world.arrives(),
+    }[family]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(data=st.data())
+def test_at_every_time_a_quantity_is_what_those_in_force_make_of_it(family: str, data: st.DataObject) -> None:
+    faults = FAMILIES[family]
+    drawn = st.tuples(st.integers(0, len(faults) - 1), st.integers(0, 30), st.integers(1, 30) | st.none())
+    intervals = data.draw(st.lists(drawn, max_size=6))
+    world = World(
+        tuple(
+            failure(faults[i], begin / 10, None if length is None else length / 10)
+            for i, begin, length in intervals
+        )
+    )
+    for now in range(62):
+        world.run_to(now)
+        in_force = [
+            (begin, order, faults[i])
+            for order, (i, begin, length) in enumerate(intervals)
+            if begin <= now and (length is None or now < begin + length)
+        ]
+        in_force.sort(key=lambda item: item[:2])
+        want = expected(family, [fault for _, _, fault in in_force])
+        assert found(family, world) == (pytest.approx(want) if isinstance(want, float) else want)

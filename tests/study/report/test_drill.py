@@ -1,0 +1,92 @@
+"""A drill in the report: numbered marks on the graph that stay apart, rows under it, verdicts in words."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from study.report.data import Run
+from study.report.drill import DrillShown, Mark, MarkKind, draw_strip, mark_graph, shortened
+from study.report.graph import draw_train_graph
+from study.report.report import write_report
+from study.report.style import TimeBand, drawing, time_grid
+
+BAND = TimeBand(36_000.0, 43_200.0)
+LONG = "the manager grants nothing at all to anybody while it does not know who holds what"
+
+
+def marks(count: int = 4) -> tuple[Mark, ...]:
+    faults = [
+        Mark(MarkKind.FAULT, i, f"cut K{i} <-> *", 37_000.0 + i, 38_000.0, happened="10:33")
+        for i in range(1, count + 1)
+    ]
+    return (
+        *faults,
+        Mark(MarkKind.ACT, 1, "staff: repair_points P7 normal", 37_500.0, 37_500.0),
+        Mark(MarkKind.EXPECTATION, 1, "it arrives", 37_000.0, 39_000.0, 38_500.0, True, "at 10:41:40.0"),
+        Mark(MarkKind.EXPECTATION, 2, LONG, 37_000.0, 40_000.0, 37_700.0, False, "happened at 10:28:20.0"),
+    )
+
+
+def shown_texts(figure: Figure) -> list[Text]:
+    return [text for text in figure.findobj(Text) if isinstance(text, Text) and text.get_text()]
+
+
+def test_numbers_of_faults_that_begin_together_do_not_cover_each_other() -> None:
+    with drawing():
+        figure = Figure(figsize=(13.0, 3.7))
+        axes = figure.subplots()
+        axes.set_xlim(BAND.from_s, BAND.to_s)
+        mark_graph(axes, marks(8), BAND)
+        figure.canvas.draw()
+        boxes = sorted((t.get_window_extent() for t in axes.texts), key=lambda box: box.x0)
+    assert [t.get_text() for t in axes.texts] == [*(f"F{i}" for i in range(1, 9)), "A1"]
+    assert all(left.x1 <= right.x0 for left, right in pairwise(boxes))
+
+
+def test_each_mark_has_its_row_and_what_was_not_met_stands_out() -> None:
+    with drawing():
+        figure = Figure(figsize=(13.0, 1.0))
+        axes = figure.subplots()
+        draw_strip(axes, marks(1), BAND, time_grid(BAND.to_s - BAND.from_s))
+        labels = axes.get_yticklabels()
+    assert [label.get_text().split()[0] for label in labels] == ["F1", "A1", "E1", "E2"]
+    assert labels[3].get_color() != labels[2].get_color()
+    assert labels[3].get_text().endswith("…")
+    assert {line.get_marker() for line in axes.lines} >= {"D", "o", "X"}
+
+
+def test_a_mark_shows_only_where_any_of_it_falls() -> None:
+    (fault, act, *_) = marks(1)
+    assert fault.shows(BAND) and act.shows(BAND)
+    later = TimeBand(BAND.to_s, BAND.to_s + 3600.0)
+    assert not fault.shows(later) and not act.shows(later)
+
+
+def test_a_text_is_cut_only_if_it_must_be() -> None:
+    assert shortened("it arrives") == "it arrives"
+    assert LONG.startswith(shortened(LONG)[:-1]) and len(shortened(LONG)) < len(LONG)
+
+
+def test_the_graph_has_a_strip_in_the_panels_that_the_marks_meet(weekday: Run) -> None:
+    with drawing():
+        plain, _ = draw_train_graph(weekday)
+        figure, _ = draw_train_graph(weekday, marks())
+    assert len(figure.axes) == len(plain.axes) + 1
+    assert "F1  cut K1 <-> *" in {text.get_text() for text in shown_texts(figure)}
+
+
+def test_the_page_says_whether_the_drill_was_passed_and_what_was_not_met(
+    weekday: Run, tmp_path: Path
+) -> None:
+    drill = DrillShown(False, marks(1), "Latest 90 s after plan.")
+    facts = {"broken_expectations": drill.unmet()}
+    page = write_report(
+        tmp_path, weekday.line, weekday.timetable, weekday.tables, facts, None, drill
+    ).read_text("utf-8")
+    assert "NOT passed: 1 of 2 expectations not met" in page
+    assert f"Expected: {LONG}: happened at 10:28:20.0" in page
+    assert "Latest 90 s after plan." in page and "cut K1 &lt;-&gt; *" in page
