@@ -199,19 +199,18 @@ class Trains:
 
         Raises CarrierDisagrees when a train is not where its speeds lead.
         """
-        ran_to_m = self._position_m[slots].tolist()
         positions_m = []
-        for slot, truth, expected_m in zip(slots, seen, ran_to_m, strict=True):
+        for slot, truth in zip(slots, seen, strict=True):
             position_m = self.true_path(slot).step_of(truth.piece_id).start_m + truth.offset_m
-            if abs(position_m - expected_m) > AGREEMENT_M:
+            if abs(position_m - self._position_m[slot]) > AGREEMENT_M:
                 message = (
                     f"{self.stock_ids[slot]}: carrier has it at {position_m:.6f} m of its path on"
-                    f" {truth.piece_id}, its speeds at {expected_m:.6f} m"
+                    f" {truth.piece_id}, its speeds at {float(self._position_m[slot]):.6f} m"
                 )
                 raise CarrierDisagrees(message)
+            self._position_m[slot] = position_m
+            self._offset_m[slot] = position_m - self._travelled_m[slot]
             positions_m.append(position_m)
-        self._position_m[slots] = positions_m
-        self._offset_m[slots] = positions_m - self._travelled_m[slots]
         return positions_m
 
     # coming, going, turning --------------------------------------------------------------------------------------
