@@ -33,9 +33,9 @@ from onboard.driving.supervision import RESERVE_M
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.timekeeping import cruise_for
-from onboard.localisation.sighting import NOT_SEEN_M, take_sighting
-from onboard.localisation.tachometer import fix, within_window
-from onboard.localisation.tags import TagDoubt
+from onboard.localisation.fix import Taken, missed_by_m, take
+from onboard.localisation.sighting import NOT_SEEN_M, sign_fix
+from onboard.localisation.tags import TagDoubt, tag_fix
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_INTERVENTION,
@@ -256,7 +256,10 @@ class Unit:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
         tag = self._tags.get(tag_id)
         tolerance_m = self.facts.parameters.tag_accuracy_m
-        if tag is None or not within_window(self.row, tag.position_m, odometer_m, tolerance_m):
+        if (
+            tag is None
+            or missed_by_m(self.row, tag_fix(self.row, tag.position_m, odometer_m, tolerance_m)) > 0.0
+        ):
             self._position_fault(f"tag {tag_id} where none can be", now_s)
             return self._done(now_s)
         if not self._doubt.believes(tag, odometer_m):
@@ -264,8 +267,8 @@ class Unit:
             return self._done(now_s)
         self._doubt.take(tag, odometer_m)
         was_known = self.row.position_known == 1
-        correction_m = fix(self.row, tag.position_m, odometer_m, tolerance_m)
-        self.row.fix_correction_m += correction_m
+        taken = take(self.row, tag_fix(self.row, tag.position_m, odometer_m, tolerance_m))
+        correction_m = taken.correction_m if isinstance(taken, Taken) else 0.0
         self._note("tag_read", tag=tag_id, purpose=tag.purpose.value, correction_m=round(correction_m, 3))
         self._expect_tag(tag.position_m)
         if not was_known:
@@ -278,12 +281,12 @@ class Unit:
         if self.phase is not Phase.RUNNING or self.mission is None:
             return self._taken()
         target = self.mission.targets[self.at + 1]
-        correction_m = (
-            None if distance_m is None else take_sighting(self.row, target.mark_m, float(distance_m))
-        )
-        if correction_m is not None and self._sighted != target:
+        taken = None
+        if distance_m is not None and self.row.position_known:
+            taken = take(self.row, sign_fix(self.row, target.mark_m, float(distance_m)))
+        if isinstance(taken, Taken) and self._sighted != target:
             self._sighted = target
-            self._note("sign_seen", station=target.station_id, correction_m=round(correction_m, 3))
+            self._note("sign_seen", station=target.station_id, correction_m=round(taken.correction_m, 3))
         if self._sighted != target and target.mark_m - self.row.position_m < NOT_SEEN_M:
             self._impossible(Verdict.TARGET_NOT_SEEN)
         return self._taken()
@@ -677,6 +680,7 @@ class Unit:
         if due_s is not None and there.departure_s is not None:
             due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
         self.row.cruise_mps = math.inf
+        self.row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
         if due_s is None or there.mark_m <= self.row.position_m:
             return
         self.row.cruise_mps = cruise_for(

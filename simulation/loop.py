@@ -29,11 +29,10 @@ from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.points import WaysideWorld, header_of
 from simulation.world.records import (
-    EVENT_CAMERA,
-    EVENT_FRONT,
-    EVENT_REAR,
-    EVENT_TAG,
-    EVENT_UNIT_BITS,
+    PASSED_CAMERA,
+    PASSED_FRONT,
+    PASSED_REAR,
+    PASSED_TAG,
     TRACE,
 )
 from simulation.world.roster import Duty, draw_up, stabled_at_start
@@ -66,7 +65,7 @@ class Simulation:
         self.journal = Journal()
         lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
         self._duties: Mapping[str, tuple[Duty, ...]] = draw_up(
-            setup.line, setup.timetable, lengths, setup.portal_lead_s
+            setup.believed_line, setup.timetable, lengths, setup.portal_lead_s
         )
         first_s = min(duty.enter_s for duties in self._duties.values() for duty in duties)
         last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
@@ -211,13 +210,14 @@ class Simulation:
             trains.stock, trains.pool.track, sheet, self._trace, self._trace_used, self._step, steps
         )
         moving: list[int] = sheet.movers[:count].tolist()
-        bits = [(slot, events) for slot, events in enumerate(sheet.events.tolist()) if events]
-        for slot, events in bits:
-            if events & EVENT_FRONT and trains.at_end_of_track(slot):
+        both = zip(sheet.passed.tolist(), sheet.events.tolist(), strict=True)
+        bits = [(slot, passed, events) for slot, (passed, events) in enumerate(both) if passed or events]
+        for slot, passed, _ in bits:
+            if passed & PASSED_FRONT and trains.at_end_of_track(slot):
                 self._unsafe(slot, "ran off the end of the track")
                 self._broken = "a train ran off the end of the track"
                 return
-            if events & EVENT_FRONT:
+            if passed & PASSED_FRONT:
                 self._cross_points(slot)
         speeds = sheet.speeds_mps[:count, :done].tolist()
         hit = self._carrier.run(
@@ -232,8 +232,8 @@ class Simulation:
             return
         if moving:
             self._compare(moving, self._observe(moving))
-        for slot, events in bits:
-            self._report(slot, events)
+        for slot, passed, events in bits:
+            self._report(slot, passed, events)
 
     def _observe(self, slots: list[int]) -> list[Truth]:
         """Truth to the checkers; only trains that moved can have changed anything."""
@@ -246,12 +246,12 @@ class Simulation:
         return seen
 
     def _compare(self, slots: list[int], seen: list[Truth]) -> None:
-        """The carrier's positions against the kernel's, then what units believe against the carrier's."""
-        now_s, trains, sheet = self.now_s, self.trains, self._sheet
-        known, believed = sheet.known.tolist(), sheet.believed_m.tolist()
-        for mover, (slot, position_m) in enumerate(zip(slots, trains.compare(slots, seen), strict=True)):
-            if known[mover] and not trains.misled(slot):
-                self.checkers.bounds(now_s, trains.stock_ids[slot], position_m, *believed[mover])
+        """The carrier's positions against the kernel's, then the worst moment of each unit's bounds to the checkers."""
+        trains = self.trains
+        trains.compare(slots, seen)
+        for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
+            if out_m != -math.inf and not trains.misled(slot):
+                self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
         for text in self._carrier.collisions():
@@ -282,26 +282,26 @@ class Simulation:
     def _unsafe(self, slot: int, text: str) -> None:
         self.journal.write(self.now_s, "world", "unsafe", unit=self.trains.stock_ids[slot], text=text)
 
-    def _report(self, slot: int, events: int) -> None:
+    def _report(self, slot: int, passed: int, events: int) -> None:
         """Tell the unit what its sensors saw at the end of this step."""
         trains = self.trains
         unit = trains.on_board[slot]
         now_s = self.now_s
-        if events & (EVENT_FRONT | EVENT_REAR):
+        if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(slot)
         self._books.look_for_departure(slot, now_s)
-        if events & EVENT_TAG:
+        if passed & PASSED_TAG:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(now_s, "world", "tag_passed", unit=unit.facts.unit_id, tag=tag_id)
             if read_id is not None and slot not in trains.unpowered:
                 self._apply(slot, unit.tag_read(read_id, odometer_m, now_s))
                 if trains.units[slot].position_known:
                     trains.position_fixed(slot)
-        if events & EVENT_CAMERA:
+        if passed & PASSED_CAMERA:
             self._eyes.begin(slot, self._step)
-        if events & EVENT_UNIT_BITS and slot not in trains.unpowered:
+        if events and slot not in trains.unpowered:
             at = unit.at
-            self._apply(slot, unit.events(events & EVENT_UNIT_BITS, now_s))
+            self._apply(slot, unit.events(events, now_s))
             if events & EVENT_STOPPED and unit.at == at:
                 self._crew_stands(slot)
 
@@ -405,7 +405,7 @@ class Simulation:
 
     def _appear(self, slot: int, duty: Duty) -> None:
         stock_id = self.trains.stock_ids[slot]
-        length_m = float(self.trains.kinds[slot].length_m)
+        length_m = float(self.trains.bodies[slot].length_m)
         position_m = float(self.trains.truths[slot].position_m)
         path = duty.mission.path
         under = [

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from onboard.records import MODE_DRIVE, UnitRow
 from onboard.tick import tick
 from simulation.world.records import (
-    EVENT_CAMERA,
-    EVENT_FRONT,
-    EVENT_REAR,
-    EVENT_TAG,
+    PASSED_CAMERA,
+    PASSED_FRONT,
+    PASSED_REAR,
+    PASSED_TAG,
     TRACE_EVERY_STEPS,
     StockRow,
     TraceRow,
@@ -40,21 +40,24 @@ Rows = NDArray[np.void]
 
 
 class Track(NamedTuple):
-    """The pool of all paths: the real profile, what units know of it, and where tags lie."""
+    """The pool of all paths: the real profile, what units know of it, their plans, and where tags lie."""
 
     profile: Rows
     pattern: Rows
+    plan: Rows
     tag_positions_m: NDArray[np.float64]
 
 
 class Sheet(NamedTuple):
-    """What Python reads after a stretch, in blocks; the first axis of all but `events` is the order of `movers`."""
+    """What Python reads after a stretch, in blocks; the first axis is the order of `movers`, or the slot where said."""
 
     movers: NDArray[np.int64]  # slots of the stock that moved, ascending
     speeds_mps: NDArray[np.float64]  # (movers, steps): at the end of each step
-    believed_m: NDArray[np.float64]  # (movers, 3): position, bound behind, bound ahead
-    known: NDArray[np.int64]  # 1: the unit knows its position
-    events: NDArray[np.int64]  # by slot: what happened in the last step
+    # (movers, 6): of the step in which bounds were broken most, or nearest to it: by how much (m; -inf: no step with a
+    # known position), the step, true position, believed position, bound behind, bound ahead
+    worst: NDArray[np.float64]
+    passed: NDArray[np.int64]  # by slot: what its front and rear passed in the last step
+    events: NDArray[np.int64]  # by slot: what its unit reported in the last step
 
 
 def new_sheet(slots: int) -> Sheet:
@@ -62,7 +65,7 @@ def new_sheet(slots: int) -> Sheet:
     return Sheet(
         np.zeros(slots, dtype=np.int64),
         np.zeros((slots, STANDING_STEPS_MAX)),
-        np.zeros((slots, 3)),
+        np.zeros((slots, 6)),
         np.zeros(slots, dtype=np.int64),
         np.zeros(slots, dtype=np.int64),
     )
@@ -95,22 +98,22 @@ def track_under(truth: TruthRow, profile: Rows, length_m: float) -> tuple[float,
 
 
 @compiled
-def world_events(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
+def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
     """What the train's front and rear passed in this step; latches the tachometer where a tag was passed."""
-    events = 0
+    found = 0
     now_m = truth.position_m
     if truth.tag_next < truth.tag_end and now_m >= tag_positions_m[truth.tag_next]:
-        events |= EVENT_TAG
+        found |= PASSED_TAG
         beyond = now_m - tag_positions_m[truth.tag_next]
         truth.odometer_at_tag_m = truth.odometer_m - beyond * truth.tachometer_gain / truth.wheel_factor
     if now_m >= truth.front_boundary_m:
-        events |= EVENT_FRONT
+        found |= PASSED_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
-        events |= EVENT_REAR
+        found |= PASSED_REAR
     if now_m >= truth.camera_m:
         truth.camera_m = np.inf
-        events |= EVENT_CAMERA
-    return events
+        found |= PASSED_CAMERA
+    return found
 
 
 @compiled
@@ -150,9 +153,10 @@ def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: Train
 
 
 @compiled
-def sense(row: StockRow, wheel_before_m: float, step_s: float) -> None:
+def sense(row: StockRow, wheel_before_m: float, step: int, step_s: float) -> None:
     """Fill the row's `sensed` after its body has moved."""
     sensed = row.sensed
+    sensed.now_s = step * step_s
     sensed.speed_mps = read_tachometer(row.truth, row.plant, wheel_before_m, step_s)
     sensed.odometer_m = row.truth.odometer_m
     sensed.wheel_slide = slide_seen(row.plant)
@@ -160,20 +164,43 @@ def sense(row: StockRow, wheel_before_m: float, step_s: float) -> None:
 
 
 @compiled
-def step_one(row: StockRow, track: Track) -> int:
-    """One stock through one step: its body moves, its sensors show it, its unit ticks; returns event bits."""
-    truth, plant, unit, train = row.truth, row.plant, row.board.unit, row.board.kind
+def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
+    """One stock through one step: its body moves, its sensors show it, its unit ticks.
+
+    Returns what it passed and what its unit reports, as bits.
+    """
+    truth, plant, unit = row.truth, row.plant, row.board.unit
     step_s = row.board.behaviour.step_s
-    gradient, curvature = track_under(truth, track.profile, train.length_m)
+    gradient, curvature = track_under(truth, track.profile, row.body.length_m)
     wheel_before_m = plant.wheel_travelled_m
     move(plant, row.body, unit.notch, unit.emergency != 0, gradient, curvature, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
-    sense(row, wheel_before_m, step_s)
-    events = world_events(truth, track.tag_positions_m, train.length_m)
-    events |= tick(row.board, row.sensed, track.pattern)
+    sense(row, wheel_before_m, step, step_s)
+    found = passed(truth, track.tag_positions_m, row.body.length_m)
+    events = tick(row.board, row.sensed, track.pattern, track.plan)
     if unit.position_known == 0:
-        brake_on_sight(truth, plant, unit, train)
-    return events
+        brake_on_sight(truth, plant, unit, row.board.kind)
+    return found, events
+
+
+@compiled
+def judge_bounds(row: StockRow, worst: NDArray[np.float64], step: int) -> None:
+    """Remember the moment of this stretch in which the truth was furthest out of the stated bounds, or nearest to it.
+
+    The checker judges it; here nothing is decided. `worst`: see `Sheet.worst`.
+    """
+    unit = row.board.unit
+    if unit.position_known == 0:
+        return
+    beyond_m = row.truth.position_m - unit.position_m
+    out_m = max(beyond_m - unit.bound_ahead_m, -beyond_m - unit.bound_behind_m)
+    if not out_m <= worst[0]:  # what is no number counts as out
+        worst[0] = out_m
+        worst[1] = step
+        worst[2] = row.truth.position_m
+        worst[3] = unit.position_m
+        worst[4] = unit.bound_behind_m
+        worst[5] = unit.bound_ahead_m
 
 
 @compiled
@@ -213,38 +240,37 @@ def advance(
 ) -> tuple[int, int, int]:
     """Run all active trains for up to `steps` steps from `first_step`; returns steps done, trace rows used, movers.
 
-    The first `movers` rows of the sheet tell of the stock that moved; `sheet.events` tells of every slot. Nothing
-    else has to be read from `stock` after a stretch in which nothing happened.
+    The first `movers` rows of the sheet tell of the stock that moved; `sheet.passed` and `sheet.events` of every
+    slot. Nothing else has to be read from `stock` after a stretch in which nothing happened.
     """
     moving = movers(stock, sheet)
     steps = min(steps, MOVING_STEPS_MAX if moving > 0 else STANDING_STEPS_MAX)
+    sheet.worst[:, 0] = -np.inf
+    sheet.passed[:] = 0
     sheet.events[:] = 0
     done = 0
     while done < steps:
         happened = 0
         mover = 0
+        step = first_step + done + 1
         for slot in range(stock.size):
             row = stock[slot]
             if row.truth.active == 0:
                 continue
-            events = step_one(row, track)
+            found, events = step_one(row, track, step)
             if mover < moving and sheet.movers[mover] == slot:
                 sheet.speeds_mps[mover, done] = row.plant.speed_mps
+                judge_bounds(row, sheet.worst[mover], step)
                 mover += 1
+            sheet.passed[slot] = found
             sheet.events[slot] = events
-            happened |= events
-            whole = (first_step + done + 1) % TRACE_EVERY_STEPS == 0
-            if (whole and (row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE)) or events != 0:
-                sample(trace[trace_used], row, first_step + done + 1, slot)
+            happened |= found | events
+            whole = step % TRACE_EVERY_STEPS == 0
+            moves = row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE
+            if (whole and moves) or (found | events) != 0:
+                sample(trace[trace_used], row, step, slot)
                 trace_used += 1
         done += 1
         if happened != 0:
             break
-    for mover in range(moving):
-        row = stock[sheet.movers[mover]]
-        unit = row.board.unit
-        sheet.believed_m[mover, 0] = unit.position_m
-        sheet.believed_m[mover, 1] = unit.bound_behind_m
-        sheet.believed_m[mover, 2] = unit.bound_ahead_m
-        sheet.known[mover] = unit.position_known
     return done, trace_used, moving

@@ -11,12 +11,11 @@ from onboard.board import BoardRow, SensedRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
-# what the world reports to the event-driven part (bits above those of onboard.records)
-EVENT_TAG: Final = 1 << 8  # the front passed a tag
-EVENT_FRONT: Final = 1 << 9  # the front passed the end of a track piece
-EVENT_REAR: Final = 1 << 10  # the rear passed the end of a track piece
-EVENT_CAMERA: Final = 1 << 11  # the front came to where the camera may see the next stop sign
-EVENT_UNIT_BITS: Final = (1 << 8) - 1
+# what a train passed, as the world reports it; a word of its own beside the unit's events
+PASSED_TAG: Final = 1
+PASSED_FRONT: Final = 2  # the front passed the end of a track piece
+PASSED_REAR: Final = 4  # the rear passed the end of a track piece
+PASSED_CAMERA: Final = 8  # the front came to where the camera may see the next stop sign
 
 
 class TruthRow(Protocol):

@@ -14,6 +14,7 @@ from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.authority.coverage import covered_at
+from onboard.driving.laws.table import LAW_NAMES, law_number
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
@@ -86,7 +87,7 @@ class Trains:
         self._position_m = self.stock["truth"]["position_m"]
         self._offset_m = self.stock["truth"]["offset_m"]
         self._travelled_m = self.stock["plant"]["travelled_m"]
-        self.pool = PathPool(setup.line)
+        self.pool = PathPool(setup.line, setup.believed_line)
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
         self.on_board: list[Unit] = []
@@ -106,18 +107,26 @@ class Trains:
         self._rings = [
             key_ring(master_key, stock_id, (MANAGER_ID, *terminals)) for stock_id in self.stock_ids
         ]
-        for slot, stock_id in enumerate(self.stock_ids):
-            board["kind"][slot] = setup.trains[stock_id].row[0]
-            body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, self.kinds[slot])
-            self.stock["body"][slot] = body[0]
-            self._keepers.append(self._new_keeper(slot))
-            self.on_board.append(self._new_unit(slot))
-            sigma = setup.sensors.wheel_factor_sigma
-            factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
-            self.truths[slot].wheel_factor = factor
-            self.truths[slot].tachometer_gain = 1.0
-            self.truths[slot].tachometer_frozen_mps = -1.0
-            self.truths[slot].sight_m = self.truths[slot].camera_m = math.inf
+        for slot in range(n):
+            self._fit_out(slot)
+
+    def _fit_out(self, slot: int) -> None:
+        """Fill one stock's row, and give it its unit."""
+        setup, stock_id, row = self.setup, self.stock_ids[slot], self.stock[slot]
+        row["board"]["kind"] = setup.believed_train(stock_id).row[0]
+        row["board"]["laws"]["number"] = law_number(setup.laws.get(stock_id, LAW_NAMES[0]))
+        body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, setup.trains[stock_id].row)
+        row["body"] = body[0]
+        self._keepers.append(self._new_keeper(slot))
+        self.on_board.append(self._new_unit(slot))
+        sigma = setup.sensors.wheel_factor_sigma
+        truth = self.truths[slot]
+        truth.wheel_factor = 1.0 + float(
+            np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma)
+        )
+        truth.tachometer_gain = 1.0
+        truth.tachometer_frozen_mps = -1.0
+        truth.sight_m = truth.camera_m = self.units[slot].due_s = math.inf
 
     def _new_keeper(self, slot: int) -> StopKeeper:
         """The train's memory of its stops, with what it has learned on days before."""
@@ -129,7 +138,7 @@ class Trains:
 
     def _new_unit(self, slot: int) -> Unit:
         """An on-board unit that has just been switched on: fixed data and the number of its boot, nothing else."""
-        facts = UnitFacts(self.stock_ids[slot], self.setup.line, MANAGER_ID, self.setup.unit)
+        facts = UnitFacts(self.stock_ids[slot], self.setup.believed_line, MANAGER_ID, self.setup.unit)
         endpoint = Endpoint(self._rings[slot], epoch=self.boots[slot])
         return Unit(
             facts, self.units[slot], self.kinds[slot], self.behaviours[slot], endpoint, self._keepers[slot]
@@ -194,12 +203,8 @@ class Trains:
             return True
         return covered_at(self.setup.line, self.true_path(slot), float(self.truths[slot].position_m))
 
-    def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> list[float]:
-        """Take the carrier's positions as the truth and return them, m, as path coordinates.
-
-        Raises CarrierDisagrees when a train is not where its speeds lead.
-        """
-        positions_m = []
+    def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> None:
+        """Take the carrier's positions as the truth; CarrierDisagrees when a train is not where its speeds lead."""
         for slot, truth in zip(slots, seen, strict=True):
             position_m = self.true_path(slot).step_of(truth.piece_id).start_m + truth.offset_m
             if abs(position_m - self._position_m[slot]) > AGREEMENT_M:
@@ -210,8 +215,6 @@ class Trains:
                 raise CarrierDisagrees(message)
             self._position_m[slot] = position_m
             self._offset_m[slot] = position_m - self._travelled_m[slot]
-            positions_m.append(position_m)
-        return positions_m
 
     # coming, going, turning --------------------------------------------------------------------------------------
 
@@ -241,7 +244,7 @@ class Trains:
             pieces[first:],
             mission.direction,
             position_m - step.start_m,
-            float(self.kinds[slot].length_m),
+            float(self.bodies[slot].length_m),
         )
 
     def can_turn(self, slot: int, duty: Duty) -> bool:
@@ -253,7 +256,7 @@ class Trains:
         """Change ends on the spot: what was the rear is the front, on the next duty's path."""
         mission = duty.mission
         old = self.true_path(slot)
-        length_m = float(self.kinds[slot].length_m)
+        length_m = float(self.bodies[slot].length_m)
         unit = self.units[slot]
         rear = old.locate(float(self.truths[slot].position_m) - length_m)
         rear_estimate = old.locate(float(unit.position_m) - length_m)
@@ -291,6 +294,7 @@ class Trains:
         truth.offset_m = position_m - plant.travelled_m
         self._use_rows(slot, self.rows_of(slot, self.true_path(slot)), position_m)
         unit.path_offset, unit.path_rows = rows.offset, rows.rows
+        unit.plan_rows = 0  # a plan is of the path it was made for
         self.set_boundaries(slot)
         self.begin_leg(slot, duty.enter_s)
         chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
@@ -336,7 +340,7 @@ class Trains:
         """Rows of the pool for a path of this stock."""
         stock_id = self.stock_ids[slot]
         return self.pool.rows_for(
-            path, self.setup.trains[stock_id].id, self.kinds[slot], self.behaviours[slot]
+            path, self.setup.believed_train(stock_id).id, self.kinds[slot], self.behaviours[slot]
         )
 
     def pattern_rows(self, slot: int) -> NDArray[np.void]:
@@ -358,7 +362,7 @@ class Trains:
         """The next ends of pieces that the front and the rear pass."""
         truth = self.truths[slot]
         path = self.true_path(slot)
-        rear_m = float(truth.position_m) - float(self.kinds[slot].length_m)
+        rear_m = float(truth.position_m) - float(self.bodies[slot].length_m)
         front_end_m = path.step_at(float(truth.position_m)).end_m
         truth.front_boundary_m = min(front_end_m, path.length_m - END_OF_TRACK_M)
         rear_end_m = path.step_at(rear_m).end_m

@@ -23,8 +23,10 @@ from network.model import Line
 from network.timetable import Timetable, load_timetable
 from onboard.unit import UnitParameters
 from radio.air import AirParameters, DelayShape
-from simulation.setup import STEP_S, Driving, Sensors, Setup
+from simulation.setup import STEP_S, Belief, Driving, Sensors, Setup
+from study.scenario.belief import belief_of, with_trains
 from study.scenario.fleet_file import ScatterTable, TuningTable, VisionTable, scatter_of, tuning_of, vision_of
+from study.scenario.law_choice import laws_of, without_laws
 from study.scenario.script_file import ActTable, ExpectTable, FaultTable, script_of
 from vehicle.train_file import TrainType, load_train, shipped_train
 from wayside.config import ReentryMode
@@ -96,6 +98,7 @@ class _ScenarioFile(Record):
     limits: _Limits = Field(default_factory=_Limits)
     operation: _Operation = Field(default_factory=_Operation)
     line_patch: dict[str, Any] = Field(default_factory=dict)
+    belief: dict[str, Any] = Field(default_factory=dict)
     fault: list[FaultTable] = Field(default_factory=list)
     act: list[ActTable] = Field(default_factory=list)
     expect: list[ExpectTable] = Field(default_factory=list)
@@ -127,7 +130,7 @@ def find_scenario(name: str) -> Path:
 def load_scenario(name: str, seed: int | None = None) -> Scenario:
     """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
     path = find_scenario(name)
-    model = _read(path)
+    model, chosen = _read(path)
     line = _line(path, model)
     timetable = load_timetable(_named(path, "timetable", model.timetable, shipped_timetable), line)
     trains = _trains(path, model, timetable)
@@ -139,9 +142,11 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         timetable=timetable,
         trains=trains,
         seed=model.seed if seed is None else seed,
+        belief=_belief(path, model, line, trains),
         air=_air(path, model.air),
         unit=_fill(UnitParameters, {"dwell_min_s": timetable.dwell_min_s, **model.unit}, path, "unit"),
         driving=_fill(Driving, model.driving, path, "driving"),
+        laws=laws_of(str(path), chosen, sorted(trains)),
         sensors=_fill(Sensors, model.sensors, path, "sensors"),
         scatter=scatter_of(str(path), model.scatter, trains),
         tuning=tuning_of(path, model.tuning, trains),
@@ -163,8 +168,10 @@ def _folder() -> Path:
     return Path(str(files("study"))) / FOLDER
 
 
-def _read(path: Path) -> _ScenarioFile:
-    return validate(_merged(path, ()), str(path), _ScenarioFile)
+def _read(path: Path) -> tuple[_ScenarioFile, dict[str, Any]]:
+    """The scenario's file, and which driving laws it chooses."""
+    tables, chosen = without_laws(_merged(path, ()))
+    return validate(tables, str(path), _ScenarioFile), chosen
 
 
 def _merged(path: Path, above: tuple[Path, ...]) -> dict[str, Any]:
@@ -211,6 +218,14 @@ def _line(path: Path, model: _ScenarioFile) -> Line:
     from network.files.patch import load_patched_line
 
     return load_patched_line(file, model.line_patch, str(path))
+
+
+def _belief(path: Path, model: _ScenarioFile, line: Line, trains: Mapping[str, TrainType]) -> Belief | None:
+    if not model.belief:
+        return None
+    file = _named(path, "line", model.line, shipped_line)
+    belief = belief_of(str(path), file, line, model.line_patch, model.belief)
+    return with_trains(str(path), belief, model.belief.get("trains", {}), trains)
 
 
 def _trains(path: Path, model: _ScenarioFile, timetable: Timetable) -> dict[str, TrainType]:
