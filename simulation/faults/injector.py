@@ -166,13 +166,13 @@ class Injector:
     # sensors, tags, points ----------------------------------------------------------------------------------
 
     def _tachometer(self, _key: int, fault: Fault, begins: bool) -> None:
-        truth = self._trains.truths[self._trains.slot_of[fault.target]]
+        tachometer = self._trains.tachometers[self._trains.slot_of[fault.target]]
         gain = {FaultKind.SCALE: fault.parameters.get("factor", 1.0), FaultKind.NO_OUTPUT: 0.0}
-        truth.tachometer_gain = gain.get(fault.kind, 1.0) if begins else 1.0
+        tachometer.gain = gain.get(fault.kind, 1.0) if begins else 1.0
         plant = self._trains.plants[self._trains.slot_of[fault.target]]
         stuck = begins and fault.kind is FaultKind.STUCK_OUTPUT
         self._trains.tachometer_faults[self._trains.slot_of[fault.target]] = begins
-        truth.tachometer_frozen_mps = plant.wheel_speed_mps if stuck else NOT_FROZEN
+        tachometer.frozen_mps = plant.wheel_speed_mps if stuck else NOT_FROZEN
 
     def _rail(self, _key: int, fault: Fault, begins: bool) -> None:
         plant = self._trains.plants[self._trains.slot_of[fault.target]]

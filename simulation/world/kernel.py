@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from onboard.records import MODE_DRIVE, UnitRow
 from onboard.tick import tick
+from simulation.sensors.tachometer import read_tachometer, slide_seen
+from simulation.sensors.tag_reader import latch
 from simulation.world.records import (
     PASSED_CAMERA,
     PASSED_FRONT,
@@ -34,7 +36,6 @@ STANDING_STEPS_MAX: Final = 600
 SIGHT_RESERVE_M = 2.0
 SIGHT_BRAKE_MPS2 = 0.5  # what a driver on sight asks for
 SIGHT_MARGIN_MPS = 0.5  # the driver brakes this far above the ceiling, whatever the unit shows
-SLIDE_SEEN_MPS = 0.05  # the slide protection compares axles no finer than this
 
 Rows = NDArray[np.void]
 
@@ -99,13 +100,11 @@ def track_under(truth: TruthRow, profile: Rows, length_m: float) -> tuple[float,
 
 @compiled
 def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
-    """What the train's front and rear passed in this step; latches the tachometer where a tag was passed."""
+    """What the train's front and rear passed in this step, as bits."""
     found = 0
     now_m = truth.position_m
     if truth.tag_next < truth.tag_end and now_m >= tag_positions_m[truth.tag_next]:
         found |= PASSED_TAG
-        beyond = now_m - tag_positions_m[truth.tag_next]
-        truth.odometer_at_tag_m = truth.odometer_m - beyond * truth.tachometer_gain / truth.wheel_factor
     if now_m >= truth.front_boundary_m:
         found |= PASSED_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
@@ -114,26 +113,6 @@ def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: floa
         truth.camera_m = np.inf
         found |= PASSED_CAMERA
     return found
-
-
-@compiled
-def read_tachometer(truth: TruthRow, plant: PlantRow, wheel_before_m: float, step_s: float) -> float:
-    """Count the wheel's turning of one step; returns the speed shown, m/s. A faulty one shows what it shows."""
-    if truth.tachometer_frozen_mps >= 0.0:
-        truth.odometer_m += truth.tachometer_frozen_mps * step_s
-        return truth.tachometer_frozen_mps
-    gain = truth.tachometer_gain / truth.wheel_factor
-    truth.odometer_m += (plant.wheel_travelled_m - wheel_before_m) * gain
-    return plant.wheel_speed_mps * gain
-
-
-@compiled
-def slide_seen(plant: PlantRow) -> int:
-    """What the slide protection tells the unit: -1 the wheels slide, 1 they slip, 0 they roll."""
-    difference = plant.wheel_speed_mps - plant.speed_mps
-    if abs(difference) <= SLIDE_SEEN_MPS:
-        return 0
-    return -1 if difference < 0.0 else 1
 
 
 @compiled
@@ -157,8 +136,8 @@ def sense(row: StockRow, wheel_before_m: float, step: int, step_s: float) -> Non
     """Fill the row's `sensed` after its body has moved."""
     sensed = row.sensed
     sensed.now_s = step * step_s
-    sensed.speed_mps = read_tachometer(row.truth, row.plant, wheel_before_m, step_s)
-    sensed.odometer_m = row.truth.odometer_m
+    sensed.speed_mps = read_tachometer(row.tachometer, row.plant, wheel_before_m, step_s)
+    sensed.odometer_m = row.tachometer.odometer_m
     sensed.wheel_slide = slide_seen(row.plant)
     sensed.load_share = row.plant.load_share
 
@@ -177,6 +156,8 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     truth.position_m = truth.offset_m + plant.travelled_m
     sense(row, wheel_before_m, step, step_s)
     found = passed(truth, track.tag_positions_m, row.body.length_m)
+    if found & PASSED_TAG != 0:
+        latch(row.tag_reader, row.tachometer, truth.position_m - track.tag_positions_m[truth.tag_next], step)
     events = tick(row.board, row.sensed, track.pattern, track.plan)
     if unit.position_known == 0:
         brake_on_sight(truth, plant, unit, row.board.kind)

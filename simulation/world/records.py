@@ -8,6 +8,8 @@ from __future__ import annotations
 from typing import Annotated, Final, Protocol
 
 from onboard.board import BoardRow, SensedRow
+from simulation.sensors.tachometer import TachometerRow
+from simulation.sensors.tag_reader import TagReaderRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
@@ -30,11 +32,6 @@ class TruthRow(Protocol):
     rear_boundary_m: float
     tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
     tag_end: int
-    odometer_at_tag_m: Annotated[float, "latched by the reader when the front passed the tag"]
-    wheel_factor: Annotated[float, "true circumference over the one the tachometer is set for"]
-    odometer_m: Annotated[float, "what the tachometer has counted"]
-    tachometer_gain: Annotated[float, "1 in order, 0 silent"]
-    tachometer_frozen_mps: Annotated[float, "shows this speed for ever; negative: in order"]
     sight_m: Annotated[float, "where the driver stops on sight while the unit does not know its position"]
     camera_m: Annotated[float, "path coordinate from where the next sign may be seen; +inf: none"]
 
@@ -45,6 +42,8 @@ class StockRow(Protocol):
     truth: Annotated[TruthRow, "where it really is"]
     plant: Annotated[PlantRow, "the state of its body and machinery"]
     body: Annotated[TrainRow, "the train as it is; its board holds the train as believed"]
+    tachometer: TachometerRow
+    tag_reader: TagReaderRow
     sensed: Annotated[SensedRow, "what its sensors show"]
     board: Annotated[BoardRow, "what it has on board"]
 

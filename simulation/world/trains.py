@@ -26,6 +26,9 @@ from radio.chance import generator
 from radio.envelope import Endpoint
 from radio.keys import key_ring
 from simulation.carriers.carrier import Carrier, Truth
+from simulation.sensors.noise import source_of
+from simulation.sensors.tachometer import TachometerRow
+from simulation.sensors.tag_reader import TagReaderRow
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.records import STOCK, TruthRow
@@ -76,6 +79,8 @@ class Trains:
         # Each stock's parts, for what is not done in every stretch: writing to them writes to `stock`.
         self.truths: Sequence[TruthRow] = _rows(self.stock["truth"])
         self.plants: Sequence[PlantRow] = _rows(self.stock["plant"])
+        self.tachometers: Sequence[TachometerRow] = _rows(self.stock["tachometer"])
+        self.tag_readers: Sequence[TagReaderRow] = _rows(self.stock["tag_reader"])
         self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
         self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
         self.units: Sequence[UnitRow] = _rows(board["unit"])
@@ -102,7 +107,6 @@ class Trains:
         self._brake_factors = np.ones(n)
         self._adhesion = np.ones(n)  # as the weather has it
         self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
-        self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
         terminals = sorted({points.terminal_id for points in setup.line.points.values()})
         self._rings = [
             key_ring(master_key, stock_id, (MANAGER_ID, *terminals)) for stock_id in self.stock_ids
@@ -119,13 +123,16 @@ class Trains:
         row["body"] = body[0]
         self._keepers.append(self._new_keeper(slot))
         self.on_board.append(self._new_unit(slot))
-        sigma = setup.sensors.wheel_factor_sigma
-        truth = self.truths[slot]
-        truth.wheel_factor = 1.0 + float(
-            np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma)
-        )
-        truth.tachometer_gain = 1.0
-        truth.tachometer_frozen_mps = -1.0
+        sensors, truth = setup.sensors, self.truths[slot]
+        chance = generator(setup.seed, "sensors", stock_id)
+        most = 3.0 * sensors.wheel_factor_sigma
+        error = float(np.clip(chance.normal(0.0, sensors.wheel_factor_sigma), -most, most))
+        self.tachometers[slot].wheel_factor = 1.0 + error
+        self.tachometers[slot].gain = 1.0
+        self.tachometers[slot].frozen_mps = -1.0
+        reader = self.tag_readers[slot]
+        reader.source = source_of(setup.seed, "tag reader", stock_id)
+        reader.sigma_m, reader.most_m = sensors.tag_read_sigma_m, sensors.tag_read_max_m
         truth.sight_m = truth.camera_m = self.units[slot].due_s = math.inf
 
     def _new_keeper(self, slot: int) -> StopKeeper:
@@ -162,7 +169,7 @@ class Trains:
         self.on_board[slot] = self._new_unit(slot)
         self.on_board[slot].load_share = load_share
         unit = self.units[slot]
-        unit.odometer_m = self.truths[slot].odometer_m
+        unit.odometer_m = self.tachometers[slot].odometer_m
         unit.odometer_scale = 1.0
 
     def misled(self, slot: int) -> bool:
@@ -227,7 +234,7 @@ class Trains:
         self._enter_path(slot, duty, position_m)
         unit = self.units[slot]
         accuracy_m = self.setup.unit.tag_accuracy_m
-        unit.odometer_m = self.truths[slot].odometer_m
+        unit.odometer_m = self.tachometers[slot].odometer_m
         if not unit.odometer_scale:
             unit.odometer_scale = 1.0
         unit.bound_growth = self.setup.unit.wheel_error_share
@@ -401,10 +408,7 @@ class Trains:
         truth = self.truths[slot]
         tag_id = self.pool.tag_ids[int(truth.tag_next)]
         truth.tag_next += 1
-        sensors = self.setup.sensors
-        error_m = float(self._sensors[slot].normal(0.0, sensors.tag_read_sigma_m))
-        error_m = min(max(error_m, -sensors.tag_read_max_m), sensors.tag_read_max_m)
-        return tag_id, self.tag_faults.get(tag_id, tag_id), float(truth.odometer_at_tag_m) + error_m
+        return tag_id, self.tag_faults.get(tag_id, tag_id), float(self.tag_readers[slot].latched_m)
 
     def direction(self, slot: int) -> Direction:
         """Direction of travel of the present path."""
