@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
+from onboard.driving.laws.cue import CueRow
+from onboard.driving.laws.table import LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
 from onboard.records import BehaviourRow, UnitRow
@@ -17,6 +19,7 @@ from vehicle.records import TrainRow
 class SensedRow(Protocol):
     """What the sensors show in one step; the simulation fills it."""
 
+    now_s: Annotated[float, "simulated time since midnight"]
     odometer_m: Annotated[float, "what the tachometer has counted"]
     speed_mps: Annotated[float, "what the tachometer shows"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
@@ -29,6 +32,8 @@ class BoardRow(Protocol):
     unit: Annotated[UnitRow, "what the unit believes and decides"]
     kind: Annotated[TrainRow, "the train as the unit believes it to be"]
     behaviour: Annotated[BehaviourRow, "how it drives and supervises"]
+    cue: Annotated[CueRow, "what its driving law is told in this tick"]
+    laws: Annotated[LawsRow, "which law drives, and what each of them keeps"]
     tasc: Annotated[TascRow, "the present stop at the mark"]
     design: Annotated[DesignRow, "how it stops at marks"]
     wave: Annotated[WaveRow, "how its last stop went"]

@@ -37,9 +37,9 @@ from onboard.duty.records import (
     TagPassed,
 )
 from onboard.duty.timekeeping import cruise_for
-from onboard.localisation.sighting import NOT_SEEN_M, take_sighting
-from onboard.localisation.tachometer import fix, within_window
-from onboard.localisation.tags import TagDoubt
+from onboard.localisation.fix import Taken, missed_by_m, take
+from onboard.localisation.sighting import NOT_SEEN_M, sign_fix
+from onboard.localisation.tags import TagDoubt, tag_fix
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_INTERVENTION,
@@ -154,6 +154,7 @@ class Motion:
         self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
         self._doubt.new_path(mission.tags)
         row.path_offset, row.path_rows = path.offset, len(path.rows)
+        row.plan_rows = 0  # a plan is of the path it was made for
         row.mode = MODE_HOLD
         row.cruise_mps = math.inf
         row.target_stop_m = row.position_m
@@ -199,16 +200,18 @@ class Motion:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
         known = self._tags.get(tag_id)
         row, tolerance_m = self.row, self._parameters.tag_accuracy_m
-        if known is None or not within_window(row, known[1].position_m, odometer_m, tolerance_m):
+        if known is None:
             return self._lose(f"tag {tag_id} where none can be")
         index, tag = known
+        if missed_by_m(row, tag_fix(row, tag.position_m, odometer_m, tolerance_m)) > 0.0:
+            return self._lose(f"tag {tag_id} where none can be")
         if not self._doubt.believes(tag, odometer_m):
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             return []
         self._doubt.take(tag, odometer_m)
         found = bool(row.position_known != 1)
-        correction_m = fix(row, tag.position_m, odometer_m, tolerance_m)
-        row.fix_correction_m += correction_m
+        taken = take(row, tag_fix(row, tag.position_m, odometer_m, tolerance_m))
+        correction_m = taken.correction_m if isinstance(taken, Taken) else 0.0
         self.notes.append(
             notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3))
         )
@@ -221,12 +224,13 @@ class Motion:
         target = self._next_target()
         if target is None or self.command.target is None:
             return []
-        correction_m = (
-            None if distance_m is None else take_sighting(self.row, target.mark_m, float(distance_m))
-        )
-        if correction_m is not None and self._sighted != target:
+        taken = None
+        if distance_m is not None and self.row.position_known:
+            taken = take(self.row, sign_fix(self.row, target.mark_m, float(distance_m)))
+        if isinstance(taken, Taken) and self._sighted != target:
             self._sighted = target
-            self.notes.append(notes.SignSeen(station=target.station_id, correction_m=round(correction_m, 3)))
+            correction_m = round(taken.correction_m, 3)
+            self.notes.append(notes.SignSeen(station=target.station_id, correction_m=correction_m))
         if self._sighted != target and target.mark_m - self.row.position_m < NOT_SEEN_M:
             self._impossible(Verdict.TARGET_NOT_SEEN)
         return []
@@ -386,6 +390,7 @@ class Motion:
         if due_s is not None and there.departure_s is not None:
             due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
         row.cruise_mps = math.inf
+        row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
         if due_s is None or there.mark_m <= row.position_m:
             return
         row.cruise_mps = cruise_for(

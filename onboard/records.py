@@ -45,6 +45,7 @@ class UnitRow(Protocol):
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
     speed_mps: float
     train_mps: Annotated[float, "the train's own speed: the wheel's, but while that slides"]
+    may_run_mps: Annotated[float, "the train runs no faster than this, also while its wheels are locked"]
     acceleration_mps2: Annotated[float, "smoothed"]
     expected_tag_m: Annotated[float, "where the next tag should be read; +inf: none"]
     tag_window_m: Annotated[float, "beyond the bounds by this much without reading: overdue"]
@@ -56,6 +57,7 @@ class UnitRow(Protocol):
     # driving
     mode: int
     target_stop_m: Annotated[float, "where the front is to stop"]
+    due_s: Annotated[float, "when it should be there, since midnight; +inf: no matter when"]
     cruise_mps: float
     target_mps: float
     braking_to_stop: Annotated[int, "latched: the stop pattern has taken over"]
@@ -69,6 +71,8 @@ class UnitRow(Protocol):
     # where this train's rows of the path database begin, and how many there are
     path_offset: int
     path_rows: int
+    plan_offset: Annotated[int, "the same of its plan"]
+    plan_rows: Annotated[int, "0: no plan"]
 
 
 UNIT: Final = dtype_of(UnitRow)

@@ -15,7 +15,7 @@ from vehicle.compiled import compiled
 
 
 @compiled
-def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void]) -> int:
+def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void], plan: NDArray[np.void]) -> int:
     """Take what the sensors show, set `unit.notch` and `unit.emergency`; returns event bits."""
     unit, train, behaviour, tasc = board.unit, board.kind, board.behaviour, board.tasc
     speed_mps, step_s = sensed.speed_mps, behaviour.step_s
@@ -27,7 +27,10 @@ def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void]) -> int:
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0
     ride_over_slide(unit, train, tasc, own_mps2, run_m, step_s)
     events |= supervise(unit, train, behaviour, path)
-    drive(unit, train, behaviour, path, sensed.load_share, own_mps2, tasc, board.design)
+    cue = board.cue
+    cue.now_s, cue.due_s = sensed.now_s, unit.due_s
+    cue.load_share, cue.own_mps2 = sensed.load_share, own_mps2
+    drive(board, path, plan)
     if moves:
         events |= issued(unit, train, tasc, board.design, board.wave, own_mps2)
     else:

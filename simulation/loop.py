@@ -33,11 +33,10 @@ from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from simulation.world.records import (
-    EVENT_CAMERA,
-    EVENT_FRONT,
-    EVENT_REAR,
-    EVENT_TAG,
-    EVENT_UNIT_BITS,
+    PASSED_CAMERA,
+    PASSED_FRONT,
+    PASSED_REAR,
+    PASSED_TAG,
     TRACE,
 )
 from simulation.world.roster import draw_up
@@ -65,7 +64,7 @@ class Simulation:
         self.setup: Final = setup
         self.journal = Journal()
         lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
-        duties = draw_up(setup.line, setup.timetable, lengths, setup.operation.portal_lead_s)
+        duties = draw_up(setup.believed_line, setup.timetable, lengths, setup.operation.portal_lead_s)
         first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)
         last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
@@ -214,13 +213,14 @@ class Simulation:
             trains.stock, trains.pool.track, sheet, self._trace, self._trace_used, self._step, steps
         )
         moving: list[int] = sheet.movers[:count].tolist()
-        bits = [(slot, events) for slot, events in enumerate(sheet.events.tolist()) if events]
-        for slot, events in bits:
-            if events & EVENT_FRONT and trains.at_end_of_track(slot):
+        both = zip(sheet.passed.tolist(), sheet.events.tolist(), strict=True)
+        bits = [(slot, passed, events) for slot, (passed, events) in enumerate(both) if passed or events]
+        for slot, passed, _ in bits:
+            if passed & PASSED_FRONT and trains.at_end_of_track(slot):
                 self._unsafe(slot, "ran off the end of the track")
                 self._broken = "a train ran off the end of the track"
                 return
-            if events & EVENT_FRONT:
+            if passed & PASSED_FRONT:
                 self._cross_points(slot)
         speeds = sheet.speeds_mps[:count, :done].tolist()
         hit = self._carrier.run(
@@ -235,8 +235,8 @@ class Simulation:
             return
         if moving:
             self._compare(moving, self._observe(moving))
-        for slot, events in bits:
-            self._report(slot, events)
+        for slot, passed, events in bits:
+            self._report(slot, passed, events)
 
     def _observe(self, slots: list[int]) -> list[Truth]:
         """Truth to the checkers; only trains that moved can have changed anything."""
@@ -249,12 +249,12 @@ class Simulation:
         return seen
 
     def _compare(self, slots: list[int], seen: list[Truth]) -> None:
-        """The carrier's positions against the kernel's, then what units believe against the carrier's."""
-        now_s, trains, sheet = self.now_s, self.trains, self._sheet
-        known, believed = sheet.known.tolist(), sheet.believed_m.tolist()
-        for mover, (slot, position_m) in enumerate(zip(slots, trains.compare(slots, seen), strict=True)):
-            if known[mover] and slot not in self.on_board.unpowered and not trains.misled(slot):
-                self.checkers.bounds(now_s, trains.stock_ids[slot], position_m, *believed[mover])
+        """The carrier's positions against the kernel's, then the worst moment of each unit's bounds to the checkers."""
+        trains = self.trains
+        trains.compare(slots, seen)
+        for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
+            if out_m != -math.inf and not trains.misled(slot):
+                self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
         for text in self._carrier.collisions():
@@ -285,24 +285,24 @@ class Simulation:
     def _unsafe(self, slot: int, text: str) -> None:
         self.journal.write(self.now_s, WORLD, Unsafe(unit_id=self.trains.stock_ids[slot], text=text))
 
-    def _report(self, slot: int, events: int) -> None:
+    def _report(self, slot: int, passed: int, events: int) -> None:
         """Tell the unit what its sensors saw at the end of this step."""
         trains, cabs, step = self.trains, self._cabs, self._step
-        if events & (EVENT_FRONT | EVENT_REAR):
+        if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(slot)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
-        if events & EVENT_TAG:
+        if passed & PASSED_TAG:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(self.now_s, WORLD, TagPassed(unit_id=trains.stock_ids[slot], tag_id=tag_id))
             if read_id is not None and slot not in self.on_board.unpowered:
                 cabs.tell(slot, step, self.on_board.tag_read(slot, read_id, odometer_m))
                 if trains.units[slot].position_known:
                     trains.position_fixed(slot)
-        if events & EVENT_CAMERA:
+        if passed & PASSED_CAMERA:
             self._eyes.begin(slot, step)
-        if events & EVENT_UNIT_BITS:
-            cabs.tell(slot, step, self.on_board.ticked(slot, events & EVENT_UNIT_BITS))
+        if events:
+            cabs.tell(slot, step, self.on_board.ticked(slot, events))
             if events & EVENT_STOPPED:
                 cabs.crew_stands(slot, step)
 

@@ -20,6 +20,11 @@ DAYS_MAX: Final = 60
 class Driving(Record):
     """`[driving]`: how units drive and supervise; neither the line nor the paper gives figures."""
 
+    law: Annotated[
+        str, about("driving law of every stock that is not named", "assumed: notches about a speed")
+    ] = "hold_speed"
+    law_of: Annotated[dict[str, str], about("driving law by stock id")] = Field(default_factory=dict)
+
     service_guaranteed_share: Annotated[
         SharePositive,
         about("of the strongest service notch, on which supervision counts", "assumed: worn pads, wet rail"),

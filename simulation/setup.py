@@ -38,6 +38,14 @@ STEP_S: Final = 0.1
 
 
 @dataclass(frozen=True, slots=True)
+class Belief:
+    """What units go by where it is not what is so: the line, and the trains of some stock."""
+
+    line: Line
+    trains: Mapping[str, TrainType] = field(default_factory=dict)  # by stock id
+
+
+@dataclass(frozen=True, slots=True)
 class Setup:
     """One run. `trains` gives the kind of train of each stock id."""
 
@@ -46,10 +54,14 @@ class Setup:
     timetable: Timetable
     trains: Mapping[str, TrainType]
     seed: int = 1
+    belief: Belief | None = None  # None: units believe what is so
     script: Script = field(default_factory=Script)
     air: AirParameters = field(default_factory=AirParameters)
     unit: UnitParameters = field(default_factory=UnitParameters)
     driving: Driving = field(default_factory=Driving)
+    laws: Mapping[str, str] = field(
+        default_factory=dict
+    )  # driving law by stock id; the others hold their speed
     sensors: Sensors = field(default_factory=Sensors)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
@@ -62,6 +74,16 @@ class Setup:
     operation: Operation = field(default_factory=Operation)
 
     @property
+    def believed_line(self) -> Line:
+        """The line as units believe it to be."""
+        return self.line if self.belief is None else self.belief.line
+
+    def believed_train(self, stock_id: str) -> TrainType:
+        """A stock as its unit believes it to be."""
+        own = {} if self.belief is None else self.belief.trains
+        return own.get(stock_id, self.trains[stock_id])
+
+    @property
     def today(self) -> tuple[str, ...]:
         """What sets the day's draws apart from those of the first day."""
         return () if self.day == 1 else (f"day {self.day}",)
@@ -72,11 +94,11 @@ class Setup:
 
 
 def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
-    """BEHAVIOUR records, one a stock id, from the driving parameters and each train's brakes; shape (n,)."""
+    """BEHAVIOUR records, one a stock id, from driving parameters and the brakes that units believe in; shape (n,)."""
     rows = np.zeros(len(stocks), dtype=BEHAVIOUR)
     driving = setup.driving
     for index, stock_id in enumerate(stocks):
-        train = setup.trains[stock_id].row[0]
+        train = setup.believed_train(stock_id).row[0]
         row = rows[index]
         strongest = float(train["brake_deceleration_mps2"][int(train["brake_notches"])])
         row["service_guaranteed_mps2"] = driving.service_guaranteed_share * strongest

@@ -1,7 +1,6 @@
 """The stop sign (停止位置目標) as a fix of the position: what one frame of the camera says of the train's front.
 
-Invariant: an interval that holds the true front, cut with another one that holds it, still does. A frame whose
-interval misses the present one is not believed.
+Invariant: the true front lies within the interval of the fix, while the camera pitches no more than assumed.
 
 The distance comes from the sign's row in the image, so pitch matters: d(distance) = distance^2 / height * pitch,
 the height being that of the lens over the sign (Oda, 3.2.2, figure 16).
@@ -11,6 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from onboard.localisation.fix import Fix, FixSource
 from onboard.records import UnitRow
 
 PITCH_BOUND_RAD: Final = 2.0e-3  # assumed: over six times the pitch that vibration gives the line camera
@@ -26,26 +26,7 @@ def accuracy_m(distance_m: float, speed_mps: float) -> float:
     return FLOOR_M + PITCH_BOUND_RAD / LENS_OVER_SIGN_M * distance_m**2 + EXPOSED_WITHIN_S * speed_mps
 
 
-def take_sighting(row: UnitRow, mark_m: float, distance_m: float) -> float | None:
-    """Correct the position by a frame that shows the sign of the mark at `mark_m` (path coordinate) `distance_m` ahead.
-
-    Returns the correction, m; None where the frame is not believed or the position is unknown. The new estimate
-    lies between the two, weighted by the squares of what each may be wrong by.
-    """
-    if row.position_known == 0:
-        return None
-    seen_m = mark_m + SIGN_BEYOND_MARK_M - distance_m
+def sign_fix(row: UnitRow, mark_m: float, distance_m: float) -> Fix:
+    """What a frame says that shows the sign of the mark at `mark_m` (path coordinate) `distance_m` ahead."""
     slack_m = accuracy_m(distance_m, row.train_mps)
-    rear_m = max(row.position_m - row.bound_behind_m, seen_m - slack_m)
-    front_m = min(row.position_m + row.bound_ahead_m, seen_m + slack_m)
-    if front_m < rear_m:
-        return None
-    own_m = (row.bound_ahead_m + row.bound_behind_m) / 2.0
-    weight = own_m**2 / (own_m**2 + slack_m**2)
-    before_m = row.position_m
-    estimate_m = min(max(before_m + weight * (seen_m - before_m), rear_m), front_m)
-    row.position_m = estimate_m
-    row.bound_ahead_m = front_m - estimate_m
-    row.bound_behind_m = estimate_m - rear_m
-    row.fix_correction_m += estimate_m - before_m
-    return float(estimate_m - before_m)
+    return Fix(mark_m + SIGN_BEYOND_MARK_M - distance_m, float(slack_m), float(slack_m), FixSource.SIGN)

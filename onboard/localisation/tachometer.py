@@ -2,8 +2,10 @@
 
 Invariant: the true front lies within [position - bound_behind, position + bound_ahead] as long as the wheels'
 error stays within `bound_growth` metres per metre run, and while they slide or slip within what their protection
-allows. Bounds only grow until a tag is read where it may be. A tachometer that shows what no train can do is
-reported (速度発電機の出力異常・出力なし, table 5): no output, output that does not answer power or brake.
+allows. Wheels that may be locked tell nothing: the bound ahead then grows with time, by the speed that the train had
+when they last rolled, less what it surely brakes. Bounds only grow until a fix cuts them. A tachometer that shows what
+no train can do is reported (速度発電機の出力異常・出力なし, table 5): no output, output that does not answer power or
+brake.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ TACHOMETER_DOUBT_S = 4.0  # assumed: well over dead time and lag of traction and
 LOST_SHARE = 0.5  # slide protection keeps the wheel above this share of the train's speed
 LOST_FROM_MPS = 1.0
 GAINED_MPS = 2.5  # wheels spin up by less than this, and than their speed again, within a step
+SURE_BRAKE_MPS2 = 0.2  # assumed: locked wheels on a rail with adhesion 0.05, down the steepest gradient here
 ANSWERS_MPS2 = 0.1  # half the service brake slows a train by more than this on any gradient here
 
 
@@ -32,8 +35,11 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
     unit.bound_ahead_m += growth_m
     unit.bound_behind_m += growth_m
     share = min(train.wheel_slide_share_max, LOST_SHARE)
+    unseen_m = unseen_run_m(unit, train, run_m * unit.odometer_scale, speed_mps, step_s)
     if unit.wheel_slide < 0:
-        unit.bound_ahead_m += abs(run_m) * share / (1.0 - share)
+        unit.bound_ahead_m += max(abs(run_m) * share / (1.0 - share), unseen_m)
+    elif unseen_m > 0.0:
+        unit.bound_ahead_m += unseen_m
     elif unit.wheel_slide > 0:
         unit.bound_behind_m += abs(run_m)
     events = doubt_tachometer(unit, train, speed_mps, step_s)
@@ -49,6 +55,26 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
             unit.rear_trigger_m = np.inf
             events |= EVENT_SAFE_REAR
     return events
+
+
+@compiled
+def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float, step_s: float) -> float:
+    """How far the train may have run in this step beyond what its wheels counted, m; keeps `unit.may_run_mps`.
+
+    Wheels that turn without sliding show its speed. Standing ones may be locked, and turning ones that slide may
+    turn at any speed, where the train has no protection that keeps them above a share of its own.
+    """
+    rolled_mps = speed_mps * unit.odometer_scale
+    locks = train.wheel_slide_share_max > LOST_SHARE
+    if speed_mps > 0.0 and (unit.wheel_slide >= 0 or not locks):
+        unit.may_run_mps = (
+            rolled_mps / (1.0 - train.wheel_slide_share_max) if unit.wheel_slide < 0 else rolled_mps
+        )
+        return 0.0
+    before_mps = max(unit.may_run_mps, rolled_mps)
+    brakes = unit.notch < 0.0 or unit.emergency != 0
+    unit.may_run_mps = max(before_mps - SURE_BRAKE_MPS2 * step_s, rolled_mps) if brakes else before_mps
+    return max((before_mps + unit.may_run_mps) / 2.0 * step_s - run_m, 0.0)
 
 
 @compiled
@@ -69,31 +95,6 @@ def doubt_tachometer(unit: UnitRow, train: TrainRow, speed_mps: float, step_s: f
     if lost or gained or doubt_s < limit_s <= unit.tachometer_doubt_s:
         return EVENT_TACHOMETER
     return 0
-
-
-@compiled
-def within_window(unit: UnitRow, tag_m: float, odometer_at_tag_m: float, tolerance_m: float) -> bool:
-    """Whether a tag at path coordinate `tag_m` may have been read when the tachometer stood at `odometer_at_tag_m`."""
-    if unit.position_known == 0:
-        return True
-    estimate_m = unit.position_m - (unit.odometer_m - odometer_at_tag_m) * unit.odometer_scale
-    earliest_m = estimate_m - unit.bound_behind_m - tolerance_m
-    latest_m = estimate_m + unit.bound_ahead_m + tolerance_m
-    return bool(earliest_m <= tag_m <= latest_m)
-
-
-@compiled
-def fix(unit: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: float) -> float:
-    """Fix the position at a tag read at `odometer_at_tag_m`; returns the correction, m (0 if none was known)."""
-    since_m = (unit.odometer_m - odometer_at_tag_m) * unit.odometer_scale
-    before_m = unit.position_m
-    unit.position_m = tag_m + since_m
-    bound_m = accuracy_m + abs(since_m) * unit.bound_growth
-    unit.bound_ahead_m = bound_m
-    unit.bound_behind_m = bound_m
-    correction_m = unit.position_m - before_m if unit.position_known == 1 else 0.0
-    unit.position_known = 1
-    return float(correction_m)
 
 
 def calibrated_scale(

@@ -11,9 +11,17 @@ from __future__ import annotations
 from typing import Final
 
 from onboard.duty.mission import PathTag
+from onboard.localisation.fix import Fix, FixSource
 from onboard.localisation.tachometer import calibrated_scale
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
+
+
+def tag_fix(row: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: float) -> Fix:
+    """What a tag at path coordinate `tag_m` says, read when the tachometer stood at `odometer_at_tag_m`."""
+    since_m = (row.odometer_m - odometer_at_tag_m) * row.odometer_scale
+    bound_m = accuracy_m + abs(since_m) * row.bound_growth
+    return Fix(float(tag_m + since_m), float(bound_m), float(bound_m), FixSource.TAG)
 
 
 class TagDoubt:

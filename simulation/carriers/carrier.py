@@ -6,14 +6,12 @@ A carrier executes given speeds step by step and tells where each train then is:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from network.model import Direction
 
 
-@dataclass(frozen=True, slots=True)
-class Truth:
+class Truth(NamedTuple):
     """Where a train's front is: piece, direction of travel, distance (m) from where that direction enters it."""
 
     piece_id: str

@@ -36,9 +36,9 @@ class TachometerFault(Fault[Reading]):
 
     def put(self, world: World, reading: Reading) -> None:
         slot = world.slot(self.target)
-        truth = world.trains.truths[slot]
-        truth.tachometer_gain = reading.gain
-        truth.tachometer_frozen_mps = IN_ORDER if reading.stuck_mps is None else reading.stuck_mps
+        tachometer = world.trains.tachometers[slot]
+        tachometer.gain = reading.gain
+        tachometer.frozen_mps = IN_ORDER if reading.stuck_mps is None else reading.stuck_mps
         world.trains.tachometer_faults[slot] = reading != Reading()
 
 
@@ -69,10 +69,10 @@ class StuckOutput(TachometerFault):
 
     def begun(self, world: World) -> Self:
         slot = world.slot(self.target)
-        truth, plant = world.trains.truths[slot], world.trains.plants[slot]
+        tachometer, plant = world.trains.tachometers[slot], world.trains.plants[slot]
         copy = self.model_copy()
-        turned_mps = float(plant.wheel_speed_mps * truth.tachometer_gain / truth.wheel_factor)
-        stuck_mps = float(truth.tachometer_frozen_mps)
+        turned_mps = float(plant.wheel_speed_mps * tachometer.gain / tachometer.wheel_factor)
+        stuck_mps = float(tachometer.frozen_mps)
         copy._shown_mps = stuck_mps if stuck_mps >= 0.0 else turned_mps
         return copy
 

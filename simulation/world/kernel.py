@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from onboard.records import MODE_DRIVE, UnitRow
 from onboard.tick import tick
+from simulation.sensors.tachometer import read_tachometer, slide_seen
+from simulation.sensors.tag_reader import latch
 from simulation.world.records import (
-    EVENT_CAMERA,
-    EVENT_FRONT,
-    EVENT_REAR,
-    EVENT_STOOD,
-    EVENT_TAG,
-    EVENT_WENT,
+    PASSED_CAMERA,
+    PASSED_FROM_A_STAND,
+    PASSED_FRONT,
+    PASSED_REAR,
+    PASSED_TAG,
+    PASSED_TO_A_STAND,
     TRACE_EVERY_STEPS,
     StockRow,
     TraceRow,
@@ -36,27 +38,29 @@ STANDING_STEPS_MAX: Final = 600
 SIGHT_RESERVE_M = 2.0
 SIGHT_BRAKE_MPS2 = 0.5  # what a driver on sight asks for
 SIGHT_MARGIN_MPS = 0.5  # the driver brakes this far above the ceiling, whatever the unit shows
-SLIDE_SEEN_MPS = 0.05  # the slide protection compares axles no finer than this
 
 Rows = NDArray[np.void]
 
 
 class Track(NamedTuple):
-    """The pool of all paths: the real profile, what units know of it, and where tags lie."""
+    """The pool of all paths: the real profile, what units know of it, their plans, and where tags lie."""
 
     profile: Rows
     pattern: Rows
+    plan: Rows
     tag_positions_m: NDArray[np.float64]
 
 
 class Sheet(NamedTuple):
-    """What Python reads after a stretch, in blocks; the first axis of all but `events` is the order of `movers`."""
+    """What Python reads after a stretch, in blocks; the first axis is the order of `movers`, or the slot where said."""
 
     movers: NDArray[np.int64]  # slots of the stock that moved, ascending
     speeds_mps: NDArray[np.float64]  # (movers, steps): at the end of each step
-    believed_m: NDArray[np.float64]  # (movers, 3): position, bound behind, bound ahead
-    known: NDArray[np.int64]  # 1: the unit knows its position
-    events: NDArray[np.int64]  # by slot: what happened in the last step
+    # (movers, 6): of the step in which bounds were broken most, or nearest to it: by how much (m; -inf: no step with a
+    # known position), the step, true position, believed position, bound behind, bound ahead
+    worst: NDArray[np.float64]
+    passed: NDArray[np.int64]  # by slot: what its front and rear passed in the last step
+    events: NDArray[np.int64]  # by slot: what its unit reported in the last step
 
 
 def new_sheet(slots: int) -> Sheet:
@@ -64,7 +68,7 @@ def new_sheet(slots: int) -> Sheet:
     return Sheet(
         np.zeros(slots, dtype=np.int64),
         np.zeros((slots, STANDING_STEPS_MAX)),
-        np.zeros((slots, 3)),
+        np.zeros((slots, 6)),
         np.zeros(slots, dtype=np.int64),
         np.zeros(slots, dtype=np.int64),
     )
@@ -97,42 +101,20 @@ def track_under(truth: TruthRow, profile: Rows, length_m: float) -> tuple[float,
 
 
 @compiled
-def world_events(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
-    """What the train's front and rear passed in this step; latches the tachometer where a tag was passed."""
-    events = 0
+def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: float) -> int:
+    """What the train's front and rear passed in this step, as bits."""
+    found = 0
     now_m = truth.position_m
     if truth.tag_next < truth.tag_end and now_m >= tag_positions_m[truth.tag_next]:
-        events |= EVENT_TAG
-        beyond = now_m - tag_positions_m[truth.tag_next]
-        truth.odometer_at_tag_m = truth.odometer_m - beyond * truth.tachometer_gain / truth.wheel_factor
+        found |= PASSED_TAG
     if now_m >= truth.front_boundary_m:
-        events |= EVENT_FRONT
+        found |= PASSED_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
-        events |= EVENT_REAR
+        found |= PASSED_REAR
     if now_m >= truth.camera_m:
         truth.camera_m = np.inf
-        events |= EVENT_CAMERA
-    return events
-
-
-@compiled
-def read_tachometer(truth: TruthRow, plant: PlantRow, wheel_before_m: float, step_s: float) -> float:
-    """Count the wheel's turning of one step; returns the speed shown, m/s. A faulty one shows what it shows."""
-    if truth.tachometer_frozen_mps >= 0.0:
-        truth.odometer_m += truth.tachometer_frozen_mps * step_s
-        return truth.tachometer_frozen_mps
-    gain = truth.tachometer_gain / truth.wheel_factor
-    truth.odometer_m += (plant.wheel_travelled_m - wheel_before_m) * gain
-    return plant.wheel_speed_mps * gain
-
-
-@compiled
-def slide_seen(plant: PlantRow) -> int:
-    """What the slide protection tells the unit: -1 the wheels slide, 1 they slip, 0 they roll."""
-    difference = plant.wheel_speed_mps - plant.speed_mps
-    if abs(difference) <= SLIDE_SEEN_MPS:
-        return 0
-    return -1 if difference < 0.0 else 1
+        found |= PASSED_CAMERA
+    return found
 
 
 @compiled
@@ -152,39 +134,65 @@ def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: Train
 
 
 @compiled
-def sense(row: StockRow, wheel_before_m: float, step_s: float) -> None:
+def sense(row: StockRow, wheel_before_m: float, step: int, step_s: float) -> None:
     """Fill the row's `sensed` after its body has moved."""
     sensed = row.sensed
-    sensed.speed_mps = read_tachometer(row.truth, row.plant, wheel_before_m, step_s)
-    sensed.odometer_m = row.truth.odometer_m
+    sensed.now_s = step * step_s
+    sensed.speed_mps = read_tachometer(row.tachometer, row.plant, wheel_before_m, step_s)
+    sensed.odometer_m = row.tachometer.odometer_m
     sensed.wheel_slide = slide_seen(row.plant)
     sensed.load_share = row.plant.load_share
 
 
 @compiled
-def step_one(row: StockRow, track: Track) -> int:
-    """One stock through one step: its body moves, its sensors show it, its unit ticks; returns event bits."""
-    truth, plant, unit, train = row.truth, row.plant, row.board.unit, row.board.kind
+def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
+    """One stock through one step: its body moves, its sensors show it, its unit ticks.
+
+    Returns what it passed and what its unit reports, as bits.
+    """
+    truth, plant, unit = row.truth, row.plant, row.board.unit
     step_s = row.board.behaviour.step_s
-    gradient, curvature = track_under(truth, track.profile, train.length_m)
+    gradient, curvature = track_under(truth, track.profile, row.body.length_m)
     wheel_before_m = plant.wheel_travelled_m
     before_mps = plant.speed_mps
     dead = truth.powered == 0
-    notch = -train.brake_notches if dead else unit.notch
+    notch = -row.body.brake_notches if dead else unit.notch
     move(plant, row.body, notch, dead or unit.emergency != 0, gradient, curvature, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
-    sense(row, wheel_before_m, step_s)
-    events = world_events(truth, track.tag_positions_m, train.length_m)
+    sense(row, wheel_before_m, step, step_s)
+    found = passed(truth, track.tag_positions_m, row.body.length_m)
     if before_mps > 0.0 and plant.speed_mps == 0.0:
-        events |= EVENT_STOOD
+        found |= PASSED_TO_A_STAND
     elif before_mps == 0.0 and plant.speed_mps > 0.0:
-        events |= EVENT_WENT
+        found |= PASSED_FROM_A_STAND
+    if found & PASSED_TAG != 0:
+        latch(row.tag_reader, row.tachometer, truth.position_m - track.tag_positions_m[truth.tag_next], step)
     if dead:
-        return events
-    events |= tick(row.board, row.sensed, track.pattern)
+        return found, 0
+    events = tick(row.board, row.sensed, track.pattern, track.plan)
     if unit.position_known == 0:
-        brake_on_sight(truth, plant, unit, train)
-    return events
+        brake_on_sight(truth, plant, unit, row.board.kind)
+    return found, events
+
+
+@compiled
+def judge_bounds(row: StockRow, worst: NDArray[np.float64], step: int) -> None:
+    """Remember the moment of this stretch in which the truth was furthest out of the stated bounds, or nearest to it.
+
+    The checker judges it; here nothing is decided. `worst`: see `Sheet.worst`.
+    """
+    unit = row.board.unit
+    if unit.position_known == 0 or row.truth.powered == 0:
+        return
+    beyond_m = row.truth.position_m - unit.position_m
+    out_m = max(beyond_m - unit.bound_ahead_m, -beyond_m - unit.bound_behind_m)
+    if not out_m <= worst[0]:  # what is no number counts as out
+        worst[0] = out_m
+        worst[1] = step
+        worst[2] = row.truth.position_m
+        worst[3] = unit.position_m
+        worst[4] = unit.bound_behind_m
+        worst[5] = unit.bound_ahead_m
 
 
 @compiled
@@ -224,38 +232,37 @@ def advance(
 ) -> tuple[int, int, int]:
     """Run all active trains for up to `steps` steps from `first_step`; returns steps done, trace rows used, movers.
 
-    The first `movers` rows of the sheet tell of the stock that moved; `sheet.events` tells of every slot. Nothing
-    else has to be read from `stock` after a stretch in which nothing happened.
+    The first `movers` rows of the sheet tell of the stock that moved; `sheet.passed` and `sheet.events` of every
+    slot. Nothing else has to be read from `stock` after a stretch in which nothing happened.
     """
     moving = movers(stock, sheet)
     steps = min(steps, MOVING_STEPS_MAX if moving > 0 else STANDING_STEPS_MAX)
+    sheet.worst[:, 0] = -np.inf
+    sheet.passed[:] = 0
     sheet.events[:] = 0
     done = 0
     while done < steps:
         happened = 0
         mover = 0
+        step = first_step + done + 1
         for slot in range(stock.size):
             row = stock[slot]
             if row.truth.active == 0:
                 continue
-            events = step_one(row, track)
+            found, events = step_one(row, track, step)
             if mover < moving and sheet.movers[mover] == slot:
                 sheet.speeds_mps[mover, done] = row.plant.speed_mps
+                judge_bounds(row, sheet.worst[mover], step)
                 mover += 1
+            sheet.passed[slot] = found
             sheet.events[slot] = events
-            happened |= events
-            whole = (first_step + done + 1) % TRACE_EVERY_STEPS == 0
-            if (whole and (row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE)) or events != 0:
-                sample(trace[trace_used], row, first_step + done + 1, slot)
+            happened |= found | events
+            whole = step % TRACE_EVERY_STEPS == 0
+            moves = row.plant.speed_mps > 0.0 or row.board.unit.mode == MODE_DRIVE
+            if (whole and moves) or (found | events) != 0:
+                sample(trace[trace_used], row, step, slot)
                 trace_used += 1
         done += 1
         if happened != 0:
             break
-    for mover in range(moving):
-        row = stock[sheet.movers[mover]]
-        unit = row.board.unit
-        sheet.believed_m[mover, 0] = unit.position_m
-        sheet.believed_m[mover, 1] = unit.bound_behind_m
-        sheet.believed_m[mover, 2] = unit.bound_ahead_m
-        sheet.known[mover] = unit.position_known
     return done, trace_used, moving

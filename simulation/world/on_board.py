@@ -47,7 +47,7 @@ class OnBoard:
     def _new_motion(self, slot: int) -> Motion:
         trains, setup = self._trains, self._setup
         return Motion(
-            setup.line,
+            setup.believed_line,
             setup.unit,
             trains.units[slot],
             trains.kinds[slot],
@@ -79,7 +79,7 @@ class OnBoard:
         path = self._path(slot, mission)
         begin = Begin(self._plan(slot, mission), comes_on_line)
         if comes_on_line:
-            motion.stand_at_start(mission, path, float(self._trains.truths[slot].odometer_m))
+            motion.stand_at_start(mission, path, float(self._trains.tachometers[slot].odometer_m))
             return [begin]
         if turned:
             motion.turn(mission, path)
@@ -126,7 +126,7 @@ class OnBoard:
         self._motions[slot].switch_on(
             duty.mission,
             self._path(slot, duty.mission),
-            float(self._trains.truths[slot].odometer_m),
+            float(self._trains.tachometers[slot].odometer_m),
             float(sensed["speed_mps"]),
         )
         return [SwitchedOn(self._plan(slot, duty.mission), stands_at)]

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from network.model import Direction, Line
 from network.path import Path
 from network.profile import PROFILE, profile_of
+from onboard.driving.laws.cue import PLAN
 from onboard.driving.pattern import pattern_of
-from onboard.records import PATTERN, BehaviourRow
+from onboard.records import PATTERN, BehaviourRow, UnitRow
 from simulation.world.kernel import Track
 from vehicle.records import TrainRow
 
@@ -27,13 +28,21 @@ class PathRows:
 
 
 class PathPool:
-    """Grows by one entry for each path and kind of train; entries never move."""
+    """Grows by one entry for each path and kind of train; entries never move.
 
-    def __init__(self, line: Line) -> None:
+    Profile and tags are of the line as it is, patterns of the line as units believe it to be.
+    """
+
+    def __init__(self, line: Line, believed: Line | None = None) -> None:
         self._line = line
+        self._believed = line if believed is None else believed
         self._known: dict[tuple[tuple[str, ...], Direction, str], PathRows] = {}
         self.profile: NDArray[np.void] = np.zeros(0, dtype=PROFILE)
         self.pattern: NDArray[np.void] = np.zeros(0, dtype=PATTERN)
+        self.plan: NDArray[np.void] = np.zeros(0, dtype=PLAN)
+        self._plan_room: dict[
+            int, tuple[int, int]
+        ] = {}  # of each slot: where its plan begins, rows it may take
         self.tag_positions_m: NDArray[np.float64] = np.zeros(0)
         self.tag_ids: list[int] = []
 
@@ -44,9 +53,10 @@ class PathPool:
         if known is not None:
             return known
         profile = profile_of(self._line, path)
+        believed = profile if self._believed is self._line else profile_of(self._believed, path)
         pattern = pattern_of(
-            np.ascontiguousarray(profile["elevation_m"]),
-            np.ascontiguousarray(profile["limit_mps"]),
+            np.ascontiguousarray(believed["elevation_m"]),
+            np.ascontiguousarray(believed["limit_mps"]),
             train,
             behaviour,
         )
@@ -63,10 +73,26 @@ class PathPool:
         self._known[key] = rows
         return rows
 
+    def lay_plan(self, slot: int, unit: UnitRow, plan: NDArray[np.void]) -> None:
+        """Lay a plan (rows of PLAN, one a metre of the unit's path) for one stock; no rows: it has none any more.
+
+        To be called between stretches only, with what an event has brought. ValueError where it is not as long as
+        the unit's path.
+        """
+        if plan.size not in (0, unit.path_rows):
+            raise ValueError(f"a plan of {plan.size} rows for a path of {unit.path_rows}")
+        offset, room = self._plan_room.get(slot, (0, 0))
+        if plan.size > room:
+            offset = self.plan.size
+            self.plan = np.concatenate([self.plan, plan])
+            self._plan_room[slot] = (offset, plan.size)
+        self.plan[offset : offset + plan.size] = plan
+        unit.plan_offset, unit.plan_rows = offset, plan.size
+
     @property
     def track(self) -> Track:
         """The arrays as compiled code takes them."""
-        return Track(self.profile, self.pattern, self.tag_positions_m)
+        return Track(self.profile, self.pattern, self.plan, self.tag_positions_m)
 
     def pattern_of(self, rows: PathRows) -> NDArray[np.void]:
         """The unit's path database of one path."""

@@ -8,17 +8,18 @@ from __future__ import annotations
 from typing import Annotated, Final, Protocol
 
 from onboard.board import BoardRow, SensedRow
+from simulation.sensors.tachometer import TachometerRow
+from simulation.sensors.tag_reader import TagReaderRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
-# what the world reports to the event-driven part (bits above those of onboard.records)
-EVENT_TAG: Final = 1 << 8  # the front passed a tag
-EVENT_FRONT: Final = 1 << 9  # the front passed the end of a track piece
-EVENT_REAR: Final = 1 << 10  # the rear passed the end of a track piece
-EVENT_CAMERA: Final = 1 << 11  # the front came to where the camera may see the next stop sign
-EVENT_STOOD: Final = 1 << 12  # the train came to a stand
-EVENT_WENT: Final = 1 << 13  # it began to move
-EVENT_UNIT_BITS: Final = (1 << 8) - 1
+# what a train passed, as the world reports it; a word of its own beside the unit's events
+PASSED_TAG: Final = 1
+PASSED_FRONT: Final = 2  # the front passed the end of a track piece
+PASSED_REAR: Final = 4  # the rear passed the end of a track piece
+PASSED_CAMERA: Final = 8  # the front came to where the camera may see the next stop sign
+PASSED_TO_A_STAND: Final = 16  # the train came to a stand
+PASSED_FROM_A_STAND: Final = 32  # it began to move
 
 
 class TruthRow(Protocol):
@@ -34,11 +35,6 @@ class TruthRow(Protocol):
     rear_boundary_m: float
     tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
     tag_end: int
-    odometer_at_tag_m: Annotated[float, "latched by the reader when the front passed the tag"]
-    wheel_factor: Annotated[float, "true circumference over the one the tachometer is set for"]
-    odometer_m: Annotated[float, "what the tachometer has counted"]
-    tachometer_gain: Annotated[float, "1 in order, 0 silent"]
-    tachometer_frozen_mps: Annotated[float, "shows this speed for ever; negative: in order"]
     sight_m: Annotated[float, "where the driver stops on sight while the unit does not know its position"]
     camera_m: Annotated[float, "path coordinate from where the next sign may be seen; +inf: none"]
 
@@ -49,6 +45,8 @@ class StockRow(Protocol):
     truth: Annotated[TruthRow, "where it really is"]
     plant: Annotated[PlantRow, "the state of its body and machinery"]
     body: Annotated[TrainRow, "the train as it is; its board holds the train as believed"]
+    tachometer: TachometerRow
+    tag_reader: TagReaderRow
     sensed: Annotated[SensedRow, "what its sensors show"]
     board: Annotated[BoardRow, "what it has on board"]
 

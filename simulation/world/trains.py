@@ -14,11 +14,15 @@ from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.authority.coverage import covered_at
+from onboard.driving.laws.table import LAW_NAMES, law_number
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
+from simulation.sensors.noise import source_of
+from simulation.sensors.tachometer import TachometerRow
+from simulation.sensors.tag_reader import TagReaderRow
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.records import STOCK, TruthRow
@@ -69,6 +73,8 @@ class Trains:
         # Each stock's parts, for what is not done in every stretch: writing to them writes to `stock`.
         self.truths: Sequence[TruthRow] = _rows(self.stock["truth"])
         self.plants: Sequence[PlantRow] = _rows(self.stock["plant"])
+        self.tachometers: Sequence[TachometerRow] = _rows(self.stock["tachometer"])
+        self.tag_readers: Sequence[TagReaderRow] = _rows(self.stock["tag_reader"])
         self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
         self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
         self.units: Sequence[UnitRow] = _rows(board["unit"])
@@ -80,7 +86,7 @@ class Trains:
         self._position_m = self.stock["truth"]["position_m"]
         self._offset_m = self.stock["truth"]["offset_m"]
         self._travelled_m = self.stock["plant"]["travelled_m"]
-        self.pool = PathPool(setup.line)
+        self.pool = PathPool(setup.line, setup.believed_line)
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
         self.energy_marks = [EnergyMark() for _ in range(n)]
@@ -92,18 +98,28 @@ class Trains:
         self._adhesion = np.ones(n)  # as the weather has it
         self._rail = np.ones(n)  # what faults leave of it
         self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
-        self._sensors = [generator(setup.seed, "sensors", stock_id) for stock_id in self.stock_ids]
-        for slot, stock_id in enumerate(self.stock_ids):
-            board["kind"][slot] = setup.trains[stock_id].row[0]
-            body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, self.kinds[slot])
-            self.stock["body"][slot] = body[0]
-            self.truths[slot].powered = 1
-            sigma = setup.sensors.wheel_factor_sigma
-            factor = 1.0 + float(np.clip(self._sensors[slot].normal(0.0, sigma), -3 * sigma, 3 * sigma))
-            self.truths[slot].wheel_factor = factor
-            self.truths[slot].tachometer_gain = 1.0
-            self.truths[slot].tachometer_frozen_mps = -1.0
-            self.truths[slot].sight_m = self.truths[slot].camera_m = math.inf
+        for slot in range(n):
+            self._fit_out(slot)
+
+    def _fit_out(self, slot: int) -> None:
+        """Fill one stock's row, and give it its unit."""
+        setup, stock_id, row = self.setup, self.stock_ids[slot], self.stock[slot]
+        row["board"]["kind"] = setup.believed_train(stock_id).row[0]
+        row["board"]["laws"]["number"] = law_number(setup.laws.get(stock_id, LAW_NAMES[0]))
+        body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, setup.trains[stock_id].row)
+        row["body"] = body[0]
+        sensors, truth = setup.sensors, self.truths[slot]
+        truth.powered = 1
+        chance = generator(setup.seed, "sensors", stock_id)
+        most = 3.0 * sensors.wheel_factor_sigma
+        error = float(np.clip(chance.normal(0.0, sensors.wheel_factor_sigma), -most, most))
+        self.tachometers[slot].wheel_factor = 1.0 + error
+        self.tachometers[slot].gain = 1.0
+        self.tachometers[slot].frozen_mps = -1.0
+        reader = self.tag_readers[slot]
+        reader.source = source_of(setup.seed, "tag reader", stock_id)
+        reader.sigma_m, reader.most_m = sensors.tag_read_sigma_m, sensors.tag_read_max_m
+        truth.sight_m = truth.camera_m = self.units[slot].due_s = math.inf
 
     def misled(self, slot: int) -> bool:
         """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""
@@ -143,25 +159,18 @@ class Trains:
             return True
         return covered_at(self.setup.line, self.true_path(slot), float(self.truths[slot].position_m))
 
-    def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> list[float]:
-        """Take the carrier's positions as the truth and return them, m, as path coordinates.
-
-        Raises CarrierDisagrees when a train is not where its speeds lead.
-        """
-        ran_to_m = self._position_m[slots].tolist()
-        positions_m = []
-        for slot, truth, expected_m in zip(slots, seen, ran_to_m, strict=True):
+    def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> None:
+        """Take the carrier's positions as the truth; CarrierDisagrees when a train is not where its speeds lead."""
+        for slot, truth in zip(slots, seen, strict=True):
             position_m = self.true_path(slot).step_of(truth.piece_id).start_m + truth.offset_m
-            if abs(position_m - expected_m) > AGREEMENT_M:
+            if abs(position_m - self._position_m[slot]) > AGREEMENT_M:
                 message = (
                     f"{self.stock_ids[slot]}: carrier has it at {position_m:.6f} m of its path on"
-                    f" {truth.piece_id}, its speeds at {expected_m:.6f} m"
+                    f" {truth.piece_id}, its speeds at {float(self._position_m[slot]):.6f} m"
                 )
                 raise CarrierDisagrees(message)
-            positions_m.append(position_m)
-        self._position_m[slots] = positions_m
-        self._offset_m[slots] = positions_m - self._travelled_m[slots]
-        return positions_m
+            self._position_m[slot] = position_m
+            self._offset_m[slot] = position_m - self._travelled_m[slot]
 
     # coming, going, turning --------------------------------------------------------------------------------------
 
@@ -180,7 +189,7 @@ class Trains:
             pieces[first:],
             mission.direction,
             position_m - step.start_m,
-            float(self.kinds[slot].length_m),
+            float(self.bodies[slot].length_m),
         )
 
     def can_turn(self, slot: int, duty: Duty) -> bool:
@@ -192,7 +201,7 @@ class Trains:
         """Change ends on the spot: what was the rear is the front, on the next duty's path."""
         mission = duty.mission
         old = self.true_path(slot)
-        length_m = float(self.kinds[slot].length_m)
+        length_m = float(self.bodies[slot].length_m)
         rear = old.locate(float(self.truths[slot].position_m) - length_m)
         self._enter_path(slot, duty, mission.path.to_path_m(*rear))
         pieces = self.true_path(slot).piece_ids
@@ -270,7 +279,7 @@ class Trains:
         """Rows of the pool for a path of this stock."""
         stock_id = self.stock_ids[slot]
         return self.pool.rows_for(
-            path, self.setup.trains[stock_id].id, self.kinds[slot], self.behaviours[slot]
+            path, self.setup.believed_train(stock_id).id, self.kinds[slot], self.behaviours[slot]
         )
 
     def _use_rows(self, slot: int, rows: PathRows, position_m: float) -> None:
@@ -285,7 +294,7 @@ class Trains:
         """The next ends of pieces that the front and the rear pass."""
         truth = self.truths[slot]
         path = self.true_path(slot)
-        rear_m = float(truth.position_m) - float(self.kinds[slot].length_m)
+        rear_m = float(truth.position_m) - float(self.bodies[slot].length_m)
         front_end_m = path.step_at(float(truth.position_m)).end_m
         truth.front_boundary_m = min(front_end_m, path.length_m - END_OF_TRACK_M)
         rear_end_m = path.step_at(rear_m).end_m
@@ -324,10 +333,7 @@ class Trains:
         truth = self.truths[slot]
         tag_id = self.pool.tag_ids[int(truth.tag_next)]
         truth.tag_next += 1
-        sensors = self.setup.sensors
-        error_m = float(self._sensors[slot].normal(0.0, sensors.tag_read_sigma_m))
-        error_m = min(max(error_m, -sensors.tag_read_max_m), sensors.tag_read_max_m)
-        return tag_id, self.tag_faults.get(tag_id, tag_id), float(truth.odometer_at_tag_m) + error_m
+        return tag_id, self.tag_faults.get(tag_id, tag_id), float(self.tag_readers[slot].latched_m)
 
     def direction(self, slot: int) -> Direction:
         """Direction of travel of the present path."""

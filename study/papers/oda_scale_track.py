@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.model import Direction
-from onboard.driving.notches import power_notch
-from onboard.localisation.tachometer import fix, locate, within_window
+from onboard.driving.laws.power import power_notch
+from onboard.localisation.fix import Taken, take
+from onboard.localisation.tachometer import locate
+from onboard.localisation.tags import tag_fix
 from onboard.localisation.vision import (
     SightTable,
     StationSign,
@@ -242,10 +244,7 @@ class _Run:
         )
         path_m = self.direction * (found.kilometrage_m - self.test.origin_kilometrage_m)
         odometer_m = self.odometer_m(look.frame_s)
-        if not within_window(unit, path_m, odometer_m, found.accuracy_m):
-            return False
-        fix(unit, path_m, odometer_m, found.accuracy_m)
-        return True
+        return isinstance(take(unit, tag_fix(unit, path_m, odometer_m, found.accuracy_m)), Taken)
 
     def stop(self) -> Stop:
         """Run until the car stands."""

@@ -22,7 +22,9 @@ from network.files.toml_input import one_of
 from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
+from study.scenario.belief import belief_of
 from study.scenario.fleet_file import check_scatter, check_vision, learned_of
+from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
 from study.scenario.script_file import script_of
@@ -59,7 +61,8 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     path = find_scenario(name)
     pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
     model = pile.validated(path)
-    line, of_line = patched_line(_named(path, "line", model.line, shipped_line), pile.files.get("line", ()))
+    line_file = _named(path, "line", model.line, shipped_line)
+    line, of_line = patched_line(line_file, pile.files.get("line", ()))
     file = _named(path, "timetable", model.timetable, shipped_timetable)
     timetable, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
     trains, of_trains = _trains(path, model, timetable, pile)
@@ -76,6 +79,8 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         air=model.air,
         unit=_unit(model.unit, timetable),
         driving=model.driving,
+        laws=laws_of(str(path), model.driving, sorted(trains)),
+        belief=belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains),
         sensors=model.sensors,
         scatter=model.scatter,
         tuning=model.tuning,

@@ -25,6 +25,7 @@ from simulation.settings import (
     Vision,
 )
 from simulation.world.scatter import Scatter
+from study.scenario.belief import BeliefTable
 from study.scenario.script_file import ActTable, ExpectTable, FaultTable
 
 Seed = Annotated[int, Field(ge=0)]
@@ -106,6 +107,7 @@ class ScenarioFile(Record):
     vision: Vision = NO_VISION
     limits: Limits = Field(default_factory=Limits)
     operation: Operation = Field(default_factory=Operation)
+    belief: Annotated[BeliefTable | None, about("what units go by where it is not what is so")] = None
     patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(
         default_factory=PatchTable
     )

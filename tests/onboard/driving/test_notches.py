@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from onboard.board import BOARD, SENSED, BoardRow, SensedRow
-from onboard.driving.notches import power_notch
+from onboard.driving.laws.cue import PLAN
+from onboard.driving.laws.power import power_notch
 from onboard.driving.pattern import pattern_of
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION, BehaviourRow, UnitRow
@@ -25,6 +26,7 @@ from vehicle.traction import full_force_n
 from vehicle.train_file import new_plant
 
 Rows = NDArray[np.void]
+NO_PLAN = np.zeros(0, dtype=PLAN)
 
 START_M = 100.0
 TRACK_M = 4000
@@ -70,7 +72,7 @@ def drive_along(
     for _ in range(steps):
         step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
         sensed.odometer_m, sensed.speed_mps = plant.wheel_travelled_m, plant.wheel_speed_mps
-        tick(board, sensed, path)
+        tick(board, sensed, path, NO_PLAN)
         course.position_m.append(START_M + float(plant.travelled_m))
         course.speed_mps.append(float(plant.speed_mps))
         course.target_mps.append(float(unit.target_mps))

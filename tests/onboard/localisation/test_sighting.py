@@ -6,7 +6,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.sighting import SIGN_BEYOND_MARK_M, accuracy_m, take_sighting
+from onboard.localisation.fix import FixSource, Refused, Taken, take
+from onboard.localisation.sighting import SIGN_BEYOND_MARK_M, accuracy_m, sign_fix
 from onboard.records import UnitRow
 
 MARK_M = 500.0
@@ -35,10 +36,10 @@ def test_the_true_front_stays_within_the_bounds(
     real_m = MARK_M + SIGN_BEYOND_MARK_M - true_m
     slack_m = accuracy_m(real_m, speed_mps)
     shown_m = real_m + 0.5 * seen_share * slack_m  # the slack is that at the distance shown, so half of it
-    correction_m = take_sighting(unit, MARK_M, shown_m)
-    assert correction_m is not None
-    assert unit.position_m == pytest.approx(before_m + correction_m)
-    assert unit.fix_correction_m == pytest.approx(correction_m)
+    taken = take(unit, sign_fix(unit, MARK_M, shown_m))
+    assert isinstance(taken, Taken)
+    assert unit.position_m == pytest.approx(before_m + taken.correction_m)
+    assert unit.fix_correction_m == pytest.approx(taken.correction_m)
     assert unit.position_m - unit.bound_behind_m <= true_m + 1e-9
     assert true_m - 1e-9 <= unit.position_m + unit.bound_ahead_m
     assert unit.bound_ahead_m + unit.bound_behind_m <= 2.0 * bound_m + 1e-9
@@ -46,14 +47,10 @@ def test_the_true_front_stays_within_the_bounds(
 
 def test_what_cannot_be_is_not_believed(unit: UnitRow) -> None:
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = 450.0, 1.0, 1.0
-    assert take_sighting(unit, MARK_M, 30.0) is None  # it would be at 480 m
+    fix = sign_fix(unit, MARK_M, 30.0)  # it would be at 480 m
+    assert fix.source is FixSource.SIGN
+    assert isinstance(take(unit, fix), Refused)
     assert unit.position_m == 450.0
-
-
-def test_a_train_that_knows_nothing_is_not_fixed_by_a_sign(unit: UnitRow) -> None:
-    """Any sign may be any station's."""
-    unit.position_known = 0
-    assert take_sighting(unit, MARK_M, 30.0) is None
 
 
 def test_near_the_mark_a_sign_is_as_good_as_a_tag() -> None:

@@ -5,7 +5,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.tachometer import calibrated_scale, fix, locate, within_window
+from onboard.localisation.fix import Taken, take
+from onboard.localisation.tachometer import SURE_BRAKE_MPS2, calibrated_scale, locate
+from onboard.localisation.tags import tag_fix
 from onboard.records import EVENT_SAFE_REAR, EVENT_TAG_OVERDUE, UNIT, UnitRow
 from vehicle.records import TrainRow
 
@@ -49,7 +51,7 @@ def test_the_truth_lies_within_the_bounds_for_any_wheel_error_within_the_growth(
         assert true_m <= unit.position_m + unit.bound_ahead_m + 1e-6
         assert true_m >= unit.position_m - unit.bound_behind_m - 1e-6
         if index == len(shares) // 2:
-            fix(unit, true_m, odometer_m + tag_error_m, ACCURACY_M)
+            take(unit, tag_fix(unit, true_m, odometer_m + tag_error_m, ACCURACY_M))
             assert true_m <= unit.position_m + unit.bound_ahead_m + 1e-6
             assert true_m >= unit.position_m - unit.bound_behind_m - 1e-6
 
@@ -70,10 +72,9 @@ def test_bounds_only_grow_between_tags(train: TrainRow, runs_m: list[float]) -> 
 def test_a_tag_read_a_while_ago_counts_with_what_was_run_since(train: TrainRow) -> None:
     unit = new_unit()
     locate(unit, train, 1000.0, 20.0, STEP_S)
-    correction_m = fix(unit, 983.0, 980.0, ACCURACY_M)
-    assert unit.position_m == pytest.approx(983.0 + 20.0)
-    assert correction_m == pytest.approx(3.0)
-    assert unit.bound_ahead_m == unit.bound_behind_m == pytest.approx(ACCURACY_M + 0.02 * 20.0)
+    fix = tag_fix(unit, 983.0, 980.0, ACCURACY_M)
+    assert fix.position_m == pytest.approx(983.0 + 20.0)
+    assert fix.behind_m == fix.ahead_m == pytest.approx(ACCURACY_M + 0.02 * 20.0)
 
 
 @pytest.mark.parametrize(
@@ -84,17 +85,43 @@ def test_a_tag_is_accepted_where_it_can_have_been_read(train: TrainRow, tag_m: f
     """After 1000 m the bound is 0.5 m + 20 m, and the tag itself is read to 0.5 m."""
     unit = new_unit()
     locate(unit, train, 1000.0, 20.0, STEP_S)
-    assert within_window(unit, tag_m, 1000.0, ACCURACY_M) is accepted
+    assert isinstance(take(unit, tag_fix(unit, tag_m, 1000.0, ACCURACY_M)), Taken) is accepted
 
 
-def test_without_a_position_any_tag_will_do_and_none_is_overdue(train: TrainRow) -> None:
+def test_without_a_position_none_is_overdue(train: TrainRow) -> None:
     unit = new_unit()
     unit.position_known, unit.expected_tag_m, unit.rear_trigger_m = 0, 10.0, 20.0
     assert locate(unit, train, 500.0, 20.0, STEP_S) == 0
-    assert within_window(unit, 5000.0, 500.0, ACCURACY_M)
-    assert fix(unit, 5000.0, 500.0, ACCURACY_M) == 0.0  # nothing to correct
-    assert unit.position_known == 1
-    assert unit.position_m == 5000.0
+
+
+@pytest.mark.parametrize("adhesion", [0.05, 0.08, 0.2])
+def test_locked_wheels_let_the_bound_grow_with_time(train: TrainRow, adhesion: float) -> None:
+    """From 20 m/s the wheels lock at once and the train slides to a stand: v^2 / 2 a further on than they counted."""
+    unit = new_unit(growth=0.0)
+    unit.notch = -train.brake_notches
+    locate(unit, train, 2.0, 20.0, STEP_S)
+    slides_mps2 = adhesion * 9.80665 - 0.245  # down 25 permille
+    true_m, speed_mps = 2.0, 20.0
+    while speed_mps > 0.0:
+        after_mps = max(speed_mps - slides_mps2 * STEP_S, 0.0)
+        true_m += (speed_mps + after_mps) / 2.0 * STEP_S
+        speed_mps, unit.wheel_slide = after_mps, -1
+        locate(unit, train, 2.0, 0.0, STEP_S)
+        assert true_m <= unit.position_m + unit.bound_ahead_m
+    assert unit.bound_ahead_m >= 20.0**2 / (2.0 * slides_mps2)
+    for _ in range(2000):  # the growth ends when the train surely stands
+        locate(unit, train, 2.0, 0.0, STEP_S)
+    assert unit.bound_ahead_m == pytest.approx(ACCURACY_M + 20.0**2 / (2.0 * SURE_BRAKE_MPS2))
+
+
+def test_wheels_that_come_to_rest_with_the_train_cost_millimetres(train: TrainRow) -> None:
+    """A stop at 0.5 m/s^2: the last speed shown is 0.05 m/s."""
+    unit = new_unit(growth=0.0)
+    unit.notch = -4.0
+    locate(unit, train, 0.005, 0.05, STEP_S)
+    for _ in range(100):
+        locate(unit, train, 0.005, 0.0, STEP_S)
+    assert unit.bound_ahead_m - ACCURACY_M == pytest.approx(0.05**2 / (2.0 * SURE_BRAKE_MPS2), abs=1e-3)
 
 
 def test_a_tag_is_overdue_once_the_front_is_surely_beyond_it(train: TrainRow) -> None:

@@ -8,6 +8,7 @@ from network.model import Direction
 from network.timetable import Call, Diagram, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
+from simulation.sensors.tag_reader import latch
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import Duty, draw_up
 from simulation.world.scatter import Scatter, Weather
@@ -155,9 +156,10 @@ def test_leaving_the_line(placed: Trains) -> None:
 
 
 def test_tags_come_one_by_one_with_an_error_within_what_the_reader_keeps(placed: Trains) -> None:
-    truth = placed.truths[0]
-    truth.odometer_at_tag_m = 1000.0
-    for tag_id in (601, 602, 603):
+    reader, tachometer = placed.tag_readers[0], placed.tachometers[0]
+    tachometer.odometer_m = 1000.0
+    for step, tag_id in enumerate((601, 602, 603)):
+        latch(reader, tachometer, 0.0, step)
         passed, read, odometer_m = placed.read_tag(0)
         assert passed == read == tag_id
         assert abs(odometer_m - 1000.0) <= placed.setup.sensors.tag_read_max_m
@@ -183,10 +185,14 @@ def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> No
     other = Trains(replace(rtri_setup, seed=2), plain(rtri_setup), KEY)
     alone.place(0, first_duty(rtri_setup))
     beside.place(1, first_duty(rtri_setup))
-    assert alone.truths[0].wheel_factor == beside.truths[1].wheel_factor != other.truths[0].wheel_factor
+    assert (
+        alone.tachometers[0].wheel_factor
+        == beside.tachometers[1].wheel_factor
+        != other.tachometers[0].wheel_factor
+    )
     assert alone.plants[0].load_share == beside.plants[1].load_share
     sigma = rtri_setup.sensors.wheel_factor_sigma
-    assert abs(alone.truths[0].wheel_factor - 1.0) <= 3.0 * sigma
+    assert abs(alone.tachometers[0].wheel_factor - 1.0) <= 3.0 * sigma
 
 
 def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_setup: Setup) -> None:

@@ -1,0 +1,73 @@
+"""The driving laws that there are. A new one is a file of its own and one entry in LAWS.
+
+A law is a compiled function of its own row, the tick's CUE, the unit, the train as believed, its behaviour, the path
+database and the plans; it returns the notch it asks for (> 0 power, < 0 brake) and sets `cue.ceiling_mps`. What keeps
+the train safe or brings it to the mark lies outside (`onboard.driving.notches`): the stronger brake counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard.driving.laws.cue import CueRow
+from onboard.driving.laws.follow_plan import FollowPlanRow, follow_plan
+from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
+from onboard.records import BehaviourRow, UnitRow
+from vehicle.compiled import compiled
+from vehicle.record import dtype_of
+from vehicle.records import TrainRow
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """One law: its compiled function, named as scenarios name it, and the class of its own row."""
+
+    function: Callable[..., float]
+    row: type
+
+    @property
+    def name(self) -> str:
+        """Name in scenarios."""
+        return self.function.__name__
+
+
+LAWS: Final = (Law(hold_speed, HoldSpeedRow), Law(follow_plan, FollowPlanRow))
+LAW_NAMES: Final = tuple(law.name for law in LAWS)
+
+
+class LawsRow(Protocol):
+    """Which law drives, and a row for each of them under its name."""
+
+    number: int
+
+
+LawsRow.__annotations__.update({law.name: law.row for law in LAWS})
+LAWS_ROW: Final = dtype_of(LawsRow)
+
+Rows = NDArray[np.void]
+Ask = Callable[[LawsRow, CueRow, UnitRow, TrainRow, BehaviourRow, Rows, Rows], float]
+
+
+def law_number(name: str) -> int:
+    """Number of a law in its row. ValueError for one that there is not."""
+    return LAW_NAMES.index(name)
+
+
+def _ask() -> Ask:
+    """A compiled chain of ifs over the table: compiled code cannot choose between functions by value."""
+    given = "cue, unit, train, behaviour, path, plan"
+    lines = [f"def ask(laws, {given}):"]
+    for number, name in enumerate(LAW_NAMES):
+        lines += [f"    if laws.number == {number}:", f"        return {name}(laws.{name}, {given})"]
+    lines += ["    return -train.brake_notches"]
+    names: dict[str, Any] = {law.name: law.function for law in LAWS}
+    exec(compile("\n".join(lines), __file__, "exec"), names)
+    return cast("Ask", compiled(names["ask"]))
+
+
+ask: Final = _ask()

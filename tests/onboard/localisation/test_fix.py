@@ -1,0 +1,63 @@
+"""One rule for every fix: intervals are cut, never moved off the truth."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from onboard.localisation.fix import Fix, FixSource, Refused, Taken, missed_by_m, take
+from onboard.records import UnitRow
+
+shares = st.floats(-1.0, 1.0)
+bounds_m = st.floats(0.01, 40.0)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(own_share=shares, its_share=shares, own_m=bounds_m, its_m=bounds_m, source=st.sampled_from(FixSource))
+def test_two_intervals_that_hold_the_truth_leave_one_that_holds_it(
+    unit: UnitRow, own_share: float, its_share: float, own_m: float, its_m: float, source: FixSource
+) -> None:
+    true_m = 500.0
+    unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = true_m + own_share * own_m, own_m, own_m
+    unit.fix_correction_m = 0.0
+    before_m = float(unit.position_m)
+    fix = Fix(true_m + its_share * its_m, its_m, its_m, source)
+    taken = take(unit, fix)
+    assert isinstance(taken, Taken)
+    assert unit.position_m == pytest.approx(before_m + taken.correction_m)
+    assert unit.fix_correction_m == pytest.approx(taken.correction_m)
+    assert unit.position_m - unit.bound_behind_m <= true_m + 1e-9
+    assert true_m - 1e-9 <= unit.position_m + unit.bound_ahead_m
+    assert unit.bound_behind_m + unit.bound_ahead_m <= 2.0 * min(own_m, its_m) + 1e-9
+    assert unit.bound_behind_m >= -1e-9
+    assert unit.bound_ahead_m >= -1e-9
+
+
+@pytest.mark.parametrize("at_m", [447.4, 452.6])
+def test_a_fix_that_misses_the_bounds_is_refused_and_changes_nothing(unit: UnitRow, at_m: float) -> None:
+    unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = 450.0, 2.0, 2.0
+    before = unit.copy()  # type: ignore[attr-defined]
+    fix = Fix(at_m, 0.5, 0.5, FixSource.TAG)
+    assert missed_by_m(unit, fix) == pytest.approx(0.1)
+    refused = take(unit, fix)
+    assert refused == Refused("tag misses the bounds by 0.100 m")
+    assert unit == before
+
+
+def test_what_is_no_number_is_refused(unit: UnitRow) -> None:
+    assert isinstance(take(unit, Fix(float("nan"), 0.5, 0.5, FixSource.TAG)), Refused)
+
+
+def test_a_unit_without_a_position_takes_the_fix_as_it_is(unit: UnitRow) -> None:
+    unit.position_known, unit.position_m = 0, 7.0
+    assert take(unit, Fix(5000.0, 0.5, 1.5, FixSource.TAG)) == Taken(0.0)
+    assert (unit.position_known, unit.position_m) == (1, 5000.0)
+    assert (unit.bound_behind_m, unit.bound_ahead_m) == (0.5, 1.5)
+    assert unit.fix_correction_m == 0.0  # nothing to correct
+
+
+def test_the_surer_of_two_counts_more(unit: UnitRow) -> None:
+    """By the squares: 4 m against 1 m moves the estimate by 16 parts of 17."""
+    unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = 100.0, 4.0, 4.0
+    assert take(unit, Fix(101.0, 1.0, 1.0, FixSource.SIGN)) == Taken(pytest.approx(16.0 / 17.0))
