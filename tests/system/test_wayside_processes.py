@@ -120,7 +120,7 @@ def test_devices_end_by_themselves_when_the_simulator_is_killed(running: Running
 
 def test_a_device_that_dies_unasked_ends_the_run_with_its_name(running: Running) -> None:
     running.device("OGN-W").kill()
-    assert running.end().startswith("error: party OGN-W died")
+    assert running.end().startswith("error: party OGN-W")
     assert running.program.returncode == 1
     assert alive(running.devices) == []
     assert list(running.cwd.iterdir()) == []
