@@ -532,7 +532,7 @@ TOLD: Final[dict[str, Case]] = {
         f"the driver acknowledges an emergency stop: {at.value}": (
             replace(STATES[at], released=False),
             TimerDue(RELEASE),
-            STATES[at].place,
+            moved(STATES[at].place, emergency=True),
             STATES[at],
             (Write(notes.EmergencyReleased()), Order.RELEASE),
         )
