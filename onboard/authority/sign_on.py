@@ -104,8 +104,8 @@ def signed_off(state: Authority, event: SignedOff) -> Result:
     if not event.answers:
         return state, ()
     gone = Authority()
-    open_ = (*state.requests, *state.commands)
-    return gone, (*(StopTimer(one.timer) for one in open_), Write(notes.SignedOff()), holds(gone))
+    timers = (*(r.timer for r in state.requests), *(c.timer for c in state.commands))
+    return gone, (*map(StopTimer, timers), Write(notes.SignedOff()), holds(gone))
 
 
 def queried(state: Authority, _event: Queried) -> Result:
