@@ -46,6 +46,7 @@ def checked_by_crew(state: Authority, event: CheckedByCrew) -> Result:
         state,
         proven=(*state.proven, needed),
         commands=tuple(c for c in state.commands if c not in over),
+        unsaid=tuple(other for other in state.unsaid if other != needed),
     )
     note = notes.Proven(points_id=needed.points_id, position=needed.position, token=0, by_crew=True)
     return checked, (*(StopTimer(c.timer) for c in over), Write(note))
@@ -55,7 +56,8 @@ def withdrawn(state: Authority, event: Withdrawn) -> Result:
     """Throws still open are given up: the front may have come onto those points."""
     gone = tuple(c for c in state.commands if c.needed.section_id in event.section_ids)
     kept = tuple(c for c in state.commands if c not in gone)
-    left = replace(state, commands=kept, unsaid=(*state.unsaid, *(c.needed for c in gone)))
+    unsaid = tuple(dict.fromkeys((*state.unsaid, *(c.needed for c in gone))))
+    left = replace(state, commands=kept, unsaid=unsaid)
     return left, tuple(StopTimer(c.timer) for c in gone)
 
 

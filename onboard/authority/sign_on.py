@@ -22,6 +22,7 @@ from onboard.authority.records import (
     SendClaim,
     SignedOff,
     SignedOn,
+    StopTimer,
     Take,
     TurnedBack,
     Write,
@@ -99,12 +100,12 @@ def sign_off_refused(state: Authority, event: Refused) -> Result:
 
 
 def signed_off(state: Authority, event: SignedOff) -> Result:
-    """To its sign-off: holds nothing, is off the line."""
+    """To its sign-off: holds nothing, asks for nothing, is off the line."""
     if not event.answers:
         return state, ()
-    gone, actions = closed(state, Ask.SIGN_OFF)
-    gone = replace(gone, held=(), commandable=(), on_line=False)
-    return gone, (*actions, Write(notes.SignedOff()), holds(gone))
+    gone = Authority()
+    timers = (*(r.timer for r in state.requests), *(c.timer for c in state.commands))
+    return gone, (*map(StopTimer, timers), Write(notes.SignedOff()), holds(gone))
 
 
 def queried(state: Authority, _event: Queried) -> Result:
@@ -123,7 +124,9 @@ def queried_signing_on(state: Authority, event: Queried) -> Result:
 def turned_back(state: Authority, _event: TurnedBack) -> Result:
     """Turns the order of what is held; forgets proofs and commands of the old way."""
     turned = replace(state, held=state.held[::-1], commands=(), proven=(), unsaid=())
-    return turned, (() if turned == state else (holds(turned),))
+    if turned == state:
+        return state, ()
+    return turned, (*(StopTimer(c.timer) for c in state.commands), holds(turned))
 
 
 TABLE: Final[Table] = MappingProxyType(

@@ -15,6 +15,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
+import msgspec
+
 from network.model import TagPurpose
 from onboard import notes
 from onboard.authority.records import (
@@ -201,7 +203,8 @@ def timer_due(turn: Turn, event: TimerDue) -> None:
         case timer if timer == LEAVE:
             turn.set(may_leave=True)
         case timer if timer == RELEASE:
-            turn.set(released=True)
+            place = msgspec.structs.replace(turn.state.place, emergency=False)
+            turn.set(released=True, place=place)
             turn.note(notes.EmergencyReleased())
             turn.actions.append(Order.RELEASE)
         case timer:

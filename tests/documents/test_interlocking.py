@@ -3,14 +3,19 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import get_args
 
 import pytest
 
-from documents.interlocking import UNIT_EVENTS, UNIT_TELEGRAMS, Line, document, invariant_of, merged, table
+from documents.interlocking import Line, document, invariant_of, merged, table
 from documents.interlocking_hazards import HAZARDS
 from onboard.authority import machine as authority
+from onboard.authority.records import Event as AuthorityEvent
+from onboard.duty import machine as duty
+from onboard.duty.records import Event as DutyEvent
 from radio.table import Row
 from simulation.judge.checkers import Checker
 from study.run.drill import shipped_drills
@@ -40,9 +45,13 @@ def test_the_document_names_no_place_of_a_machine() -> None:
     assert "/work" not in (ROOT / "docs/interlocking.md").read_text(encoding="utf-8")
 
 
-def test_every_event_and_telegram_of_the_unit_has_its_words() -> None:
-    assert set(UNIT_EVENTS) == {kind.__name__ for kind in authority._EVENTS}
-    assert set(UNIT_TELEGRAMS) == {kind.__name__ for kind in authority._HEARD}
+@pytest.mark.parametrize("table_rows", [duty.table_rows, authority.table_rows])
+def test_every_row_of_the_units_tables_says_what_happens(table_rows: Callable[[], tuple[Row, ...]]) -> None:
+    """And every event that a party can put to the machine is named by one."""
+    rows = table_rows()
+    assert all(re.fullmatch(r"[A-Z].*[.]", row.outcome, re.DOTALL) for row in rows)
+    kinds = get_args(DutyEvent if table_rows is duty.table_rows else AuthorityEvent)
+    assert {row.event for row in rows} == {kind.__name__ for kind in kinds}
 
 
 def test_rows_with_the_same_outcome_are_one_line() -> None:

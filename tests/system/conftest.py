@@ -7,10 +7,12 @@ but what somebody else does wrong, against whom a behaviour protects.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import repeat
 from pathlib import Path
-from typing import Any, Final, cast
+from types import MappingProxyType
+from typing import Final
 
 import msgspec
 import numpy as np
@@ -19,30 +21,34 @@ from numpy.typing import NDArray
 
 from host import device
 from network.model import Position
-from onboard import unit as unit_module
-from onboard.authority import machine as auth
+from onboard import motion
+from onboard.authority import letters, points
+from onboard.authority import machine as authority
+from onboard.authority import records as sym
+from onboard.authority.letters import Letters
 from onboard.authority.records import Authority
-from onboard.authority.stop_limit import StopLimit, cleared_sections, stop_limit
+from onboard.authority.stop_limit import stop_limit
+from onboard.authority.tables import Handler, Result
+from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
+from onboard.duty.plan import Plan
+from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
+from onboard.motion import Motion, PathData
 from onboard.notes import Claimed
-from onboard.unit import Transmit, Unit, UnitAction
+from onboard.unit import Answer, Report, Telegram, Unit
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer
 from radio.keys import MAC_BYTES
 from radio.messages import (
-    AnyMessage,
-    Claim,
-    ClaimQuery,
     HoldingReport,
     PointsCommand,
     PointsProof,
     PointsRefusalReason,
     RefusalReason,
-    RouteRefused,
-    RouteRequest,
 )
+from radio.noted import TookEffect
 from simulation.setup import Setup, behaviour_rows
-from simulation.world.crew import Crew, Seen
+from simulation.world.crew import Crew
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 from study.run.drill import find_drill, shipped_drills
@@ -56,7 +62,6 @@ from wayside.register import Register, Standing
 from wayside.said import Freed
 
 Switch = Callable[[pytest.MonkeyPatch], None]
-Handler = Callable[..., auth.Result]
 
 FOLDER: Final = Path(__file__).parent / "defects"
 TRAIN_M: Final = 40.0  # length of the train of every scenario here
@@ -96,24 +101,15 @@ def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Run, set[st
     return run
 
 
-def heard_table() -> dict[type, Handler]:
-    """What a unit does with each telegram."""
-    return cast("dict[type, Handler]", auth._HEARD)
-
-
-def event_table() -> dict[type, Handler]:
-    """What a unit's authority does with each event."""
-    return cast("dict[type, Handler]", auth._EVENTS)
-
-
-def only_of(unit_id: str, mine: Handler, others: Handler) -> Handler:
-    """One handler for one unit, the other for the rest."""
-
-    def handler(state: Authority, event: auth.Event, now_s: float, covered: bool) -> auth.Result:
-        chosen = mine if state.unit_id == unit_id else others
-        return chosen(state, event, now_s, covered)
-
-    return handler
+def with_handlers(
+    patch: pytest.MonkeyPatch, handlers: Mapping[type[sym.Event], Callable[[Handler], Handler]]
+) -> None:
+    """Unit's authority: each handler of these events, whatever the standing, as the given function makes it."""
+    table = dict(authority.TABLE)
+    for (standing, event), handler in authority.TABLE.items():
+        if event in handlers:
+            table[standing, event] = handlers[event](handler)
+    patch.setattr(authority, "TABLE", MappingProxyType(table))
 
 
 # block manager ----------------------------------------------------------------------------------------------
@@ -185,16 +181,19 @@ def refuses_everything(patch: pytest.MonkeyPatch) -> None:
 @switch
 def commands_what_it_does_not_hold(patch: pytest.MonkeyPatch) -> None:
     """Given: K2, refused because K1 is on its way over P7, commands P7 with a capability that it made up."""
-    refused = auth._HEARD[RouteRefused]
+    advance = Unit.advance
 
-    def rogue(state: Authority, event: auth.Heard, now_s: float, covered: bool) -> auth.Result:
-        state, actions = refused(state, event, now_s, covered)
-        if now_s < K1_ON_P7_S:
-            return state, actions
-        order = PointsCommand("P7", Position.REVERSE, "7", state.token + 10, bytes(MAC_BYTES))
-        return state, (*actions, auth.Send("B-W", order, 0))
+    def rogue(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        refused = any(isinstance(n, TookEffect) and n.kind == "RouteRefused" for n in answer.notes)
+        if self.unit_id != "K2" or now_s < K1_ON_P7_S or not refused:
+            return answer
+        order = PointsCommand("P7", Position.REVERSE, "7", self._letters.token + 10, bytes(MAC_BYTES))
+        data = self._endpoint.seal("B-W", order, now_s)
+        made_up = Telegram("B-W", "PointsCommand", data)
+        return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, made_up))
 
-    patch.setitem(heard_table(), RouteRefused, rogue)
+    patch.setattr(Unit, "advance", rogue)
 
 
 @switch
@@ -205,28 +204,26 @@ def throws_for_anyone(patch: pytest.MonkeyPatch) -> None:
 @switch
 def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
     """Given: K1 keeps its command of P7, and repeats it long after it gave the section back."""
-    proof, cleared = auth._HEARD[PointsProof], auth._EVENTS[auth.Cleared]
+    advance, kept = Unit.advance, list[tuple[str, PointsCommand]]()
+    write = Letters.write
 
-    def kept(before: Authority, after: auth.Result) -> auth.Result:
-        state, actions = after
-        lost = [c for c in before.commands if c not in state.commands and c.needed.points_id == "P7"]
-        again = tuple(replace(command, next_s=K2_ON_P7_S) for command in lost)
-        return replace(state, commands=(*state.commands, *again)), actions
+    def writing(self: Letters, action: sym.Send | sym.SendClaim | sym.SendCommand) -> letters.Letter:
+        letter = write(self, action)
+        message = letter.message
+        if self._unit_id == "K1" and isinstance(message, PointsCommand) and message.points_id == "P7":
+            kept[:] = [(letter.destination, message)]
+        return letter
 
-    def proven(state: Authority, event: auth.Heard, now_s: float, covered: bool) -> auth.Result:
-        done = any(n.points_id == "P7" for n in state.proven)  # else it would prove the same points again
-        return (state, ()) if done else kept(state, proof(state, event, now_s, covered))
+    def repeating(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if self.unit_id != "K1" or now_s < K2_ON_P7_S or not kept:
+            return answer
+        destination, order = kept.pop()
+        again = Telegram(destination, "PointsCommand", self._endpoint.seal(destination, order, now_s))
+        return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, again))
 
-    def given_back(state: Authority, event: auth.Cleared, now_s: float, covered: bool) -> auth.Result:
-        return kept(state, cleared(state, event, now_s, covered))
-
-    def not_withdrawn(state: Authority, _event: auth.Withdrawn, _now_s: float, _covered: bool) -> auth.Result:
-        return state, ()
-
-    patch.setitem(heard_table(), PointsProof, only_of("K1", proven, proof))
-    patch.setitem(event_table(), auth.Cleared, only_of("K1", given_back, cleared))
-    withdrawn = auth._EVENTS[auth.Withdrawn]
-    patch.setitem(event_table(), auth.Withdrawn, only_of("K1", not_withdrawn, withdrawn))
+    patch.setattr(Letters, "write", writing)
+    patch.setattr(Unit, "advance", repeating)
 
 
 @switch
@@ -261,91 +258,84 @@ def proves_what_it_has_not_detected(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def releases_at_the_front(patch: pytest.MonkeyPatch) -> None:
-    def at_front(mission: Mission, authority: Authority, safe_rear_m: float) -> tuple[str, ...]:
-        return cleared_sections(mission, authority, safe_rear_m + TRAIN_M)
+    """What the front has surely passed counts as left by the rear, and the driving part reports that joint."""
+    place = Motion.place
 
-    patch.setattr(unit_module, "cleared_sections", at_front)
+    def at_front(self: Motion) -> Place:
+        here = place(self)
+        passed = max(here.sure - 1, 0)
+        return msgspec.structs.replace(here, clear=passed, clear_at_mark=passed)
+
+    patch.setattr(Motion, "place", at_front)
 
 
 @switch
 def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
-    def held_alone(mission: Mission, authority: Authority, _entered: object = ()) -> StopLimit:
-        bare = replace(mission, spans=tuple(replace(span, points=()) for span in mission.spans))
-        return stop_limit(bare, authority)
+    def held_alone(plan: Plan, state: Authority, _entered: Collection[str] = ()) -> Limit:
+        bare = tuple(msgspec.structs.replace(span, points=()) for span in plan.spans)
+        return stop_limit(msgspec.structs.replace(plan, spans=bare), state)
 
-    patch.setattr(unit_module, "stop_limit", held_alone)
+    patch.setattr(duty_machine, "stop_limit", held_alone)
 
 
 @switch
 def runs_beyond_what_it_holds(patch: pytest.MonkeyPatch) -> None:
-    def end_of_path(mission: Mission, _authority: Authority, _entered: object = ()) -> StopLimit:
-        return StopLimit(mission.spans[-1].end_m, None, "end of the path")
+    def end_of_path(plan: Plan, _state: Authority, _entered: Collection[str] = ()) -> Limit:
+        return Limit(len(plan.spans), None, "end of the path")
 
-    patch.setattr(unit_module, "stop_limit", end_of_path)
+    patch.setattr(duty_machine, "stop_limit", end_of_path)
 
 
 @switch
 def ignores_a_withdrawn_proof(patch: pytest.MonkeyPatch) -> None:
-    proof = auth._HEARD[PointsProof]
-
-    def once_proven(state: Authority, event: auth.Heard, now_s: float, covered: bool) -> auth.Result:
-        after, actions = proof(state, event, now_s, covered)
-        return (state, ()) if len(after.proven) < len(state.proven) else (after, actions)
-
-    patch.setitem(heard_table(), PointsProof, once_proven)
+    patch.setattr(points, "_lost", lambda state, _event: (state, ()))
 
 
 @switch
 def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
-    def claim(state: Authority, event: auth.Heard, _now_s: float, _covered: bool) -> auth.Result:
-        here = state.section_ids()[:1]
-        return state, (
-            auth.Send(state.manager_id, Claim(here, state.token), event.correlation),
-            Claimed(section_ids=here, token=state.token),
-        )
+    def claim(_queried: Handler) -> Handler:
+        def first(state: Authority, _event: sym.Queried) -> Result:
+            here = state.held[:1]
+            return state, (sym.SendClaim(here), sym.Write(Claimed(section_ids=here, token=0)))
 
-    patch.setitem(heard_table(), ClaimQuery, claim)
+        return first
+
+    with_handlers(patch, {sym.Queried: claim})
 
 
 @switch
 def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(unit_module, "within_window", lambda *_: True)
+    patch.setattr(motion, "within_window", lambda *_: True)
 
 
 @switch
 def expects_no_tag(patch: pytest.MonkeyPatch) -> None:
-    def expect(self: Unit, _after_m: float | None = None) -> None:
+    def expect(self: Motion, _after_m: float | None = None) -> None:
         self.row.expected_tag_m = math.inf
 
-    patch.setattr(Unit, "_expect_tag", expect)
+    patch.setattr(Motion, "_expect_tag", expect)
 
 
 @switch
 def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
-    place = Trains.place
+    take_up = Motion._take_up
 
-    def placed(self: Trains, slot: int, duty: Duty) -> None:
-        place(self, slot, duty)
-        self.units[slot].bound_growth = 0.0
+    def certain(self: Motion, mission: Mission, path: PathData) -> None:
+        take_up(self, mission, path)
+        self.row.bound_growth = 0.0
 
-    patch.setattr(Trains, "place", placed)
+    patch.setattr(Motion, "_take_up", certain)
 
 
 @switch
 def restarts_at_full_speed(patch: pytest.MonkeyPatch) -> None:
-    restart, fault = Unit.restart, Unit._position_fault
+    obey = Motion.obey
 
-    def at_once(self: Unit, *args: Any, **keywords: Any) -> list[UnitAction]:  # noqa: ANN401 - handed on
-        actions = restart(self, *args, **keywords)
-        self.row.restricted_mps = math.inf
-        return actions
-
-    def unrestricted(self: Unit, why: str, now_s: float) -> None:
-        fault(self, why, now_s)
+    def at_once(self: Motion, command: Command, now_s: float) -> None:
+        obey(self, command, now_s)
         self.row.restricted_mps = math.inf
 
-    patch.setattr(Unit, "restart", at_once)
-    patch.setattr(Unit, "_position_fault", unrestricted)
+    patch.setattr(Motion, "obey", at_once)
 
 
 @switch
@@ -377,9 +367,8 @@ def supervision_trusts_any_brake(patch: pytest.MonkeyPatch) -> None:
 def crew_does_not_look(patch: pytest.MonkeyPatch) -> None:
     stand = Crew.stand
 
-    def nod(self: Crew, slot: int, now_s: float) -> Seen:
-        seen = stand(self, slot, now_s)
-        return seen if seen.to_throw is None else Seen(passable=seen.to_throw)
+    def nod(self: Crew, slot: int, now_s: float) -> list[Person]:
+        return [PointsSeen(p.points) if isinstance(p, PointsWrong) else p for p in stand(self, slot, now_s)]
 
     patch.setattr(Crew, "stand", nod)
 
@@ -435,19 +424,26 @@ def obeys_an_earlier_boot(patch: pytest.MonkeyPatch) -> None:
 @switch
 def forges_a_report(patch: pytest.MonkeyPatch) -> None:
     """Given: with each request of K2 goes a report in the name of K1, code and all made up: 'I hold 3 alone'."""
-    send, token = Unit._send, [0]
+    advance, token, sent = Unit.advance, [0], [1000]
 
-    def forging(self: Unit, destination: str, message: AnyMessage, correlation: int, now_s: float) -> None:
-        if self.facts.unit_id == "K1":
-            token[0] = self.authority.token
-        elif isinstance(message, RouteRequest):
-            report = msgspec.Raw(msgspec.msgpack.encode(HoldingReport(("3",), token[0])))
-            false = Envelope("K1", destination, 1, 1, 1000 + correlation, now_s, None, 0, report)
-            data = msgspec.msgpack.encode(false) + bytes(MAC_BYTES)
-            self._actions.append(Transmit(destination, "HoldingReport", data))
-        send(self, destination, message, correlation, now_s)
+    def forging(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if self.unit_id == "K1":
+            token[0] = self._letters.token
+            return answer
+        requests = [telegram for telegram in answer.telegrams if telegram.kind == "RouteRequest"]
+        return msgspec.structs.replace(
+            answer, telegrams=(*map(forged, requests, repeat(now_s)), *answer.telegrams)
+        )
 
-    patch.setattr(Unit, "_send", forging)
+    def forged(request: Telegram, now_s: float) -> Telegram:
+        sent[0] += 1
+        report = msgspec.Raw(msgspec.msgpack.encode(HoldingReport(("3",), token[0])))
+        false = Envelope("K1", request.destination, 1, 1, sent[0], now_s, None, 0, report)
+        data = msgspec.msgpack.encode(false) + bytes(MAC_BYTES)
+        return Telegram(request.destination, "HoldingReport", data)
+
+    patch.setattr(Unit, "advance", forging)
 
 
 @switch

@@ -5,27 +5,30 @@ Switches are those of `conftest`, by name, and those that no other test needs, h
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import msgspec
 import pytest
 
-from onboard.authority import machine as auth
+from onboard.authority import machine as authority
+from onboard.authority import records as sym
 from onboard.authority.records import Authority
+from onboard.authority.tables import Result, Standing
 from onboard.duty.mission import Mission
+from onboard.duty.records import Command, Sensed
 from onboard.localisation.tags import TagDoubt
-from onboard.unit import Phase, Unit, UnitAction
-from radio.messages import HoldingReport
+from onboard.motion import Motion, PathData
+from onboard.unit import Answer, Report, Unit
+from radio.envelope import header_of
 from simulation.world.crew import Crew
 from simulation.world.points import WaysideWorld
-from simulation.world.roster import Duty
-from simulation.world.trains import Trains
 from study.run.drill import shipped_drills
 from study.run.run import Run
-from wayside.config import TerminalConfig, terminal_configs
+from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
 
@@ -37,45 +40,50 @@ TRAIN_M: Final = 40.0
 
 def turns_without_its_position(patch: pytest.MonkeyPatch) -> None:
     """Changes ends, and takes the place of the old front for that of the new one."""
-    turn = Trains.turn
+    turn = Motion.turn
 
-    def turned(self: Trains, slot: int, duty: Duty) -> None:
-        turn(self, slot, duty)
-        self.units[slot].position_m -= TRAIN_M
+    def turned(self: Motion, mission: Mission, path: PathData) -> None:
+        turn(self, mission, path)
+        self.row.position_m -= TRAIN_M
 
-    patch.setattr(Trains, "turn", turned)
+    patch.setattr(Motion, "turn", turned)
 
 
 def reports_once(patch: pytest.MonkeyPatch) -> None:
-    due = auth._due
+    """A report goes out once; the answer to it, or another, is not waited for."""
+    say = authority.say
 
-    def once(state: Authority, *rest: Any) -> auth.Result:  # noqa: ANN401 - handed on
-        after, actions = due(state, *rest)
-        said = any(isinstance(a, auth.Send) and isinstance(a.message, HoldingReport) for a in actions)
-        return (replace(after, report_due=False, next_report_s=auth.NEVER) if said else after), actions
+    def once(state: Authority) -> Result:
+        after, actions = say(state)
+        said = any(isinstance(a, sym.Send) and a.request.ask is sym.Ask.REPORT for a in actions)
+        left = tuple(r for r in after.requests if r.ask is not sym.Ask.REPORT)
+        return (replace(after, requests=left) if said else after), actions
 
-    patch.setattr(auth, "_due", once)
+    patch.setattr(authority, "say", once)
 
 
 def obeys_only_while_it_hears_the_manager(patch: pytest.MonkeyPatch) -> None:
     """Authority with a lease: 20 s after the manager's last word the train may not go on."""
-    receive, set_limit, heard_s = Unit.receive, Unit._set_limit, dict[str, float]()
+    advance, obey, heard_s = Unit.advance, Motion.obey, [math.inf]
 
-    def received(self: Unit, data: bytes, now_s: float) -> list[UnitAction]:
-        heard_s[self.facts.unit_id] = now_s
-        return receive(self, data, now_s)
+    def heard(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        sources = [header.source for data in telegrams if (header := header_of(data)) is not None]
+        heard_s[0] = now_s if MANAGER_ID in sources else heard_s[0]
+        return advance(self, now_s, telegrams, sensed)
 
-    def limited(self: Unit, mission: Mission, now_s: float) -> None:
-        set_limit(self, mission, now_s)
-        if self.phase is Phase.RUNNING and now_s - heard_s.get(self.facts.unit_id, now_s) > 20.0:
+    def obeyed(self: Motion, command: Command, now_s: float) -> None:
+        obey(self, command, now_s)
+        if command.target is not None and now_s - heard_s[0] > 20.0:
             self.row.stop_limit_m = self.row.position_m
 
-    patch.setattr(Unit, "receive", received)
-    patch.setattr(Unit, "_set_limit", limited)
+    patch.setattr(Unit, "advance", heard)
+    patch.setattr(Motion, "obey", obeyed)
 
 
 def keeps_a_route_set_back(patch: pytest.MonkeyPatch) -> None:
-    patch.setitem(cast("dict[type, Any]", auth._EVENTS), auth.GiveBack, lambda state, *_: (state, ()))
+    table = dict(authority.TABLE)
+    table[Standing.ON_LINE, sym.GiveBack] = lambda state, _event: (state, ())
+    patch.setattr(authority, "TABLE", MappingProxyType(table))
 
 
 def crew_does_not_stop_before_points(patch: pytest.MonkeyPatch) -> None:
@@ -83,16 +91,16 @@ def crew_does_not_stop_before_points(patch: pytest.MonkeyPatch) -> None:
 
 
 def ignores_position_faults(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Unit, "_position_fault", lambda *_: None)
+    patch.setattr(Motion, "_lose", lambda *_: [])
 
 
 def reads_no_tag_after_a_restart(patch: pytest.MonkeyPatch) -> None:
-    read = Unit.tag_read
+    read = Motion.tag_read
 
-    def blind(self: Unit, tag_id: int, odometer_m: float, now_s: float) -> list[UnitAction]:
-        return [] if self.phase is Phase.RESTARTED else read(self, tag_id, odometer_m, now_s)
+    def blind(self: Motion, tag_id: int, odometer_m: float) -> list[Sensed]:
+        return [] if self.command.on_sight else read(self, tag_id, odometer_m)
 
-    patch.setattr(Unit, "tag_read", blind)
+    patch.setattr(Motion, "tag_read", blind)
 
 
 def points_unlock_without_power(patch: pytest.MonkeyPatch) -> None:
@@ -119,7 +127,7 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
 
 
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr("onboard.unit.within_window", lambda *_: True)
+    patch.setattr("onboard.motion.within_window", lambda *_: True)
     patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 

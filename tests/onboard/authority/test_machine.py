@@ -1,464 +1,307 @@
-"""Walks the table of the authority machine: every event in every state, refusals included."""
+"""The authority machine as a whole: what no table names, radio and timers, and what always holds."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from typing import Final, get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from network.model import Direction, Position, Route
-from onboard.authority.machine import (
-    NEVER,
-    REFUSED_REPEAT_S,
-    REPEAT_S,
+from network.model import Position
+from onboard.authority.machine import TABLE, step
+from onboard.authority.records import (
     Action,
     Ask,
+    AskRoute,
     Authority,
     BeginOnLine,
     CheckedByCrew,
     Cleared,
+    Command,
+    Confirmed,
+    Due,
     EndOnLine,
     Event,
     GiveBack,
-    Heard,
-    PointsNeeded,
+    Granted,
+    PeerRestarted,
+    PointsDenied,
+    Proof,
+    Queried,
+    Refused,
+    Request,
     Send,
+    SendClaim,
+    SendCommand,
+    SetTimer,
+    SignedOff,
+    SignedOn,
+    StopTimer,
     Throw,
-    Tick,
+    Timer,
     TurnedBack,
-    step,
-    waiting_for_radio,
+    Withdrawn,
 )
-from onboard.notes import Holds
-from radio.messages import (
-    AnyMessage,
-    Capability,
-    Claim,
-    ClaimQuery,
-    HoldingConfirmed,
-    HoldingReport,
-    PointsCommand,
-    PointsProof,
-    PointsRefusalReason,
-    PointsRefused,
-    RefusalReason,
-    Restarted,
-    RouteGranted,
-    RouteRefused,
-    RouteRequest,
-    SignOff,
-    SignOffAccepted,
-    SignOffRefused,
-    SignOn,
-    SignOnAccepted,
-    SignOnRefused,
+from onboard.authority.tables import REPEAT_S, Standing, standing
+from onboard.duty.plan import PointsNeeded
+
+P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
+P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
+SECTIONS: Final = ("5", "6", "7", "8")
+
+OFF: Final = Authority()
+ON_LINE: Final = Authority(held=("3",), on_line=True)
+SIGNING_ON: Final = Authority(held=("3",), requests=(Request(Ask.SIGN_ON, section_ids=("3",), sent=True),))
+SIGNING_OFF: Final = replace(ON_LINE, requests=(Request(Ask.SIGN_OFF, sent=True),))
+OPEN: Final = Authority(
+    held=("3", *SECTIONS),
+    commandable=("5", "7"),
+    on_line=True,
+    requests=(Request(Ask.ROUTE, "8>PE", ("10",), sent=True), Request(Ask.REPORT, sent=True)),
+    commands=(Command(P5, sent=True), Command(P7, sent=True)),
 )
-
-MANAGER, TERMINAL = "BM", "A-E"
-ROUTE = Route("3>8", Direction.DOWN, "3", "8", ("5", "6", "7", "8"), ("3",), ())
-SECTIONS = ROUTE.section_ids
-POINTS = PointsNeeded("P5", Position.NORMAL, "5", TERMINAL)
-CAPABILITIES = (Capability(TERMINAL, "5", b"five"), Capability("B-W", "7", b"seven"))
-NOW_S = 100.0
-
-
-def heard(message: AnyMessage, correlation: int = 0, source: str = MANAGER, fresh: bool = True) -> Heard:
-    return Heard(source, message, fresh, correlation)
-
-
-def grant(token: int = 20) -> RouteGranted:
-    return RouteGranted(ROUTE.id, SECTIONS, token, CAPABILITIES)
-
-
-def proof(token: int = 20, position: Position | None = Position.NORMAL, locked: bool = True) -> PointsProof:
-    return PointsProof("P5", position, locked, position is not None, token)
-
-
-def after(state: Authority, *events: Event) -> Authority:
-    for event in events:
-        state, _ = step(state, event, NOW_S, True)
-    return state
-
-
-def sent(actions: tuple[Action, ...]) -> list[AnyMessage]:
-    return [action.message for action in actions if isinstance(action, Send)]
-
-
-OFF = Authority("V1", MANAGER)
-SIGNING_ON = after(OFF, BeginOnLine(("3",)))
-ON_LINE = after(SIGNING_ON, heard(SignOnAccepted(("3",), 10, None, ()), SIGNING_ON.sign_correlation))
-ASKING = after(ON_LINE, Ask(ROUTE))
-HOLDING = after(ASKING, heard(grant(), ASKING.ask_correlation))
-THROWING = after(HOLDING, Throw((POINTS,)))
-PROVEN = after(THROWING, heard(proof(), source=TERMINAL))
-REPORTING = after(PROVEN, Cleared(("3", "5")))
-SIGNING_OFF = after(ON_LINE, EndOnLine())
-STATES = {
-    "off": OFF,
-    "signing on": SIGNING_ON,
-    "on line": ON_LINE,
-    "asking": ASKING,
-    "holding": HOLDING,
-    "throwing": THROWING,
-    "proven": PROVEN,
-    "reporting": REPORTING,
-    "signing off": SIGNING_OFF,
+STANDINGS: Final = {
+    Standing.OFF_LINE: OFF,
+    Standing.SIGNING_ON: SIGNING_ON,
+    Standing.ON_LINE: OPEN,
+    Standing.SIGNING_OFF: SIGNING_OFF,
 }
-ALL = frozenset(STATES)
-ON = ALL - {"off", "signing on"}
-
-
-def answer(message: AnyMessage, source: str = MANAGER) -> Callable[[Authority], Heard]:
-    """A telegram that answers whatever request of its kind is outstanding."""
-    name = {
-        SignOnAccepted: "sign_correlation",
-        SignOnRefused: "sign_correlation",
-        SignOffAccepted: "sign_correlation",
-        SignOffRefused: "sign_correlation",
-        RouteGranted: "ask_correlation",
-        RouteRefused: "ask_correlation",
-        HoldingConfirmed: "report_correlation",
-    }.get(type(message))
-    return lambda state: heard(message, getattr(state, name) if name else 0, source)
-
-
-def always(event: Event) -> Callable[[Authority], Event]:
-    return lambda _state: event
-
-
-# Event, and the states in which it changes the state; in all others it changes nothing.
-TABLE: dict[str, tuple[Callable[[Authority], Event], frozenset[str]]] = {
-    "begin": (always(BeginOnLine(("3",))), ALL - ON),
-    "end": (always(EndOnLine()), frozenset({"on line", "asking"})),
-    "ask": (always(Ask(ROUTE)), ON - {"asking"}),
-    "throw": (always(Throw((POINTS,))), frozenset({"holding"})),
-    "throw not held": (always(Throw((replace(POINTS, section_id="99"),))), frozenset()),
-    "cleared": (always(Cleared(("3",))), ALL - {"off", "reporting"}),
-    "cleared not held": (always(Cleared(("99",))), frozenset()),
-    "checked by crew": (always(CheckedByCrew(POINTS)), ALL - {"proven"}),
-    "give back": (
-        always(GiveBack(("7", "8"))),
-        frozenset({"asking", "holding", "throwing", "proven", "reporting"}),
-    ),
-    "give back what is not held": (always(GiveBack(("99",))), frozenset({"asking"})),
-    "turned back": (always(TurnedBack()), frozenset({"holding", "throwing", "proven", "reporting"})),
-    "tick": (always(Tick()), frozenset()),
-    "sign-on accepted": (answer(SignOnAccepted(("3",), 10, None, ())), frozenset({"signing on"})),
-    "sign-on accepted, newer token": (
-        answer(SignOnAccepted(("3",), 99, None, ())),
-        ALL - {"off"},
-    ),
-    "sign-on refused": (answer(SignOnRefused(RefusalReason.HELD, "3", "V2")), frozenset({"signing on"})),
-    "sign-off accepted": (answer(SignOffAccepted()), frozenset({"signing off"})),
-    "sign-off refused": (answer(SignOffRefused(RefusalReason.STILL_HOLDING)), frozenset({"signing off"})),
-    "granted": (answer(grant()), frozenset({"asking"})),
-    "granted to another boot": (lambda s: replace(answer(grant())(s), fresh=False), frozenset()),
-    "granted in answer to an older request": (
-        lambda s: replace(answer(grant())(s), correlation=s.ask_correlation - 1),
-        frozenset(),
-    ),
-    "granted with the token it has": (answer(grant(10)), frozenset()),
-    "granted another route": (answer(RouteGranted("3>9", SECTIONS, 20, ())), frozenset()),
-    "granted other sections": (answer(RouteGranted(ROUTE.id, ("5", "6"), 20, ())), frozenset()),
-    "route refused": (answer(RouteRefused(ROUTE.id, RefusalReason.HELD, "6", "V2")), frozenset({"asking"})),
-    "another route refused": (answer(RouteRefused("3>9", RefusalReason.HELD)), frozenset()),
-    "proof": (answer(proof(), TERMINAL), frozenset({"throwing"})),
-    "proof of another token": (answer(proof(19), TERMINAL), frozenset()),
-    "proof from another terminal": (answer(proof(), "B-W"), frozenset()),
-    "proof from the manager": (answer(proof()), frozenset()),
-    "wrong position": (answer(proof(position=Position.REVERSE), TERMINAL), frozenset({"proven"})),
-    "not detected": (answer(proof(position=None), TERMINAL), frozenset({"proven"})),
-    "not locked": (answer(proof(locked=False), TERMINAL), frozenset({"proven"})),
-    "points refused": (
-        answer(PointsRefused("P5", PointsRefusalReason.NOT_DETECTED, 20), TERMINAL),
-        frozenset({"throwing"}),
-    ),
-    "points refused for another token": (
-        answer(PointsRefused("P5", PointsRefusalReason.NOT_DETECTED, 19), TERMINAL),
-        frozenset(),
-    ),
-    "points refused by another terminal": (
-        answer(PointsRefused("P5", PointsRefusalReason.NOT_DETECTED, 20), "B-W"),
-        frozenset(),
-    ),
-    "confirmed": (answer(HoldingConfirmed(("6", "7", "8"), 20)), frozenset({"reporting"})),
-    "confirmed too much": (answer(HoldingConfirmed(("5", "6", "7", "8"), 20)), frozenset()),
-    "confirmed an older report": (
-        lambda s: heard(HoldingConfirmed(("6", "7", "8"), 20), s.report_correlation - 1),
-        frozenset(),
-    ),
-    "claim query": (answer(ClaimQuery()), frozenset()),
-    "restarted": (answer(Restarted()), frozenset()),
-    "request": (answer(RouteRequest("V2", ROUTE.id, SECTIONS)), frozenset()),
-    "report": (answer(HoldingReport((), 99)), frozenset()),
-    "sign-on": (answer(SignOn("V2", ("3",))), frozenset()),
-    "sign-off": (answer(SignOff("V2", 1)), frozenset()),
-    "claim": (answer(Claim(("3",), 99)), frozenset()),
-    "command": (answer(PointsCommand("P5", Position.REVERSE, "5", 20, b"")), frozenset()),
+EXAMPLES: Final[dict[type[Event], Event]] = {
+    BeginOnLine: BeginOnLine(("3",)),
+    EndOnLine: EndOnLine(),
+    AskRoute: AskRoute("3>8", SECTIONS),
+    Throw: Throw((P5,)),
+    CheckedByCrew: CheckedByCrew(P5),
+    Withdrawn: Withdrawn(("5",)),
+    Cleared: Cleared(("3",)),
+    GiveBack: GiveBack(("7", "8")),
+    TurnedBack: TurnedBack(),
+    Due: Due(None),
+    SignedOn: SignedOn(("3",), (), answers=True, newer=True),
+    Refused: Refused(Ask.ROUTE, "8>PE", "held", lost_sight=True, answers=True),
+    SignedOff: SignedOff(answers=True),
+    Granted: Granted("8>PE", ("10",), ("10",), answers=True, fresh=True, newer=True),
+    Confirmed: Confirmed(("3",), answers=True, newer=True),
+    Queried: Queried(),
+    Proof: Proof("P5", "A-E", "normal", mine=True),
+    PointsDenied: PointsDenied("P5", "A-E", "old token", mine=True),
+    PeerRestarted: PeerRestarted(),
 }
+REFUSED: Final = [(at, kind) for at in Standing for kind in get_args(Event) if (at, kind) not in TABLE]
 
 
-@pytest.mark.parametrize("state_name", STATES)
-@pytest.mark.parametrize("event_name", TABLE)
-def test_every_event_in_every_state(event_name: str, state_name: str) -> None:
-    make, changing = TABLE[event_name]
-    state = STATES[state_name]
-    next_state, actions = step(state, make(state), NOW_S + 0.1, True)
-    if event_name == "restarted":  # only the timers of what is open may move
-        before, after_it = (
-            replace(s, next_sign_s=0.0, next_ask_s=0.0, next_report_s=0.0, commands=())
-            for s in (state, next_state)
-        )
-        assert before == after_it
-        return
-    assert (next_state != state) is (state_name in changing)
-    if state_name not in changing and event_name != "claim query":
-        assert actions == ()
+def test_the_examples_are_what_they_say() -> None:
+    assert set(EXAMPLES) == set(get_args(Event))
+    assert all(standing(state) is at for at, state in STANDINGS.items())
 
 
-@pytest.mark.parametrize("state_name", STATES)
-@pytest.mark.parametrize("event_name", sorted(set(TABLE) - {"claim query"}))
-def test_nothing_is_sent_where_the_radio_does_not_reach(event_name: str, state_name: str) -> None:
-    state = STATES[state_name]
-    event = TABLE[event_name][0](state)
-    assert sent(step(state, event, NOW_S + 100.0, False)[1]) == []
+@pytest.mark.parametrize(("at", "kind"), REFUSED, ids=[f"{at.value}-{kind.__name__}" for at, kind in REFUSED])
+def test_what_no_table_names_is_refused(at: Standing, kind: type[Event]) -> None:
+    state = STANDINGS[at]
+    assert step(state, EXAMPLES[kind], covered=True) == (state, ())
 
 
-@pytest.mark.parametrize("state_name", STATES)
-@pytest.mark.parametrize("event_name", sorted(set(TABLE) - {"begin", "sign-on accepted", "granted"}))
-def test_sections_come_only_by_sign_on_and_grant(event_name: str, state_name: str) -> None:
-    state = STATES[state_name]
-    if event_name == "sign-on accepted, newer token" and state_name == "signing on":
-        return
-    next_state, _ = step(state, TABLE[event_name][0](state), NOW_S, True)
-    assert set(next_state.section_ids()) <= set(state.section_ids())
+@pytest.mark.parametrize(("at", "kind"), REFUSED, ids=[f"{at.value}-{kind.__name__}" for at, kind in REFUSED])
+def test_a_refused_event_sends_only_what_was_due(at: Standing, kind: type[Event]) -> None:
+    state = STANDINGS[at]
+    due, _ = step(state, Due(None), covered=False)
+    after, actions = step(due, EXAMPLES[kind], covered=True)
+    assert after == state
+    assert actions == step(due, Queried(), covered=True)[1][-len(actions) :] if actions else due == state
 
 
-@pytest.mark.parametrize("state_name", STATES)
-@pytest.mark.parametrize("event_name", sorted(set(TABLE) - {"proof", "checked by crew"}))
-def test_points_are_proven_only_by_a_proof(event_name: str, state_name: str) -> None:
-    state = STATES[state_name]
-    next_state, _ = step(state, TABLE[event_name][0](state), NOW_S, True)
-    assert set(next_state.proven) <= set(state.proven)
+# time and radio -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("state", "kind"),
+    ("timer", "sent"),
     [
-        (SIGNING_ON, SignOn),
-        (ASKING, RouteRequest),
-        (THROWING, PointsCommand),
-        (REPORTING, HoldingReport),
-        (SIGNING_OFF, SignOff),
+        (Timer("route"), Send(replace(OPEN.requests[0], sent=False))),
+        (Timer("points", "P5"), SendCommand(P5)),
+        (Timer("points", "P7"), SendCommand(P7)),
+        (Timer("report"), Send(Request(Ask.REPORT, section_ids=OPEN.held))),
     ],
 )
-def test_an_open_request_is_repeated_with_its_correlation_until_answered(
-    state: Authority, kind: type[AnyMessage]
+def test_what_a_timer_belongs_to_is_repeated_and_nothing_else(timer: Timer, sent: Action) -> None:
+    after, actions = step(OPEN, Due(timer), covered=True)
+    assert after == OPEN
+    assert actions[:2] == (sent, SetTimer(timer, REPEAT_S))
+    assert all(not isinstance(action, Send | SendCommand) for action in actions[2:])
+
+
+@pytest.mark.parametrize("timer", [Timer("sign on"), Timer("points", "P9"), Timer("ask")])
+def test_a_timer_of_nothing_open_repeats_nothing(timer: Timer) -> None:
+    assert step(OPEN, Due(timer), covered=True) == (OPEN, ())
+
+
+def timers_of(state: Authority) -> set[Timer]:
+    """Of what is open and sent."""
+    return {one.timer for one in (*state.requests, *state.commands) if one.sent}
+
+
+def timers_after(running: set[Timer], actions: tuple[Action, ...]) -> set[Timer]:
+    for action in actions:
+        if isinstance(action, SetTimer):
+            running = running | {action.timer}
+        if isinstance(action, StopTimer):
+            running = running - {action.timer}
+    return running
+
+
+@pytest.mark.parametrize("state", [SIGNING_ON, OPEN, SIGNING_OFF])
+def test_a_restarted_peer_gets_all_that_is_open_again_at_once(state: Authority) -> None:
+    after, actions = step(state, PeerRestarted(), covered=True)
+    assert after == state
+    sent = [action for action in actions if isinstance(action, Send | SendCommand)]
+    assert len(sent) == len(state.requests) + len(state.commands)
+
+
+@pytest.mark.parametrize("state", [SIGNING_ON, OPEN, SIGNING_OFF])
+def test_out_of_reach_no_timer_runs_and_what_is_open_goes_out_where_the_radio_begins(
+    state: Authority,
 ) -> None:
-    first: Send | None = None
-    for repeat in range(1, 6):
-        at_s = NOW_S + repeat * REPEAT_S
-        assert state.next_timer_s() == pytest.approx(at_s)
-        assert sent(step(state, Tick(), at_s - 0.1, True)[1]) == []
-        state, actions = step(state, Tick(), at_s, True)
-        again = next(a for a in actions if isinstance(a, Send))
-        assert isinstance(again.message, kind)
-        assert first in (None, again)
-        first = again
+    timers = (*(r.timer for r in state.requests), *(c.timer for c in state.commands))
+    away, stopped = step(state, Due(None), covered=False)
+    assert stopped == tuple(StopTimer(timer) for timer in timers)
+    assert away.waits_for_radio
+    assert step(away, Due(None), covered=False) == (away, ())
+    back, actions = step(away, Due(None), covered=True)
+    assert back == state
+    assert {action.timer for action in actions if isinstance(action, SetTimer)} == set(timers)
 
 
-@pytest.mark.parametrize("state", [SIGNING_ON, ASKING, THROWING, REPORTING, SIGNING_OFF])
-def test_out_of_reach_a_request_waits_and_goes_out_as_soon_as_the_radio_reaches(state: Authority) -> None:
-    away, actions = step(state, Tick(), NOW_S + 1.0, False)
-    assert sent(actions) == []
-    assert waiting_for_radio(away)
-    assert len(sent(step(away, Tick(), NOW_S + 500.0, True)[1])) == 1
-    assert not waiting_for_radio(step(away, Tick(), NOW_S + 500.0, True)[0])
+@pytest.mark.parametrize("state", STANDINGS.values(), ids=[at.value for at in STANDINGS])
+@pytest.mark.parametrize("kind", sorted(EXAMPLES, key=lambda kind: kind.__name__))
+def test_nothing_is_sent_where_the_radio_does_not_reach(state: Authority, kind: type[Event]) -> None:
+    """But the answer to a query: whoever hears one is reached."""
+    _, actions = step(state, EXAMPLES[kind], covered=False)
+    assert not [action for action in actions if isinstance(action, Send | SendCommand)]
+    assert not timers_after(set(), actions)
+    assert kind is Queried or not [action for action in actions if isinstance(action, SendClaim)]
 
 
-def test_nothing_open_asks_for_no_timer() -> None:
-    assert OFF.next_timer_s() == ON_LINE.next_timer_s() == PROVEN.next_timer_s() == NEVER
-
-
-def test_a_duplicate_grant_takes_effect_once() -> None:
-    again = heard(grant(), ASKING.ask_correlation)
-    assert step(HOLDING, again, NOW_S, True) == (HOLDING, ())
-    asked_anew = after(HOLDING, Ask(ROUTE))
-    assert step(asked_anew, again, NOW_S, True) == (asked_anew, ())
-    relabelled = heard(grant(20), asked_anew.ask_correlation)
-    assert step(asked_anew, relabelled, NOW_S, True) == (asked_anew, ())
-
-
-def test_a_grant_renews_token_and_capability_of_sections_already_held() -> None:
-    asked = after(HOLDING, Ask(ROUTE))
-    renewed = after(asked, heard(grant(30), asked.ask_correlation))
-    assert renewed.section_ids() == ("3", *SECTIONS)
-    assert [held.token for held in renewed.held] == [10, 30, 30, 30, 30]
-
-
-def test_a_refusal_is_followed_by_a_new_request_which_may_be_granted() -> None:
-    refusal = heard(RouteRefused(ROUTE.id, RefusalReason.HELD, "6", "V2"), ASKING.ask_correlation)
-    refused, actions = step(ASKING, refusal, NOW_S, True)
-    assert "section 6 of V2" in refused.refusal
-    assert sent(actions) == []
-    assert step(refused, refusal, NOW_S, True) == (refused, ())
-    assert step(refused, heard(grant(), ASKING.ask_correlation), NOW_S, True) == (refused, ())
-    again, actions = step(refused, Tick(), NOW_S + REFUSED_REPEAT_S, True)
-    assert sent(actions) == [RouteRequest("V1", ROUTE.id, SECTIONS)]
-    assert again.ask_correlation > ASKING.ask_correlation
-    granted = after(again, heard(grant(), again.ask_correlation))
-    assert granted.section_ids() == ("3", *SECTIONS)
-    assert granted.refusal == ""
-
-
-@pytest.mark.parametrize("reason", [RefusalReason.NOT_SIGNED_ON, RefusalReason.STALE_TOKEN])
-def test_a_manager_that_lost_sight_of_the_unit_gets_a_report(reason: RefusalReason) -> None:
-    _, actions = step(ASKING, heard(RouteRefused(ROUTE.id, reason), ASKING.ask_correlation), NOW_S, True)
-    assert sent(actions) == [HoldingReport(("3",), 10)]
-    _, actions = step(SIGNING_OFF, heard(SignOffRefused(reason), SIGNING_OFF.sign_correlation), NOW_S, True)
-    assert sent(actions) == [HoldingReport(("3",), 10)]
-
-
-def test_a_lost_confirmation_is_healed_by_the_next_report() -> None:
-    _, actions = step(REPORTING, Tick(), NOW_S + REPEAT_S, True)
-    assert sent(actions) == [HoldingReport(("6", "7", "8"), 20)]
-    confirmed = after(REPORTING, heard(HoldingConfirmed(("8", "7", "6"), 20), REPORTING.report_correlation))
-    assert not confirmed.report_due
-
-
-def test_a_report_that_waits_says_what_is_held_when_it_goes_out() -> None:
-    more = after(REPORTING, Cleared(("6",)))
-    assert after(more, heard(HoldingConfirmed(("6", "7", "8"), 20), REPORTING.report_correlation)) == more
-    _, actions = step(more, Tick(), NOW_S + REPEAT_S, True)
-    assert sent(actions) == [HoldingReport(("7", "8"), 20)]
-
-
-def test_a_report_refused_for_its_token_is_repeated_under_the_newer_one() -> None:
-    stale = heard(HoldingConfirmed(("5", "6", "7", "8"), 25), REPORTING.report_correlation)
-    state, actions = step(REPORTING, stale, NOW_S, True)
-    assert state.section_ids() == ("6", "7", "8")
-    assert sent(actions) == [HoldingReport(("6", "7", "8"), 25)]
-    assert state.report_due
-
-
-def test_with_a_newer_token_an_older_grant_no_longer_counts() -> None:
-    """The manager freed what that grant gave when it took the report made under the newer token."""
-    both = after(ASKING, Cleared(()), heard(SignOnAccepted(("3",), 25, None, ())))
-    assert both.token == 25
-    assert both.ask_correlation > ASKING.ask_correlation
-    assert after(both, heard(grant(25), ASKING.ask_correlation)) == both
-    assert after(both, heard(grant(25), both.ask_correlation)) == both
-    assert after(both, heard(grant(26), both.ask_correlation)).holds("8")
-
-
-def test_the_answer_to_a_claim_brings_capabilities_but_never_sections() -> None:
-    message = SignOnAccepted(("3", *SECTIONS, "9"), 25, None, CAPABILITIES)
-    state = after(HOLDING, heard(message))
-    assert state.section_ids() == HOLDING.section_ids()
-    assert {held.section_id: held.token for held in state.held} == {
-        "3": 10,
-        "5": 25,
-        "6": 20,
-        "7": 25,
-        "8": 20,
-    }
-
-
-@pytest.mark.parametrize("covered", [True, False])
-@pytest.mark.parametrize("state_name", STATES)
-def test_a_claim_query_is_answered_at_once_with_all_that_is_held(state_name: str, covered: bool) -> None:
-    state = STATES[state_name]
-    _, actions = step(state, heard(ClaimQuery(), 77), NOW_S, covered)
-    assert actions[0] == Send(MANAGER, Claim(state.section_ids(), state.token), 77)
-
-
-def test_a_restarted_peer_gets_what_is_open_again_at_once() -> None:
-    _, actions = step(THROWING, heard(Restarted(), source=TERMINAL), NOW_S + 0.5, True)
-    assert sent(actions) == [PointsCommand("P5", Position.NORMAL, "5", 20, b"five")]
-    _, actions = step(ASKING, heard(Restarted()), NOW_S + 0.5, True)
-    assert sent(actions) == [RouteRequest("V1", ROUTE.id, SECTIONS)]
-    assert step(PROVEN, heard(Restarted()), NOW_S + 0.5, True) == (PROVEN, ())
-
-
-def test_each_terminal_of_a_section_gets_its_own_capability() -> None:
-    both = (*CAPABILITIES, Capability("A-F", "5", b"other"))
-    message = RouteGranted(ROUTE.id, SECTIONS, 20, both)
-    holding = after(ASKING, heard(message, ASKING.ask_correlation))
-    other = PointsNeeded("P6", Position.REVERSE, "5", "A-F")
-    _, actions = step(holding, Throw((POINTS, other)), NOW_S, True)
-    assert [(m.points_id, m.mac) for m in sent(actions) if isinstance(m, PointsCommand)] == [
-        ("P5", b"five"),
-        ("P6", b"other"),
+def test_sign_off_goes_first_and_the_report_last() -> None:
+    """Who asks for a route and drops sections says the request first: the report has the newest word."""
+    _, actions = step(OPEN, PeerRestarted(), covered=True)
+    sent = [
+        a.request.ask if isinstance(a, Send) else a.needed
+        for a in actions
+        if isinstance(a, Send | SendCommand)
     ]
+    assert sent == [Ask.ROUTE, P5, P7, Ask.REPORT]
 
 
-def test_a_section_dropped_takes_its_proofs_and_commands_along() -> None:
-    assert after(PROVEN, Cleared(("5",))).proven == ()
-    assert after(THROWING, Cleared(("5",))).commands == ()
-    _, actions = step(PROVEN, Cleared(("3",)), NOW_S, True)
-    notes = [i for i, a in enumerate(actions) if isinstance(a, Holds)]
-    sends = [i for i, a in enumerate(actions) if isinstance(a, Send)]
-    assert notes[0] < sends[0]  # dropped here before it is said
+# what always holds ----------------------------------------------------------------------------------------------
 
-
-def test_turning_back_forgets_proofs_and_reverses_what_is_held() -> None:
-    turned = after(PROVEN, TurnedBack())
-    assert turned.section_ids() == ("8", "7", "6", "5", "3")
-    assert turned.proven == ()
-    assert turned.commands == ()
-
-
-def test_a_withdrawn_proof_can_be_asked_for_again() -> None:
-    lost = after(PROVEN, heard(proof(position=None), source=TERMINAL))
-    assert lost.proven == ()
-    _, actions = step(lost, Throw((POINTS,)), NOW_S, True)
-    assert sent(actions) == [PointsCommand("P5", Position.NORMAL, "5", 20, b"five")]
-
-
-def test_giving_back_while_a_grant_may_be_on_its_way() -> None:
-    """The manager has granted the route already: the report under its newer token frees it again."""
-    given, actions = step(ASKING, GiveBack(SECTIONS), NOW_S, True)
-    assert sent(actions) == [HoldingReport(("3",), 10)]
-    assert given.asked is None
-    assert step(given, heard(grant(), ASKING.ask_correlation), NOW_S, True) == (given, ())
-    stale = heard(HoldingConfirmed(("3", *SECTIONS), 20), given.report_correlation)
-    again, actions = step(given, stale, NOW_S, True)
-    assert sent(actions) == [HoldingReport(("3",), 20)]
-    assert not after(again, heard(HoldingConfirmed(("3",), 20), again.report_correlation)).report_due
-
-
-def test_what_the_crew_saw_before_the_grant_does_not_outlast_it() -> None:
-    """Until then another train may have thrown the points."""
-    checked = after(ASKING, CheckedByCrew(POINTS))
-    assert checked.proven == (POINTS,)
-    granted = after(checked, heard(grant(), checked.ask_correlation))
-    assert granted.proven == ()
-    assert after(granted, Throw((POINTS,))).commands[0].needed == POINTS
-
-
-@given(
-    st.lists(
-        st.tuples(
-            st.sampled_from(sorted(set(TABLE) - {"checked by crew"})), st.floats(0.0, 10.0), st.booleans()
-        ),
-        max_size=30,
-    )
+sections = st.lists(st.sampled_from(("3", *SECTIONS, "10")), max_size=6, unique=True).map(tuple)
+points_ = st.sampled_from((P5, P7))
+yes = st.booleans()
+EVENTS: Final = st.one_of(
+    st.builds(BeginOnLine, st.none() | sections, yes),
+    st.builds(AskRoute, st.just("3>8"), st.just(SECTIONS)),
+    st.builds(Throw, st.lists(points_, max_size=2).map(tuple)),
+    st.builds(Withdrawn, sections),
+    st.builds(Cleared, sections),
+    st.builds(GiveBack, sections),
+    st.builds(Due, st.sampled_from((None, *(r.timer for r in OPEN.requests), Timer("points", "P5")))),
+    st.builds(SignedOn, sections, sections, yes, yes),
+    st.builds(Refused, st.sampled_from(Ask), st.just("3>8"), st.sampled_from(("a", "b")), yes, yes),
+    st.builds(SignedOff, yes),
+    st.builds(Granted, st.just("3>8"), st.just(SECTIONS), sections, yes, yes, yes),
+    st.builds(Confirmed, sections, yes, yes),
+    st.builds(
+        Proof,
+        st.sampled_from(("P5", "P7")),
+        st.sampled_from(("A-E", "B-W")),
+        st.sampled_from((None, "normal", "reverse")),
+        yes,
+    ),
+    st.builds(PointsDenied, st.just("P5"), st.just("A-E"), st.sampled_from(("a", "b")), yes),
+    st.sampled_from((EndOnLine(), TurnedBack(), Queried(), PeerRestarted())),
 )
-def test_whatever_happens_the_invariants_hold(course: list[tuple[str, float, bool]]) -> None:
-    state, now_s = OFF, 0.0
-    for name, later_s, covered in course:
-        now_s += later_s
-        before = state
-        state, actions = step(state, TABLE[name][0](state), now_s, covered)
-        held = state.section_ids()
-        assert len(set(held)) == len(held)
-        assert all(needed.section_id in held for needed in state.proven)
-        assert all(command.needed.section_id in held for command in state.commands)
-        assert not {c.needed for c in state.commands} & set(state.proven)
-        assert state.correlation >= before.correlation
+SEEN: Final = st.builds(CheckedByCrew, points_)
+
+
+Course = list[tuple[Event, bool]]
+courses = st.lists(st.tuples(EVENTS, st.booleans()), max_size=30)
+courses_with_crew = st.lists(st.tuples(EVENTS | SEEN, st.booleans()), max_size=30)
+begun = st.sampled_from(tuple(STANDINGS.values()))
+
+
+def after_all(
+    state: Authority, course: Course
+) -> list[tuple[Authority, Event, Authority, tuple[Action, ...]]]:
+    """All steps of a course: before, event, after, actions."""
+    steps = []
+    for event, covered in course:
+        after, actions = step(state, event, covered=covered)
+        steps.append((state, event, after, actions))
+        state = after
+    return steps
+
+
+def check_held_only_by_the_managers_word(state: Authority, course: Course) -> None:
+    for before, event, after, _ in after_all(state, course):
+        gained = set(after.held) - set(before.held)
+        match event:
+            case Granted(answers=True, fresh=True, newer=True) | SignedOn(answers=True):
+                assert gained <= set(event.section_ids)
+            case BeginOnLine(enters=False):  # where it stands, as its crew can see
+                assert gained <= set(event.section_ids or ())
+            case _:
+                assert not gained
+
+
+@given(begun, courses_with_crew)
+def test_nothing_is_held_but_by_the_managers_word_or_where_it_stands(
+    state: Authority, course: Course
+) -> None:
+    check_held_only_by_the_managers_word(state, course)
+
+
+def test_a_unit_that_obeys_any_grant_breaks_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    def obeys(state: Authority, event: Granted) -> tuple[Authority, tuple[Action, ...]]:
+        return replace(state, held=(*state.held, *event.section_ids)), ()
+
+    late = Granted("3>8", SECTIONS, (), answers=True, fresh=True, newer=False)
+    check_held_only_by_the_managers_word(ON_LINE, [(late, True)])
+    monkeypatch.setattr("onboard.authority.machine.TABLE", {**TABLE, (Standing.ON_LINE, Granted): obeys})
+    with pytest.raises(AssertionError):
+        check_held_only_by_the_managers_word(ON_LINE, [(late, True)])
+
+
+@given(begun, courses)
+def test_proven_and_commanded_is_only_what_is_held(state: Authority, course: Course) -> None:
+    for _, _, after, actions in after_all(state, course):
+        assert len(set(after.held)) == len(after.held)
+        assert all(needed.section_id in after.held for needed in after.proven)
+        assert all(command.needed.section_id in after.held for command in after.commands)
+        assert not {command.needed for command in after.commands} & set(after.proven)
         for action in actions:
-            if isinstance(action, Send) and isinstance(action.message, HoldingReport):
-                assert action.message.section_ids == held
+            if isinstance(action, Send) and action.request.ask is Ask.REPORT:
+                assert action.request.section_ids == after.held
+            if isinstance(action, SendCommand):
+                assert action.needed.section_id in after.held
+
+
+@given(begun, courses_with_crew)
+def test_a_state_stays_small_and_hashable(state: Authority, course: Course) -> None:
+    """One request a kind, each set of points once in each list: so there are finitely many states."""
+    for _, _, after, _ in after_all(state, course):
+        assert hash(after) == hash(replace(after))
+        assert len({request.ask for request in after.requests}) == len(after.requests)
+        for listed in (after.proven, after.unsaid, tuple(command.needed for command in after.commands)):
+            assert len(set(listed)) == len(listed)
+
+
+@given(begun, courses_with_crew)
+def test_a_timer_runs_for_all_that_is_sent_and_for_nothing_that_is_over(
+    state: Authority, course: Course
+) -> None:
+    running = timers_of(state)
+    for _, event, after, actions in after_all(state, course):
+        running = timers_after(running - {event.timer} if isinstance(event, Due) else running, actions)
+        open_ = {one.timer for one in (*after.requests, *after.commands)}
+        assert timers_of(after) <= running <= open_

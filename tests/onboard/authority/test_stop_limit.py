@@ -3,94 +3,131 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Position
-from onboard.authority.machine import Authority, Held, PointsNeeded
+from onboard.authority.records import Authority, Command
 from onboard.authority.stop_limit import (
-    arrival_points,
     cleared_sections,
-    departure_points,
-    next_rear_trigger_m,
-    points_of,
+    entered_on_proof,
+    next_rear_span,
+    points_perhaps_under,
     stop_limit,
 )
 from onboard.duty.mission import Mission
+from onboard.duty.plan import Plan, PointsNeeded, plan_of
 
-# Path coordinates of mission T1 begin at km 0.36, where section 3 does (rtri_test_line.toml).
-END_OF_3_M, START_OF_7_M, END_OF_7_M, END_OF_8_M = 110.0, 520.0, 580.0, 690.0
-P5 = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
-P7 = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
-ALL = ("3", "5", "6", "7", "8")
+P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
+P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
+ALL: Final = ("3", "5", "6", "7", "8")  # joints 0 to 4; the end of the path is joint 5
+
+
+@pytest.fixture(scope="module")
+def plan(mission: Mission) -> Plan:
+    return plan_of(mission, 40.0)
 
 
 def authority(*section_ids: str, proven: tuple[PointsNeeded, ...] = ()) -> Authority:
-    return Authority("V1", "BM", held=tuple(Held(s, 1) for s in section_ids), on_line=True, proven=proven)
+    return Authority(held=section_ids, on_line=True, proven=proven)
 
 
 @pytest.mark.parametrize(
-    ("held", "proven", "limit_m", "before"),
+    ("held", "proven", "joint", "before", "why"),
     [
-        ((), (), 0.0, "3"),
-        (("3",), (), END_OF_3_M, "5"),
-        (ALL, (), END_OF_3_M, "5"),  # departure points
-        (ALL, (P7,), END_OF_3_M, "5"),
-        (ALL, (P5,), START_OF_7_M, "7"),  # arrival points
-        (ALL, (P5, P7), END_OF_8_M, None),  # the arrival track
-        (("3", "5"), (P5,), 170.0, "6"),  # partly held
-        (("3", "5", "7", "8"), (P5, P7), 170.0, "6"),  # never across a gap
-        (("6", "7", "8"), (P7,), END_OF_8_M, None),  # given back behind
-        (("8",), (), END_OF_8_M, None),
-        (("99",), (), 0.0, "3"),
+        ((), (), 0, "3", "not held"),
+        (("3",), (), 1, "5", "not held"),
+        (ALL, (), 1, "5", "points not proven"),  # departure points
+        (ALL, (P7,), 1, "5", "points not proven"),
+        (ALL, (P5,), 3, "7", "points not proven"),  # arrival points
+        (ALL, (P5, P7), 5, None, "end of the path"),  # the arrival track
+        (("3", "5"), (P5,), 2, "6", "not held"),  # partly held
+        (("3", "5", "7", "8"), (P5, P7), 2, "6", "not held"),  # never across a gap
+        (("6", "7", "8"), (P7,), 5, None, "end of the path"),  # given back behind
+        (("8",), (), 5, None, "end of the path"),
+        (("99",), (), 0, "3", "not held"),
     ],
 )
 def test_stop_limit(
-    mission: Mission,
+    plan: Plan,
     held: tuple[str, ...],
     proven: tuple[PointsNeeded, ...],
-    limit_m: float,
+    joint: int,
     before: str | None,
+    why: str,
 ) -> None:
-    limit = stop_limit(mission, authority(*held, proven=proven))
-    assert limit.limit_m == pytest.approx(limit_m)
-    assert limit.before_section == before
+    limit = stop_limit(plan, authority(*held, proven=proven))
+    assert (limit.joint, limit.before, limit.why) == (joint, before, why)
 
 
-def test_a_proof_for_the_other_position_does_not_count(mission: Mission) -> None:
-    other = replace(P5, position=Position.REVERSE)
-    assert stop_limit(mission, authority(*ALL, proven=(other, P7))).before_section == "5"
+def test_a_proof_for_the_other_position_does_not_count(plan: Plan) -> None:
+    other = msgspec.structs.replace(P5, position=Position.REVERSE)
+    assert stop_limit(plan, authority(*ALL, proven=(other, P7))).before == "5"
+
+
+def test_points_entered_on_their_proof_hold_the_train_back_no_more(plan: Plan) -> None:
+    held = authority(*ALL)
+    assert stop_limit(plan, held, frozenset({"5"})).before == "7"
+    assert stop_limit(plan, authority("3"), frozenset({"5"})).before == "5"  # held they must be all the same
 
 
 @given(held=st.sets(st.sampled_from(ALL)), proven=st.sets(st.sampled_from((P5, P7))))
 def test_everything_before_the_limit_is_held_and_proven(
-    mission: Mission, held: set[str], proven: set[PointsNeeded]
+    plan: Plan, held: set[str], proven: set[PointsNeeded]
 ) -> None:
     """From the first section held on; and one more section or proof never draws the limit nearer."""
-    state = authority(*(s for s in ALL if s in held), proven=tuple(sorted(proven, key=str)))
-    limit = stop_limit(mission, state)
-    begun = [span for span in mission.spans if span.section_id in held]
-    if begun:
-        inside = [s for s in mission.spans if begun[0].start_m <= s.start_m and s.end_m <= limit.limit_m]
-        assert all(s.section_id in held and set(points_of(s)) <= proven for s in inside)
-    proven_all = replace(state, proven=(P5, P7))
-    assert stop_limit(mission, proven_all).limit_m >= limit.limit_m
+    state = authority(*(s for s in ALL if s in held), proven=tuple(sorted(proven)))
+    limit = stop_limit(plan, state)
+    first = next((i for i, span in enumerate(plan.spans) if span.section_id in held), len(plan.spans))
+    for span in plan.spans[first : limit.joint]:
+        assert span.section_id in held
+        assert set(span.points) <= proven
+    assert stop_limit(plan, replace(state, proven=(P5, P7))).joint >= limit.joint
+    if first == 0:
+        assert stop_limit(plan, replace(state, held=ALL)).joint >= limit.joint
 
 
-def test_departure_and_arrival_points(mission: Mission) -> None:
-    assert departure_points(mission, "3") == (P5,)
-    assert departure_points(mission, "8") == ()
-    assert arrival_points(mission, 310.0) == (P7,)  # at the approach tag
-    assert arrival_points(mission, END_OF_7_M) == ()
+def test_sections_that_the_safe_rear_has_left(plan: Plan) -> None:
+    state = authority("3", "6", "7", "8")
+    assert [cleared_sections(plan, state, clear) for clear in range(6)] == [
+        (),
+        ("3",),
+        ("3",),
+        ("3", "6"),
+        ("3", "6", "7"),
+        ("3", "6", "7", "8"),
+    ]
 
 
-def test_sections_are_given_back_once_the_safe_rear_has_left_them(mission: Mission) -> None:
-    state = authority(*ALL)
-    assert cleared_sections(mission, state, END_OF_3_M - 0.001) == ()
-    assert cleared_sections(mission, state, END_OF_3_M) == ("3",)
-    assert cleared_sections(mission, state, END_OF_7_M) == ("3", "5", "6", "7")
-    assert next_rear_trigger_m(mission, state) == END_OF_3_M
-    assert next_rear_trigger_m(mission, authority("6", "7", "8")) == START_OF_7_M
-    assert next_rear_trigger_m(mission, authority("8")) == float("inf")
+def test_the_span_that_the_rear_leaves_next(plan: Plan) -> None:
+    assert next_rear_span(plan, authority(*ALL)) == 0
+    assert next_rear_span(plan, authority("6", "7", "8")) == 2
+    assert next_rear_span(plan, authority("8")) is None  # the last one is kept
+    assert next_rear_span(plan, authority()) is None
+
+
+@pytest.mark.parametrize(
+    ("sure", "proven", "entered"),
+    [
+        (1, (P5, P7), set()),
+        (2, (P5, P7), {"5"}),
+        (2, (P7,), set()),
+        (4, (P5, P7), {"5", "7"}),
+        (5, (P7,), {"7"}),
+    ],
+)
+def test_points_that_the_front_surely_came_onto_by_their_proof(
+    plan: Plan, sure: int, proven: tuple[PointsNeeded, ...], entered: set[str]
+) -> None:
+    assert entered_on_proof(plan, authority(*ALL, proven=proven), sure) == entered
+
+
+@pytest.mark.parametrize(("perhaps", "under"), [(1, ()), (2, ("5",)), (3, ("5",)), (4, ("5", "7"))])
+def test_points_under_way_that_the_front_may_be_on(plan: Plan, perhaps: int, under: tuple[str, ...]) -> None:
+    throwing = replace(authority(*ALL), commands=(Command(P5, sent=True), Command(P7)))
+    assert points_perhaps_under(plan, throwing, perhaps) == under
+    assert points_perhaps_under(plan, authority(*ALL), perhaps) == ()

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Position
+from onboard.duty.records import Command
 from radio.air import Delivery
 from simulation.agenda import Agenda
 from simulation.events import WORLD, FaultBegan, FaultOver, PointsMoving
@@ -36,14 +37,10 @@ class World:
         self.frozen: list[tuple[str, bool]] = []
         self.repaired: list[str] = []
         self.given_back: list[tuple[str, float]] = []
-        held = SimpleNamespace(on_line=True, section_ids=lambda: ("3", "5"))
-        wishing = SimpleNamespace(on_line=False, section_ids=lambda: ("PW",))
-        on_board = [
-            SimpleNamespace(facts=SimpleNamespace(unit_id="K1"), authority=held),
-            SimpleNamespace(facts=SimpleNamespace(unit_id="K2"), authority=wishing),
-        ]
+        shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
+        on_board: Any = SimpleNamespace(shown=shown.__getitem__)
         self.wayside: Any
-        trains: Any = SimpleNamespace(slot_of={"K1": 0, "K2": 1}, tag_faults={}, on_board=on_board)
+        trains: Any = SimpleNamespace(stock_ids=("K1", "K2"), slot_of={"K1": 0, "K2": 1}, tag_faults={})
         self.tag_faults = trains.tag_faults
         self.wayside = SimpleNamespace(
             section_ids=("PW", "3", "5"),
@@ -62,6 +59,7 @@ class World:
             ),
             seed,
             trains,
+            on_board,
             self.wayside,
             self.journal,
             self.agenda,

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from onboard.unit_records import Phase
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.carriers.plain_track import PlainTrack
@@ -34,22 +33,19 @@ def test_the_figures_are_those_of_the_renderer(distance_m: float) -> None:
     assert abs(rendered.mean()) < 2.0 * sigma_m
 
 
-def running(setup: Setup) -> Trains:
+def placed(setup: Setup) -> Trains:
     carrier = PlainTrack({p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}, STEP_S)
-    trains = Trains(setup, carrier, b"k" * 32)
-    duty = draw_up(setup.line, setup.timetable, {"K1": 40.0}, setup.operation.portal_lead_s)["K1"][0]
-    trains.place(0, duty)
-    unit = trains.on_board[0]
-    unit.begin(duty.mission, trains.pattern_rows(0), 0.0, ready_s=0.0, signing_on=True)
-    unit.phase = Phase.RUNNING
+    trains = Trains(setup, carrier)
+    duties = draw_up(setup.line, setup.timetable, {"K1": 40.0}, setup.operation.portal_lead_s)
+    trains.place(0, duties["K1"][0])
     return trains
 
 
 def test_frames_come_while_the_sign_is_in_range(rtri_setup: Setup) -> None:
     """Mark at path coordinate 660 m, sign 10 m behind it, seen from 87 m."""
-    trains = running(replace(rtri_setup, vision=Vision(stations=("B",), rate_hz=5.0)))
+    trains = placed(replace(rtri_setup, vision=Vision(stations=("B",), rate_hz=5.0)))
     agenda = Agenda()
-    eyes = Eyes(trains, agenda)
+    eyes = Eyes(trains, agenda, lambda _slot: 1)
     eyes.look_ahead(0)
     assert trains.truths[0].camera_m == pytest.approx(670.0 - 87.0)
     trains.truths[0].position_m = 640.0
@@ -67,6 +63,12 @@ def test_frames_come_while_the_sign_is_in_range(rtri_setup: Setup) -> None:
 
 
 def test_without_a_sign_no_camera_looks(rtri_setup: Setup) -> None:
-    trains = running(rtri_setup)
-    Eyes(trains, Agenda()).look_ahead(0)
+    trains = placed(rtri_setup)
+    Eyes(trains, Agenda(), lambda _slot: 1).look_ahead(0)
+    assert trains.truths[0].camera_m == math.inf
+
+
+def test_a_train_that_has_called_everywhere_has_no_sign_to_look_for(rtri_setup: Setup) -> None:
+    trains = placed(replace(rtri_setup, vision=Vision(frozenset({"B"}), rate_hz=5.0)))
+    Eyes(trains, Agenda(), lambda _slot: 2).look_ahead(0)
     assert trains.truths[0].camera_m == math.inf

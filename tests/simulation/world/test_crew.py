@@ -7,20 +7,22 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import msgspec
 import pytest
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Position
 from network.timetable import load_timetable
-from onboard.authority.machine import Authority, Held
-from onboard.authority.stop_limit import points_of
 from onboard.duty.mission import Mission, plan_mission
+from onboard.duty.plan import plan_of
+from onboard.duty.records import AtMark, Command, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
-from onboard.unit import Phase
 from simulation.journal import Journal
-from simulation.world.crew import SEES_M, Crew, Seen
+from simulation.world.crew import SEES_M, Crew
 from simulation.world.point_machine import PointMachine
+
+LENGTH_M = 40.0
 
 
 @pytest.fixture(scope="module")
@@ -31,25 +33,29 @@ def mission() -> Mission:
 
 
 class Cab:
-    """One train on sight at `front_m` of the mission's path, its unit holding `sections`."""
+    """One train on sight that truly stands at `front_m` of the mission's path, its unit showing `sections` as held."""
 
     def __init__(self, mission: Mission, front_m: float, *sections: str) -> None:
         self.mission = mission
-        held = tuple(Held(section, 1) for section in sections)
-        self.unit: Any = SimpleNamespace(
-            phase=Phase.RESTARTED,
-            mission=mission,
-            at=0,
-            stands_at=None,
-            authority=Authority("K1", "block-manager", held=held),
-            facts=SimpleNamespace(unit_id="K1"),
-        )
+        self.plan = plan_of(mission, LENGTH_M)
+        self.shown = Command(on_sight=True, on_line=True, held=sections)
+        self.on_sight = True
         self.truth: Any = SimpleNamespace(position_m=front_m, sight_m=math.inf)
-        self.row: Any = SimpleNamespace(position_known=0)
+        self.plant: Any = SimpleNamespace(speed_mps=0.0)
         self.machine = PointMachine("P7", 6.0, Position.NORMAL)
         self.journal = Journal()
-        trains: Any = SimpleNamespace(on_board=[self.unit], units=[self.row], truths=[self.truth])
-        self.crew = Crew(trains, lambda _points_id: self.machine, self.journal)
+        trains: Any = SimpleNamespace(
+            stock_ids=("K1",),
+            truths=[self.truth],
+            plants=[self.plant],
+            duties=[SimpleNamespace(mission=mission)],
+        )
+        on_board: Any = SimpleNamespace(
+            plan=lambda _slot: self.plan,
+            shown=lambda _slot: self.shown,
+            drives_on_sight=lambda _slot: self.on_sight,
+        )
+        self.crew = Crew(trains, on_board, lambda _points_id: self.machine, self.journal)
 
     def sight_m(self) -> float:
         self.crew.look_ahead(0)
@@ -68,8 +74,8 @@ def test_it_stops_before_points_that_are_not_proven(mission: Mission) -> None:
 def test_points_proven_or_looked_at_are_passed_to_the_mark(mission: Mission) -> None:
     cab = Cab(mission, 0.0, "6", "7", "8")
     cab.truth.position_m = cab.start_m("6") + 50.0
-    proven = points_of(mission.spans[mission.span_index("7")])
-    cab.unit.authority = replace(cab.unit.authority, proven=proven)
+    proven = cab.plan.spans[mission.span_index("7")].points
+    cab.shown = msgspec.structs.replace(cab.shown, proven=proven)
     assert cab.sight_m() == pytest.approx(mission.targets[-1].mark_m + 2.0)
 
 
@@ -81,9 +87,17 @@ def test_it_does_not_leave_what_is_held(mission: Mission) -> None:
 
 def test_a_unit_that_knows_where_it_is_drives_itself(mission: Mission) -> None:
     cab = Cab(mission, 100.0, "6", "7", "8")
-    cab.row.position_known = 1
+    cab.on_sight = False
     assert cab.sight_m() == math.inf
-    assert cab.crew.stand(0, 10.0) == Seen()
+    assert cab.crew.stand(0, 10.0) == []
+
+
+def test_who_is_still_moving_looks_at_nothing(mission: Mission) -> None:
+    """Whatever the tachometer shows: the plant's own speed counts."""
+    cab = standing_before_points(mission)
+    cab.plant.speed_mps = 0.3
+    assert cab.crew.stand(0, 10.0) == []
+    assert not cab.journal.entries
 
 
 def standing_before_points(mission: Mission) -> Cab:
@@ -94,8 +108,8 @@ def standing_before_points(mission: Mission) -> Cab:
 
 def test_points_that_lie_right_and_locked_may_be_passed(mission: Mission) -> None:
     cab = standing_before_points(mission)
-    seen = cab.crew.stand(0, 10.0)
-    assert seen.passable is not None and seen.passable.points_id == "P7"
+    (needed,) = cab.plan.spans[mission.span_index("7")].points
+    assert cab.crew.stand(0, 10.0) == [PointsSeen(needed)]
     assert isinstance(cab.journal.entries[-1].event, CrewCheckedPoints)
 
 
@@ -107,9 +121,8 @@ def test_points_that_do_not_are_thrown_by_the_unit_and_looked_at_again(
 ) -> None:
     cab = standing_before_points(mission)
     cab.machine = replace(cab.machine, **wrong)
-    seen = cab.crew.stand(0, 10.0)
-    assert seen.passable is None
-    assert seen.to_throw is not None and seen.to_throw.points_id == "P7"
+    (needed,) = cab.plan.spans[mission.span_index("7")].points
+    assert cab.crew.stand(0, 10.0) == [PointsWrong(needed)]
     assert isinstance(cab.journal.entries[-1].event, CrewWaitsAtPoints)
 
 
@@ -117,23 +130,35 @@ def test_points_under_the_train_are_looked_at_and_never_thrown(mission: Mission)
     cab = standing_before_points(mission)
     cab.truth.position_m = cab.start_m("7") + 5.0
     assert cab.sight_m() < cab.truth.position_m
-    assert cab.crew.stand(0, 10.0).passable is not None
+    assert [type(found) for found in cab.crew.stand(0, 10.0)] == [PointsSeen]
     cab.machine = replace(cab.machine, position=None, locked=False)
-    assert cab.crew.stand(0, 10.0) == Seen()
+    assert cab.crew.stand(0, 10.0) == []
+    assert isinstance(cab.journal.entries[-1].event, CrewWaitsAtPoints)
 
 
 def test_points_of_a_section_not_held_or_too_far_off_are_not_looked_at(mission: Mission) -> None:
     not_held = standing_before_points(mission)
-    not_held.unit.authority = replace(not_held.unit.authority, held=(Held("6", 1),))
+    not_held.shown = msgspec.structs.replace(not_held.shown, held=("6",))
     far = standing_before_points(mission)
     far.truth.position_m -= 2.0 * SEES_M
-    assert far.crew.stand(0, 10.0) == Seen()
-    assert not_held.crew.stand(0, 10.0) == Seen()
+    assert far.crew.stand(0, 10.0) == []
+    assert not_held.crew.stand(0, 10.0) == []
+    assert not far.journal.entries and not not_held.journal.entries
 
 
 def test_a_train_brought_to_the_mark_has_reached_it(mission: Mission) -> None:
     for beyond_m in (-5.0, 1.0, 25.0):  # no train sets back: overrun on its track it has arrived all the same
         cab = Cab(mission, mission.targets[-1].mark_m + beyond_m, "8")
-        assert cab.crew.stand(0, 10.0) == Seen(target=len(mission.targets) - 1)
+        assert cab.crew.stand(0, 10.0) == [AtMark(len(mission.targets) - 1)]
     short = Cab(mission, mission.targets[-1].mark_m - 20.0, "8")
-    assert short.crew.stand(0, 10.0) == Seen()
+    assert short.crew.stand(0, 10.0) == []
+
+
+def test_it_tells_the_unit_of_a_mark_once(mission: Mission) -> None:
+    """The unit then shows the stop at which it stands, or that it has gone on from there."""
+    last = len(mission.targets) - 1
+    cab = Cab(mission, mission.targets[-1].mark_m + 1.0, "8")
+    cab.shown = msgspec.structs.replace(cab.shown, stands_at=last, at=last - 1)
+    assert cab.crew.stand(0, 10.0) == []
+    cab.shown = msgspec.structs.replace(cab.shown, stands_at=None, at=last)
+    assert cab.crew.stand(0, 10.0) == []

@@ -5,12 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from host.units import LocalUnits
 from network.profile import PROFILE
-from onboard.records import EVENT_STOPPED, MODE_DRIVE
+from onboard.records import EVENT_MOVING, EVENT_STOPPED, MODE_DRIVE
 from simulation.carriers.plain_track import PlainTrack
-from simulation.setup import STEP_S, Setup
+from simulation.setup import STEP_S, Setup, unit_configs
 from simulation.world.kernel import advance, new_sheet, passed, track_under
-from simulation.world.records import PASSED_FRONT, PASSED_REAR, PASSED_TAG, TRACE, TRUTH, TruthRow
+from simulation.world.on_board import OnBoard
+from simulation.world.records import (
+    PASSED_FROM_A_STAND,
+    PASSED_FRONT,
+    PASSED_REAR,
+    PASSED_TAG,
+    PASSED_TO_A_STAND,
+    TRACE,
+    TRUTH,
+    TruthRow,
+)
 from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
 
@@ -22,8 +33,11 @@ class Bench:
 
     def __init__(self, setup: Setup, speed_mps: float = 12.0) -> None:
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
-        self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S), b"k" * 32)
-        self.trains.place(0, draw_up(setup.line, setup.timetable, {"K1": 40.0}, 0.0)["K1"][0])
+        self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
+        duty = draw_up(setup.line, setup.timetable, {"K1": 40.0}, 0.0)["K1"][0]
+        self.trains.place(0, duty)
+        on_board = OnBoard(setup, self.trains, LocalUnits(unit_configs(setup, b"k" * 32)))
+        on_board.enter_number(0, duty, comes_on_line=True, turned=False)
         unit = self.trains.units[0]
         unit.mode, unit.stop_limit_m, unit.target_stop_m, unit.cruise_mps = (
             MODE_DRIVE,
@@ -31,7 +45,7 @@ class Bench:
             480.0,
             speed_mps,
         )
-        unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = np.inf
+        unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = unit.restricted_mps = np.inf
         self.sheet = new_sheet(1)
         self.trace = np.zeros(5000, dtype=TRACE)
         self.used, self.step = 0, 0
@@ -77,6 +91,30 @@ def test_the_carrier_executes_what_the_kernel_ran_ahead(rtri_setup: Setup) -> No
     assert bench.trains.truths[0].position_m == pytest.approx(480.0, abs=4.0)  # without tags: 1 % of 400 m
     assert bench.seen == [601, 602, 603]
     assert (fronts, rears) == (3, 3)  # out of section 3, the leg and the stem of P5
+
+
+def test_standing_and_going_are_told_by_the_truth(rtri_setup: Setup) -> None:
+    """A silent tachometer hides both from the unit: it sees neither a start nor a stop."""
+    bench = Bench(rtri_setup)
+    bench.trains.truths[0].tachometer_gain = 0.0
+    stood, went = [], []
+    unit_events = 0
+    before_mps = 0.0
+    while bench.step < 600 and not stood:
+        events = bench.advance()
+        now_mps = float(bench.trains.plants[0].speed_mps)
+        assert bool(events & PASSED_FROM_A_STAND) == (
+            before_mps == 0.0 < now_mps and events & PASSED_TO_A_STAND == 0
+        )
+        went += [bench.step] if events & PASSED_FROM_A_STAND else []
+        stood += [bench.step] if events & PASSED_TO_A_STAND else []
+        unit_events |= events
+        before_mps = now_mps
+        if now_mps > 3.0:
+            bench.trains.truths[0].powered = 0  # the emergency brake brings it to a stand
+    assert len(went) == len(stood) == 1
+    assert before_mps == 0.0
+    assert unit_events & (EVENT_STOPPED | EVENT_MOVING) == 0
 
 
 def test_the_turns_do_not_change_the_course(rtri_setup: Setup) -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from network.model import Direction
@@ -14,7 +15,6 @@ from simulation.world.roster import Duty, draw_up
 from simulation.world.scatter import Scatter, Weather
 from simulation.world.trains import AGREEMENT_M, CarrierDisagrees, Trains
 
-KEY = b"k" * 32
 LENGTH_M = 40.0
 MARK_A_M, MARK_B_M = 80.0, 660.0  # km 0.44 and km 1.02 on a path that begins at km 0.36
 
@@ -29,7 +29,7 @@ def first_duty(setup: Setup) -> Duty:
 
 @pytest.fixture
 def placed(rtri_setup: Setup) -> Trains:
-    trains = Trains(rtri_setup, plain(rtri_setup), KEY)
+    trains = Trains(rtri_setup, plain(rtri_setup))
     assert trains.active() == []
     trains.place(0, first_duty(rtri_setup))
     return trains
@@ -43,12 +43,11 @@ def moved(trains: Trains, run_m: float) -> None:
     trains.carrier.run([("K1", [run_m / STEP_S, 0.0])], 2)
 
 
-def test_a_stock_stands_at_its_first_mark_and_knows_it(placed: Trains) -> None:
-    truth, unit = placed.truths[0], placed.units[0]
+def test_a_stock_stands_at_its_first_mark(placed: Trains) -> None:
+    truth = placed.truths[0]
     assert placed.active() == [0]
-    assert truth.position_m == unit.position_m == pytest.approx(MARK_A_M)
-    assert unit.position_known == 1
-    assert unit.bound_ahead_m == unit.bound_behind_m == placed.setup.unit.tag_accuracy_m
+    assert truth.position_m == pytest.approx(MARK_A_M)
+    assert placed.units[0].position_known == 0  # putting it there tells its unit nothing
     assert placed.kilometrage_m(0) == pytest.approx(440.0)
     assert placed.direction(0) is Direction.DOWN
     assert placed.covered("K1")
@@ -58,11 +57,10 @@ def test_a_stock_stands_at_its_first_mark_and_knows_it(placed: Trains) -> None:
 
 
 def test_before_it_is_on_the_line(rtri_setup: Setup) -> None:
-    trains = Trains(rtri_setup, plain(rtri_setup), KEY)
+    trains = Trains(rtri_setup, plain(rtri_setup))
     with pytest.raises(RuntimeError, match="K1 is not on the line"):
         trains.true_path(0)
-    with pytest.raises(RuntimeError, match="K1 has no duty"):
-        trains.pattern_rows(0)
+    assert trains.covered("K1")  # who is not on the line is taken to be reached
 
 
 def test_the_carrier_is_the_judge_of_the_position(placed: Trains) -> None:
@@ -103,22 +101,20 @@ def back_duty(setup: Setup) -> Duty:
 def test_changing_ends(placed: Trains, rtri_setup: Setup) -> None:
     """Front at km 1.02 going down: going up it is where the rear was, at km 0.98, 70 m from section 8's end."""
     moved(placed, MARK_B_M - MARK_A_M)
-    unit, truth = placed.units[0], placed.truths[0]
-    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = MARK_B_M + 0.3, 0.1, 0.7
+    unit, truth = placed.stock["board"]["unit"].copy(), placed.truths[0]
     placed.turn(0, back_duty(rtri_setup))
     assert placed.direction(0) is Direction.UP
     assert placed.kilometrage_m(0) == pytest.approx(980.0)
     assert truth.position_m == pytest.approx(70.0)
-    assert unit.position_m == pytest.approx(69.7)  # what it overestimated it now underestimates
-    assert (unit.bound_ahead_m, unit.bound_behind_m) == (0.7, 0.1)
+    assert np.array_equal(
+        placed.stock["board"]["unit"], unit
+    )  # what its unit believes is the unit's own affair
     placed.compare([0], [placed.carrier.truth("K1")])
     assert placed.pool.tag_ids[truth.tag_next] == 851
-    assert placed.on_board[0].load_share == pytest.approx(float(placed.plants[0].load_share))
 
 
 def test_going_on_as_another_train(placed: Trains, rtri_setup: Setup) -> None:
     moved(placed, MARK_B_M - MARK_A_M)
-    placed.units[0].position_m = MARK_B_M - 0.2
     train = replace(
         rtri_setup.timetable.trains["T1"],
         number="T9",
@@ -128,7 +124,6 @@ def test_going_on_as_another_train(placed: Trains, rtri_setup: Setup) -> None:
     placed.continue_as(0, Duty("K1", train, mission, False, 0.0, True, None))
     assert placed.kilometrage_m(0) == pytest.approx(1020.0)
     assert placed.truths[0].position_m == pytest.approx(80.0)
-    assert placed.units[0].position_m == pytest.approx(79.8)
     placed.compare([0], [placed.carrier.truth("K1")])
 
 
@@ -145,6 +140,17 @@ def test_a_wrong_way_at_points_is_followed_by_the_truth_only(placed: Trains) -> 
     moved(placed, 20.0)
     assert placed.carrier.truth("K1").piece_id == "P7.reverse"
     placed.compare([0], [placed.carrier.truth("K1")])
+
+
+def test_a_section_is_occupied_by_what_truly_stands_there(placed: Trains) -> None:
+    """40 m long, its front at 80 m of the path: wholly on section 3, which ends at 110 m; P5's section is next."""
+    assert placed.stands_in("3") and not placed.stands_in("5")
+    moved(placed, 35.0)
+    assert placed.stands_in("3") and placed.stands_in("5")
+    moved(placed, 40.0)  # its rear at 115 m
+    assert not placed.stands_in("3") and placed.stands_in("5")
+    placed.remove(0)
+    assert not placed.stands_in("5")
 
 
 def test_leaving_the_line(placed: Trains) -> None:
@@ -181,8 +187,8 @@ def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> No
     )
     kind = rtri_setup.trains["K1"]
     more = replace(rtri_setup, timetable=two, trains={"K0": kind, "K1": kind})
-    alone, beside = Trains(rtri_setup, plain(rtri_setup), KEY), Trains(more, plain(more), KEY)
-    other = Trains(replace(rtri_setup, seed=2), plain(rtri_setup), KEY)
+    alone, beside = Trains(rtri_setup, plain(rtri_setup)), Trains(more, plain(more))
+    other = Trains(replace(rtri_setup, seed=2), plain(rtri_setup))
     alone.place(0, first_duty(rtri_setup))
     beside.place(1, first_duty(rtri_setup))
     assert (

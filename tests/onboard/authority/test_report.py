@@ -1,0 +1,146 @@
+"""Rows of the table of reports: next state and actions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import pytest
+
+from network.model import Position
+from onboard import notes
+from onboard.authority import report
+from onboard.authority.machine import step
+from onboard.authority.records import (
+    Action,
+    Ask,
+    Authority,
+    Cleared,
+    Command,
+    Confirmed,
+    Due,
+    Event,
+    Renew,
+    Request,
+    Send,
+    SetTimer,
+    StopTimer,
+    Take,
+    Timer,
+    Write,
+)
+from onboard.authority.tables import REPEAT_S, standing
+from onboard.duty.plan import PointsNeeded
+
+P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
+P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
+REPORT: Final = Timer("report")
+OPEN: Final = Request(Ask.REPORT, sent=True)
+ASKED: Final = Request(Ask.ROUTE, "8>PE", ("10", "11", "PE"), sent=True)
+LEAVING: Final = Request(Ask.SIGN_OFF, sent=True)
+
+HOLDING: Final = Authority(held=("3", "5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
+REPORTING: Final = Authority(
+    held=("6", "7", "8"), commandable=("7",), on_line=True, requests=(ASKED, OPEN), proven=(P7,)
+)
+SIGNING_OFF: Final = Authority(held=("PE",), on_line=True, requests=(LEAVING, OPEN))
+
+
+def reported(*section_ids: str) -> tuple[Action, ...]:
+    return (
+        Send(Request(Ask.REPORT, section_ids=section_ids)),
+        SetTimer(REPORT, REPEAT_S),
+        Write(notes.Reported(section_ids=section_ids, token=0)),
+    )
+
+
+CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+    "dropped here, with proofs and commands, before it is said": (
+        replace(HOLDING, commands=(Command(P5, sent=True),), proven=(P7,), unsaid=(P5,)),
+        Cleared(("3", "5")),
+        replace(HOLDING, held=("6", "7", "8"), commandable=("7",), proven=(P7,), requests=(OPEN,)),
+        (
+            StopTimer(Timer("points", "P5")),
+            Renew(Ask.REPORT),
+            Write(notes.Holds(section_ids=("6", "7", "8"), token=0)),
+            *reported("6", "7", "8"),
+        ),
+    ),
+    "what is not held cannot be dropped": (HOLDING, Cleared(("99",)), HOLDING, ()),
+    "more dropped while a report is open: it becomes a new one": (
+        REPORTING,
+        Cleared(("6",)),
+        replace(REPORTING, held=("7", "8")),
+        (Renew(Ask.REPORT), Write(notes.Holds(section_ids=("7", "8"), token=0)), *reported("7", "8")),
+    ),
+    "done when the register has the same, in whatever order": (
+        REPORTING,
+        Confirmed(("8", "7", "6"), answers=True, newer=False),
+        replace(REPORTING, requests=(ASKED,)),
+        (StopTimer(REPORT),),
+    ),
+    "while the register has more, the report stays open": (
+        REPORTING,
+        Confirmed(("5", "6", "7", "8"), answers=True, newer=False),
+        REPORTING,
+        (),
+    ),
+    "refused for its token, it is said again under the newer one, and no section is added": (
+        REPORTING,
+        Confirmed(("5", "6", "7", "8"), answers=True, newer=True),
+        REPORTING,
+        (
+            Take(()),
+            Renew(Ask.ROUTE),
+            Send(replace(ASKED, sent=False)),
+            SetTimer(Timer("route"), REPEAT_S),
+            *reported("6", "7", "8"),
+        ),
+    ),
+    "confirmed under a newer token, that is taken": (
+        REPORTING,
+        Confirmed(("6", "7", "8"), answers=True, newer=True),
+        replace(REPORTING, requests=(ASKED,)),
+        (
+            StopTimer(REPORT),
+            Take(()),
+            Renew(Ask.ROUTE),
+            Send(replace(ASKED, sent=False)),
+            SetTimer(Timer("route"), REPEAT_S),
+        ),
+    ),
+    "a confirmation of an older report is none": (
+        REPORTING,
+        Confirmed(("6", "7", "8"), answers=False, newer=True),
+        REPORTING,
+        (),
+    ),
+    "a confirmation without a report is none": (
+        HOLDING,
+        Confirmed(("3",), answers=True, newer=True),
+        HOLDING,
+        (),
+    ),
+    "signing off, too, a report is confirmed": (
+        SIGNING_OFF,
+        Confirmed(("PE",), answers=True, newer=False),
+        replace(SIGNING_OFF, requests=(LEAVING,)),
+        (StopTimer(REPORT),),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_row(name: str) -> None:
+    state, event, after, actions = CASES[name]
+    assert step(state, event, covered=True) == (after, actions)
+
+
+def test_every_row_has_a_case() -> None:
+    assert {(standing(state), type(event)) for state, event, _, _ in CASES.values()} == set(report.TABLE)
+
+
+def test_a_lost_report_heals_with_the_next_one_which_says_what_is_held_then() -> None:
+    more, _ = step(REPORTING, Cleared(("6",)), covered=False)  # lost: the radio does not reach
+    _, actions = step(more, Due(None), covered=True)
+    assert actions[-3:] == reported("7", "8")

@@ -1,0 +1,161 @@
+"""Rows of the table of routes: next state and actions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import msgspec
+import pytest
+
+from network.model import Position
+from onboard import notes
+from onboard.authority import route
+from onboard.authority.machine import step
+from onboard.authority.records import (
+    Action,
+    Ask,
+    AskRoute,
+    Authority,
+    Event,
+    GiveBack,
+    Granted,
+    Refused,
+    Renew,
+    Request,
+    Send,
+    SetTimer,
+    StopTimer,
+    Take,
+    Timer,
+    Write,
+)
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
+from onboard.duty.plan import PointsNeeded
+
+P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
+SECTIONS: Final = ("5", "6", "7", "8")
+ROUTE, REPORT = Timer("route"), Timer("report")
+
+ON_LINE: Final = Authority(held=("3",), on_line=True)
+OPEN: Final = Request(Ask.ROUTE, "3>8", SECTIONS, sent=True)
+ASKING: Final = replace(ON_LINE, requests=(OPEN,))
+HOLDING: Final = replace(ON_LINE, held=("3", *SECTIONS), commandable=("5", "7"))
+GRANT: Final = Granted("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)
+REFUSAL: Final = Refused(Ask.ROUTE, "3>8", "held: section 6 of V2", lost_sight=False, answers=True)
+TAKEN: Final = (StopTimer(ROUTE), Take(SECTIONS), Write(notes.RouteHeld(route_id="3>8", token=0)))
+
+
+def holds(*section_ids: str) -> Write:
+    return Write(notes.Holds(section_ids=section_ids, token=0))
+
+
+def reported(*section_ids: str) -> tuple[Action, ...]:
+    return (
+        Send(Request(Ask.REPORT, section_ids=section_ids)),
+        SetTimer(REPORT, REPEAT_S),
+        Write(notes.Reported(section_ids=section_ids, token=0)),
+    )
+
+
+def other(grant: Granted, **changes: object) -> Granted:
+    return msgspec.structs.replace(grant, **changes)
+
+
+CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+    "asked for": (
+        ON_LINE,
+        AskRoute("3>8", SECTIONS),
+        ASKING,
+        (Renew(Ask.ROUTE), Send(replace(OPEN, sent=False)), SetTimer(ROUTE, REPEAT_S)),
+    ),
+    "one at a time": (ASKING, AskRoute("3>9", ("5", "6", "7", "9")), ASKING, ()),
+    "granted, it is held whole": (ASKING, GRANT, HOLDING, (*TAKEN, holds("3", *SECTIONS))),
+    "a grant in answer to another request is none": (ASKING, other(GRANT, answers=False), ASKING, ()),
+    "a grant to an earlier boot is none": (ASKING, other(GRANT, fresh=False), ASKING, ()),
+    "a grant whose token is not newer is none": (ASKING, other(GRANT, newer=False), ASKING, ()),
+    "a grant of another route is none": (ASKING, other(GRANT, route_id="3>9"), ASKING, ()),
+    "a grant of other sections is none": (ASKING, other(GRANT, section_ids=("5", "6")), ASKING, ()),
+    "a grant without a request is none": (ON_LINE, GRANT, ON_LINE, ()),
+    "what is held already is renewed, with its capabilities": (
+        replace(HOLDING, requests=(OPEN,)),
+        other(GRANT, commandable=("7",)),
+        replace(HOLDING, commandable=("7",)),
+        (*TAKEN, holds("3", *SECTIONS)),
+    ),
+    "what the crew saw before does not outlast the grant: another could throw the points": (
+        replace(ASKING, proven=(P5,)),
+        GRANT,
+        HOLDING,
+        (*TAKEN, holds("3", *SECTIONS)),
+    ),
+    "refused, it is asked for again later, as a new request": (
+        ASKING,
+        REFUSAL,
+        replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
+        (
+            Renew(Ask.ROUTE),
+            SetTimer(ROUTE, REFUSED_REPEAT_S),
+            Write(notes.RouteDenied(route_id="3>8", why=REFUSAL.why)),
+        ),
+    ),
+    "refused for the same reason, nothing new is written": (
+        replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
+        REFUSAL,
+        replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
+        (Renew(Ask.ROUTE), SetTimer(ROUTE, REFUSED_REPEAT_S)),
+    ),
+    "a manager that lost sight of the unit gets a report": (
+        ASKING,
+        msgspec.structs.replace(REFUSAL, why="stale token", lost_sight=True),
+        replace(ASKING, requests=(replace(OPEN, refusal="stale token"), Request(Ask.REPORT, sent=True))),
+        (
+            Renew(Ask.ROUTE),
+            SetTimer(ROUTE, REFUSED_REPEAT_S),
+            Write(notes.RouteDenied(route_id="3>8", why="stale token")),
+            Renew(Ask.REPORT),
+            *reported("3"),
+        ),
+    ),
+    "a refusal of another request is none": (
+        ASKING,
+        msgspec.structs.replace(REFUSAL, answers=False),
+        ASKING,
+        (),
+    ),
+    "a refusal of another route is none": (
+        ASKING,
+        msgspec.structs.replace(REFUSAL, subject="3>9"),
+        ASKING,
+        (),
+    ),
+    "on the line, a refusal of a sign-on is none": (
+        ASKING,
+        msgspec.structs.replace(REFUSAL, ask=Ask.SIGN_ON),
+        ASKING,
+        (),
+    ),
+    "given back, what is left is reported": (
+        replace(HOLDING, proven=(P5,)),
+        GiveBack(SECTIONS),
+        replace(ON_LINE, requests=(Request(Ask.REPORT, sent=True),)),
+        (Renew(Ask.REPORT), holds("3"), *reported("3")),
+    ),
+    "given back while its grant may be on its way: that fits nothing, and the report frees it": (
+        ASKING,
+        GiveBack(SECTIONS),
+        replace(ON_LINE, requests=(Request(Ask.REPORT, sent=True),)),
+        (StopTimer(ROUTE), Renew(Ask.REPORT), *reported("3")),
+    ),
+    "nothing to give back": (ON_LINE, GiveBack(SECTIONS), ON_LINE, ()),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_row(name: str) -> None:
+    state, event, after, actions = CASES[name]
+    assert step(state, event, covered=True) == (after, actions)
+
+
+def test_every_row_has_a_case() -> None:
+    assert {(standing(state), type(event)) for state, event, _, _ in CASES.values()} == set(route.TABLE)

@@ -1,0 +1,255 @@
+"""Rows of the table of signing on and off: next state and actions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import pytest
+
+from network.model import Position
+from onboard import notes
+from onboard.authority import sign_on
+from onboard.authority.machine import step
+from onboard.authority.records import (
+    Action,
+    Ask,
+    Authority,
+    BeginOnLine,
+    Command,
+    EndOnLine,
+    Event,
+    Queried,
+    Refused,
+    Renew,
+    Request,
+    Send,
+    SendClaim,
+    SetTimer,
+    SignedOff,
+    SignedOn,
+    StopTimer,
+    Take,
+    Timer,
+    TurnedBack,
+    Write,
+)
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
+from onboard.duty.plan import PointsNeeded
+
+P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
+SIGN_ON, SIGN_OFF, REPORT = Timer("sign on"), Timer("sign off"), Timer("report")
+
+OFF: Final = Authority()
+ON_LINE: Final = Authority(held=("PE",), on_line=True)
+HOLDING: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
+ASKED: Final = Request(Ask.ROUTE, "3>8", ("5", "6"), sent=True)
+CLAIMING: Final = Request(Ask.SIGN_ON, section_ids=("3",), sent=True)
+SIGNING_ON: Final = Authority(held=("3",), requests=(CLAIMING,))
+WISHING: Final = Authority(entering=True, requests=(replace(CLAIMING, section_ids=("PW",)),))
+IGNORANT: Final = Authority(requests=(replace(CLAIMING, section_ids=None),))
+LEAVING: Final = Request(Ask.SIGN_OFF, sent=True)
+SIGNING_OFF: Final = replace(ON_LINE, requests=(LEAVING,))
+
+
+def holds(*section_ids: str) -> Write:
+    return Write(notes.Holds(section_ids=section_ids, token=0))
+
+
+def claimed(*section_ids: str) -> Write:
+    return Write(notes.Claimed(section_ids=section_ids, token=0))
+
+
+def said(request: Request) -> tuple[Action, ...]:
+    return Send(replace(request, sent=False)), SetTimer(request.timer, REPEAT_S)
+
+
+CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+    "a train that stands somewhere counts that as held and says so": (
+        OFF,
+        BeginOnLine(("3",)),
+        SIGNING_ON,
+        (Renew(Ask.SIGN_ON), holds("3"), *said(CLAIMING)),
+    ),
+    "who waits to enter wishes, and holds nothing": (
+        OFF,
+        BeginOnLine(("PW",), enters=True),
+        WISHING,
+        (Renew(Ask.SIGN_ON), holds(), *said(WISHING.requests[0])),
+    ),
+    "who was switched on does not know": (
+        OFF,
+        BeginOnLine(None),
+        IGNORANT,
+        (Renew(Ask.SIGN_ON), *said(IGNORANT.requests[0])),
+    ),
+    "a sign-on begun anew takes the place of the one open": (
+        WISHING,
+        BeginOnLine(("3",)),
+        SIGNING_ON,
+        (Renew(Ask.SIGN_ON), holds("3"), *said(CLAIMING)),
+    ),
+    "accepted, it holds what the manager says": (
+        IGNORANT,
+        SignedOn(("3", "5", "6"), ("5",), answers=True, newer=True),
+        HOLDING,
+        (
+            StopTimer(SIGN_ON),
+            Take(("3", "5", "6")),
+            Write(notes.SignedOn(section_ids=("3", "5", "6"))),
+            holds("3", "5", "6"),
+        ),
+    ),
+    "accepted, the wish is a fact": (
+        WISHING,
+        SignedOn(("PW",), (), answers=True, newer=True),
+        Authority(held=("PW",), on_line=True),
+        (StopTimer(SIGN_ON), Take(("PW",)), Write(notes.SignedOn(section_ids=("PW",))), holds("PW")),
+    ),
+    "an acceptance of another sign-on is none": (
+        SIGNING_ON,
+        SignedOn(("3", "5"), ("5",), answers=False, newer=True),
+        SIGNING_ON,
+        (),
+    ),
+    "an answer to a claim brings a newer token and capabilities, never sections": (
+        replace(HOLDING, commandable=()),
+        SignedOn(("3", "5", "6", "7"), ("5", "7"), answers=False, newer=True),
+        HOLDING,
+        (Take(()),),
+    ),
+    "with a newer token what is open is asked anew": (
+        replace(HOLDING, requests=(ASKED,)),
+        SignedOn(("3",), (), answers=False, newer=True),
+        replace(HOLDING, requests=(ASKED,)),
+        (Take(()), Renew(Ask.ROUTE), *said(ASKED)),
+    ),
+    "an answer to a claim that is not newer says nothing": (
+        HOLDING,
+        SignedOn(("3",), (), answers=False, newer=False),
+        HOLDING,
+        (),
+    ),
+    "signing off, too, a newer token is taken": (
+        SIGNING_OFF,
+        SignedOn(("PE",), (), answers=False, newer=True),
+        SIGNING_OFF,
+        (Take(()), Renew(Ask.SIGN_OFF), *said(LEAVING)),
+    ),
+    "refused, it asks again later": (
+        WISHING,
+        Refused(Ask.SIGN_ON, "", "held: section PW of V2", lost_sight=False, answers=True),
+        replace(WISHING, requests=(replace(WISHING.requests[0], refusal="held: section PW of V2"),)),
+        (SetTimer(SIGN_ON, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why="held: section PW of V2"))),
+    ),
+    "a refusal of an older sign-on is none": (
+        WISHING,
+        Refused(Ask.SIGN_ON, "", "held", lost_sight=False, answers=False),
+        WISHING,
+        (),
+    ),
+    "signing on, a refusal of a route is none": (
+        SIGNING_ON,
+        Refused(Ask.ROUTE, "3>8", "held", lost_sight=False, answers=True),
+        SIGNING_ON,
+        (),
+    ),
+    "it signs off with its last section": (
+        ON_LINE,
+        EndOnLine(),
+        SIGNING_OFF,
+        (Renew(Ask.SIGN_OFF), *said(LEAVING)),
+    ),
+    "it does not sign off with more": (HOLDING, EndOnLine(), HOLDING, ()),
+    "a sign-off refused is said again later": (
+        SIGNING_OFF,
+        Refused(Ask.SIGN_OFF, "", "UNDEFINED", lost_sight=False, answers=True),
+        replace(SIGNING_OFF, requests=(replace(LEAVING, refusal="UNDEFINED"),)),
+        (SetTimer(SIGN_OFF, REFUSED_REPEAT_S), Write(notes.SignOffDenied(why="UNDEFINED"))),
+    ),
+    "a manager that lost sight of who signs off gets a report first": (
+        SIGNING_OFF,
+        Refused(Ask.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=True),
+        replace(
+            SIGNING_OFF, requests=(replace(LEAVING, refusal="STALE_TOKEN"), Request(Ask.REPORT, sent=True))
+        ),
+        (
+            SetTimer(SIGN_OFF, REFUSED_REPEAT_S),
+            Renew(Ask.REPORT),
+            Write(notes.SignOffDenied(why="STALE_TOKEN")),
+            Send(Request(Ask.REPORT, section_ids=("PE",))),
+            SetTimer(REPORT, REPEAT_S),
+            Write(notes.Reported(section_ids=("PE",), token=0)),
+        ),
+    ),
+    "a refusal of another sign-off is none": (
+        SIGNING_OFF,
+        Refused(Ask.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=False),
+        SIGNING_OFF,
+        (),
+    ),
+    "signed off it holds nothing": (
+        SIGNING_OFF,
+        SignedOff(answers=True),
+        OFF,
+        (StopTimer(SIGN_OFF), Write(notes.SignedOff()), holds()),
+    ),
+    "signed off it asks for nothing any more": (
+        replace(SIGNING_OFF, requests=(ASKED, LEAVING), commands=(Command(P5, sent=True),), proven=(P5,)),
+        SignedOff(answers=True),
+        OFF,
+        (
+            StopTimer(Timer("route")),
+            StopTimer(SIGN_OFF),
+            StopTimer(Timer("points", "P5")),
+            Write(notes.SignedOff()),
+            holds(),
+        ),
+    ),
+    "an acceptance of another sign-off is none": (SIGNING_OFF, SignedOff(answers=False), SIGNING_OFF, ()),
+    "asked off the line, it claims nothing": (OFF, Queried(), OFF, (SendClaim(()), claimed())),
+    "asked while it waits to enter, it claims nothing": (
+        WISHING,
+        Queried(),
+        WISHING,
+        (SendClaim(()), claimed()),
+    ),
+    "asked while it signs on, it claims where it stands": (
+        SIGNING_ON,
+        Queried(),
+        SIGNING_ON,
+        (SendClaim(("3",)), claimed("3")),
+    ),
+    "asked when it does not know, it says so": (IGNORANT, Queried(), IGNORANT, (SendClaim(None),)),
+    "asked on the line, it claims all that it holds": (
+        HOLDING,
+        Queried(),
+        HOLDING,
+        (SendClaim(("3", "5", "6")), claimed("3", "5", "6")),
+    ),
+    "asked while it signs off, it claims its portal": (
+        SIGNING_OFF,
+        Queried(),
+        SIGNING_OFF,
+        (SendClaim(("PE",)), claimed("PE")),
+    ),
+    "turned back off the line": (OFF, TurnedBack(), OFF, ()),
+    "turned back while signing on": (SIGNING_ON, TurnedBack(), SIGNING_ON, ()),
+    "turned back, the last is first and proofs are forgotten": (
+        replace(HOLDING, commands=(Command(P5, sent=True),), proven=(P5,), unsaid=(P5,)),
+        TurnedBack(),
+        replace(HOLDING, held=("6", "5", "3")),
+        (StopTimer(Timer("points", "P5")), holds("6", "5", "3")),
+    ),
+    "turned back while signing off": (SIGNING_OFF, TurnedBack(), SIGNING_OFF, ()),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_row(name: str) -> None:
+    state, event, after, actions = CASES[name]
+    assert step(state, event, covered=True) == (after, actions)
+
+
+def test_every_row_has_a_case() -> None:
+    assert {(standing(state), type(event)) for state, event, _, _ in CASES.values()} == set(sign_on.TABLE)

@@ -1,0 +1,270 @@
+"""The driving part alone: from metres to joints, and from the command to what the tick works to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from network.model import Line
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.duty.mission import Mission
+from onboard.duty.records import Command, How, Limit, Looked, Order, PositionLost, Started, Stopped, TagPassed
+from onboard.motion import ARRIVED_WITHIN_M, Motion, PathData
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_MOVING,
+    EVENT_POSITION,
+    EVENT_SAFE_REAR,
+    EVENT_STOPPED,
+    EVENT_TAG_OVERDUE,
+    MODE_DRIVE,
+    MODE_HOLD,
+    NO_INTERVENTION,
+    BehaviourRow,
+    UnitRow,
+)
+from onboard.unit_records import UnitParameters
+from vehicle.records import TrainRow
+
+Rows = NDArray[np.void]
+# Sections 3, 5, 6, 7 and 8 of mission T1 begin here; the path ends at 690 m.
+STARTS_M: Final = (0.0, 110.0, 170.0, 520.0, 580.0)
+ENDS_M: Final = (*STARTS_M[1:], 690.0)
+MARK_A_M, MARK_B_M, LENGTH_M = 80.0, 660.0, 40.0
+RUN: Final = Command(drive=True, target=1, limit=Limit(5, None, "end of the path"), rear=0)
+
+
+@pytest.fixture
+def motion(
+    rtri: Line,
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+) -> Motion:
+    """At the mark of section 3."""
+    motion = Motion(rtri, UnitParameters(), unit, train, behaviour, keeper())
+    path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
+    motion.stand_at_start(mission, path, 0.0)
+    return motion
+
+
+def test_at_the_start_it_knows_where_it_stands(motion: Motion) -> None:
+    place = motion.place()
+    assert (place.known, place.covered, place.stands, place.emergency) == (True, True, True, False)
+    assert (place.here, place.sure, place.perhaps, place.clear, place.reach) == (0, 1, 1, 0, 2)
+    assert (place.near, place.passed) == (0, 0)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])  # each example sets the row
+@given(
+    position_m=st.floats(0.0, 690.0),
+    ahead_m=st.floats(0.0, 60.0),
+    behind_m=st.floats(0.0, 60.0),
+    true_share=st.floats(0.0, 1.0),
+)
+def test_joints_are_counted_surely_wherever_the_front_is_within_its_bounds(
+    motion: Motion, position_m: float, ahead_m: float, behind_m: float, true_share: float
+) -> None:
+    row = motion.row
+    row.position_m, row.bound_ahead_m, row.bound_behind_m = position_m, ahead_m, behind_m
+    true_m = position_m - behind_m + true_share * (ahead_m + behind_m)
+    place = motion.place()
+    entered = sum(start_m <= true_m for start_m in STARTS_M)
+    left = sum(end_m <= true_m - LENGTH_M for end_m in ENDS_M)
+    assert place.sure <= entered <= place.perhaps
+    assert place.clear <= place.clear_at_mark <= left
+    assert place.sure <= place.here + 1 <= place.perhaps
+
+
+def test_a_rear_not_known_to_be_clear_would_be_counted_without_the_bound(motion: Motion) -> None:
+    """The switch of the property above: with a bound of nothing, a front half a metre back is counted wrongly."""
+    row = motion.row
+    row.position_m, row.bound_behind_m = 150.2, 0.0
+    assert motion.place().clear_at_mark == 1
+    row.bound_behind_m = 0.5
+    assert motion.place().clear_at_mark == 0
+
+
+@pytest.mark.parametrize(
+    ("position_m", "speed_mps", "near", "passed"),
+    [
+        (MARK_B_M - 5.1, 0.0, -1, 0),
+        (MARK_B_M - 4.9, 0.0, 1, 1),  # standing, that is at the mark
+        (MARK_B_M + 4.9, 0.0, 1, 1),
+        (MARK_B_M - 4.9, 3.0, 1, 0),  # still moving, it is yet to be stopped at
+        (MARK_B_M + 5.1, 3.0, -1, 1),
+    ],
+)
+def test_marks_near_and_passed(
+    motion: Motion, position_m: float, speed_mps: float, near: int, passed: int
+) -> None:
+    motion.row.position_m, motion.row.speed_mps = position_m, speed_mps
+    assert (motion.place().near, motion.place().passed) == (near, passed)
+
+
+def test_a_start_needs_room(motion: Motion) -> None:
+    """To leave for less than twice the stand-off makes no sense: the joint at 110 m is 30 m off."""
+    motion.row.position_m = 110.0 - 2.0 * UnitParameters().standoff_m - 0.1
+    assert motion.place().reach == 1
+    motion.row.position_m += 0.2
+    assert motion.place().reach == 2
+
+
+def test_who_does_not_know_where_it_is_says_nothing_of_joints(motion: Motion) -> None:
+    motion.row.position_known = 0
+    motion.row.intervention = EMERGENCY_INTERVENTION
+    place = motion.place()
+    assert (place.known, place.emergency, place.sure, place.perhaps, place.clear) == (False, True, 0, 0, 0)
+    assert place.covered  # it can only try
+
+
+# what happened --------------------------------------------------------------------------------------------------
+
+
+def test_a_tag_is_passed_by_its_index(motion: Motion, mission: Mission) -> None:
+    tag = mission.tags[2]  # 303, 2 m before the mark
+    motion.row.position_m = tag.position_m + 0.3
+    motion.row.odometer_m = 0.0
+    assert motion.tag_read(tag.tag_id, 0.0) == [TagPassed(2, found=False)]
+    assert motion.row.position_m == pytest.approx(tag.position_m)
+
+
+def test_a_tag_tells_who_does_not_know(motion: Motion, mission: Mission) -> None:
+    motion.row.position_known = 0
+    assert motion.tag_read(602, 0.0) == [TagPassed(4, found=True)]
+    assert motion.row.position_known == 1
+    assert motion.row.position_m == pytest.approx(310.0)
+
+
+@pytest.mark.parametrize("tag_id", [9999, 803])
+def test_a_tag_where_none_can_be_is_a_position_fault(motion: Motion, tag_id: int) -> None:
+    assert motion.tag_read(tag_id, 0.0) == [PositionLost()]
+    row = motion.row
+    assert (row.position_known, row.intervention) == (0, EMERGENCY_INTERVENTION)
+    assert row.restricted_mps == pytest.approx(15.0 / 3.6)
+    assert row.expected_tag_m == row.rear_trigger_m == math.inf
+
+
+def test_what_the_tick_reports(motion: Motion) -> None:
+    assert motion.events(EVENT_MOVING) == [Started()]
+    assert motion.events(EVENT_POSITION) == motion.events(EVENT_SAFE_REAR) == [Looked()]
+    assert motion.events(EVENT_POSITION | EVENT_SAFE_REAR) == [Looked()]
+    assert motion.events(EVENT_TAG_OVERDUE) == [PositionLost()]
+
+
+@pytest.mark.parametrize(
+    ("away_m", "how"),
+    [(-200.0, How.SHORT), (-5.1, How.SHORT), (-4.9, How.AT), (0.0, How.AT), (4.9, How.AT), (5.1, How.BEYOND)],
+)
+def test_a_stop_is_judged_by_the_next_mark(motion: Motion, away_m: float, how: How) -> None:
+    assert ARRIVED_WITHIN_M == 5.0
+    motion.obey(RUN, 0.0)
+    motion.row.position_m, motion.row.speed_mps = MARK_B_M + away_m, 0.0
+    (stopped,) = motion.events(EVENT_STOPPED)
+    assert isinstance(stopped, Stopped)
+    assert stopped.how is how
+    assert stopped.away_m == pytest.approx(away_m)
+
+
+def test_a_mark_beyond_the_limit_of_its_own_track_cannot_be_reached(motion: Motion) -> None:
+    """It went as far as it may on the track where it calls: it has arrived there, 10 m short."""
+    motion.obey(RUN, 0.0)
+    row = motion.row
+    row.position_m, row.speed_mps, row.stop_limit_m = MARK_B_M - 10.0, 0.0, MARK_B_M
+    assert motion.events(EVENT_STOPPED) == [Stopped(How.AT, pytest.approx(-10.0))]
+    assert [type(note).__name__ for note in motion.taken_notes()] == ["StopImpossible"]
+
+
+def test_bounds_too_wide_to_go_on_are_a_position_fault(motion: Motion) -> None:
+    motion.obey(RUN, 0.0)
+    row = motion.row
+    row.position_m, row.speed_mps = 400.0, 0.0
+    row.bound_ahead_m = UnitParameters().doubt_bound_max_m + 0.1
+    assert motion.events(EVENT_STOPPED) == [PositionLost()]
+
+
+def test_a_tag_that_may_lie_behind_already_is_not_expected(motion: Motion, mission: Mission) -> None:
+    """Tag 303 lies at 78 m of the path: with half a metre of bound it is due from 77.3 m, not from 77.6 m."""
+    path = PathData(np.zeros(1, dtype=[("elevation_m", float), ("driving_mps", float)]), 0)
+    for position_m, expected_m in ((77.3, 78.0), (77.6, 175.0)):
+        motion.row.position_m = position_m
+        motion.go_on(mission, path)
+        assert motion.row.position_m == pytest.approx(position_m)
+        assert motion.row.expected_tag_m == pytest.approx(expected_m)
+
+
+def test_ends_changed_what_was_the_rear_is_the_front(motion: Motion, mission: Mission, back: Mission) -> None:
+    """At the mark of section 8 (km 1.02), 40 m long: going up, the front is at km 0.98."""
+    path = PathData(np.zeros(1, dtype=[("elevation_m", float), ("driving_mps", float)]), 0)
+    row = motion.row
+    row.position_m, row.bound_ahead_m, row.bound_behind_m = MARK_B_M, 1.0, 3.0
+    motion.turn(back, path)
+    assert back.path.kilometrage_m(float(row.position_m)) == pytest.approx(980.0)
+    assert (row.bound_ahead_m, row.bound_behind_m) == (3.0, 1.0)
+
+
+# what the tick works to -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_the_stop_limit_in_metres(motion: Motion, joint: int) -> None:
+    limit_m = (*STARTS_M, 690.0)[joint]
+    motion.obey(msgspec.structs.replace(RUN, limit=Limit(joint, None, "")), 0.0)
+    assert motion.row.stop_limit_m == pytest.approx(limit_m)
+    aim_m = MARK_B_M if limit_m > MARK_B_M else limit_m - UnitParameters().standoff_m
+    assert motion.row.target_stop_m == pytest.approx(aim_m)
+
+
+def test_it_drives_only_when_told(motion: Motion) -> None:
+    motion.obey(RUN, 0.0)
+    assert motion.row.mode == MODE_DRIVE
+    motion.obey(msgspec.structs.replace(RUN, drive=False), 0.0)
+    assert motion.row.mode == MODE_HOLD
+
+
+def test_an_emergency_ends_only_by_the_drivers_word(motion: Motion) -> None:
+    motion.row.intervention = EMERGENCY_INTERVENTION
+    motion.obey(RUN, 0.0)
+    assert motion.row.intervention == EMERGENCY_INTERVENTION
+    motion.obey(msgspec.structs.replace(RUN, orders=(Order.RELEASE,)), 0.0)
+    assert motion.row.intervention == NO_INTERVENTION
+
+
+def test_on_sight_it_is_slow_and_stays_within_its_section(motion: Motion) -> None:
+    row = motion.row
+    row.position_m = 300.0
+    motion.obey(Command(drive=True, on_sight=True), 0.0)
+    assert row.stop_limit_m == pytest.approx(520.0)
+    assert row.target_stop_m == pytest.approx(MARK_B_M)
+    assert row.restricted_mps == pytest.approx(15.0 / 3.6)
+    assert row.mode == MODE_DRIVE
+    row.intervention = EMERGENCY_INTERVENTION
+    motion.obey(Command(drive=True, on_sight=True), 0.0)
+    assert row.mode == MODE_HOLD
+
+
+def test_without_a_position_the_crew_alone_says_how_far(motion: Motion) -> None:
+    motion.row.position_known = 0
+    motion.obey(Command(drive=True, on_sight=True), 0.0)
+    assert motion.row.stop_limit_m == math.inf
+    assert motion.row.restricted_mps == pytest.approx(15.0 / 3.6)
+
+
+def test_the_rear_is_watched_where_it_frees_a_section(motion: Motion) -> None:
+    motion.obey(RUN, 0.0)
+    share = UnitParameters().doubt_error_share
+    beyond_m = 110.0 + LENGTH_M + motion.row.bound_behind_m - MARK_A_M
+    assert motion.row.rear_trigger_m == pytest.approx(110.0 + share * beyond_m / (1.0 - share))
+    motion.obey(msgspec.structs.replace(RUN, rear=None), 0.0)
+    assert motion.row.rear_trigger_m == math.inf

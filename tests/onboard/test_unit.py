@@ -1,0 +1,559 @@
+"""Unit and driving part together, phase by phase, with hand-made telegrams of a block manager and point terminals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from network.model import Coverage, Line, Position
+from onboard import motion as driving
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.duty.mission import Mission
+from onboard.duty.plan import plan_of
+from onboard.duty.records import (
+    Begin,
+    Event,
+    Finished,
+    Leave,
+    LeftLine,
+    Person,
+    Phase,
+    Sensed,
+    SwitchedOn,
+    Told,
+)
+from onboard.motion import Motion, PathData
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_MOVING,
+    EVENT_POSITION,
+    EVENT_SAFE_REAR,
+    EVENT_STOPPED,
+    EVENT_TACHOMETER,
+    EVENT_TAG_OVERDUE,
+    MODE_DRIVE,
+    MODE_HOLD,
+    NO_INTERVENTION,
+    BehaviourRow,
+    UnitRow,
+)
+from onboard.unit import Report, Unit
+from onboard.unit_records import UnitParameters
+from radio.envelope import Endpoint, Received
+from radio.keys import key_ring
+from radio.messages import (
+    AnyMessage,
+    Capability,
+    HoldingConfirmed,
+    HoldingReport,
+    PointsCommand,
+    PointsProof,
+    RefusalReason,
+    RouteGranted,
+    RouteRefused,
+    RouteRequest,
+    SignOff,
+    SignOffAccepted,
+    SignOn,
+    SignOnAccepted,
+)
+from vehicle.records import TrainRow
+
+Rows = NDArray[np.void]
+
+MASTER: Final = b"m" * 32
+UNIT, MANAGER, TERMINALS = "K1", "BM", ("A-E", "B-W")
+DEPARTURE_S: Final = 36_000.0
+LEAD_S, REAR_M = 45.0, 40.0
+MARK_A_M, MARK_B_M = 80.0, 660.0
+TOKEN: Final = 20
+SECTIONS: Final = ("5", "6", "7", "8")
+
+
+class Bench:
+    """A unit and its driving part at the mark of section 3, and the other ends of its channels."""
+
+    def __init__(
+        self,
+        line: Line,
+        mission: Mission,
+        row: UnitRow,
+        train: TrainRow,
+        behaviour: BehaviourRow,
+        keeper: StopKeeper,
+        path: Rows,
+    ) -> None:
+        self.now_s = DEPARTURE_S - 300.0
+        self.row, self.mission, self.path = row, mission, PathData(path, 0)
+        self.plan = plan_of(mission, float(train.length_m))
+        self.motion = Motion(line, UnitParameters(), row, train, behaviour, keeper)
+        self.unit = self.boot(1)
+        self.devices = {d: Endpoint(key_ring(MASTER, d, (UNIT,)), epoch=1) for d in (MANAGER, *TERMINALS)}
+        self.correlation: dict[str, int] = {}
+        self.said: list[AnyMessage] = []
+        self.notes: list[str] = []
+        self.told: tuple[Told, ...] = ()
+        self.wake_at_s: float | None = None
+
+    def boot(self, epoch: int) -> Unit:
+        ring = key_ring(MASTER, UNIT, (MANAGER, *TERMINALS))
+        return Unit(UNIT, MANAGER, UnitParameters().duty, Endpoint(ring, epoch))
+
+    def tell(self, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()) -> None:
+        """As the world does it: the place as it is, the unit's answer obeyed."""
+        answer = self.unit.advance(self.now_s, telegrams, Report(self.motion.place(), tuple(happened)))
+        self.motion.obey(answer.command, self.now_s)
+        noted = [*self.motion.taken_notes(), *answer.notes]
+        self.notes = [str(type(note).__struct_config__.tag) for note in noted]
+        self.told, self.wake_at_s = answer.told, answer.wake_at_s
+        self.said = []
+        for telegram in answer.telegrams:
+            opened = self.devices[telegram.destination].open(telegram.data, self.now_s)
+            assert isinstance(opened, Received)
+            assert telegram.kind == type(opened.message).__name__
+            self.correlation[telegram.destination] = opened.correlation
+            self.said.append(opened.message)
+
+    @property
+    def commanded(self) -> list[PointsCommand]:
+        return [message for message in self.said if isinstance(message, PointsCommand)]
+
+    @property
+    def phase(self) -> Phase:
+        return self.unit.state.phase
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        return self.motion.command.held
+
+    @property
+    def waits_for(self) -> str:
+        return self.motion.command.waits_for
+
+    def begin(self) -> None:
+        self.motion.stand_at_start(self.mission, self.path, float(self.row.odometer_m))
+        self.row.speed_mps = 0.0
+        self.tell([Begin(self.plan, signs_on=True)])
+
+    def hear(self, device: str, message: AnyMessage, later_s: float = 0.2) -> None:
+        """A device answers the last telegram it heard."""
+        self.now_s += later_s
+        data = self.devices[device].seal(UNIT, message, self.now_s, self.correlation.get(device, 0))
+        self.tell(telegrams=[data])
+
+    def at(self, now_s: float) -> None:
+        """Time passes."""
+        self.now_s = now_s
+        self.tell()
+
+    def read(self, tag_id: int) -> None:
+        """It reads a tag where that lies."""
+        tag = next(tag for tag in self.mission.tags if tag.tag_id == tag_id)
+        self.row.odometer_m = self.row.odometer_m + tag.position_m - self.row.position_m
+        self.row.position_m = tag.position_m
+        self.now_s += 10.0
+        self.tell(self.motion.tag_read(tag_id, float(self.row.odometer_m)))
+
+    def ticked(self, bits: int, later_s: float = 1.0) -> None:
+        """The compiled tick reports."""
+        self.now_s += later_s
+        self.tell(self.motion.events(bits))
+
+    def stop(self, position_m: float) -> None:
+        self.row.position_m, self.row.speed_mps = position_m, 0.0
+        self.ticked(EVENT_STOPPED)
+
+
+def capabilities() -> tuple[Capability, ...]:
+    return Capability("A-E", "5", b"five"), Capability("B-W", "7", b"seven")
+
+
+def proof(points_id: str, position: Position | None = Position.NORMAL) -> PointsProof:
+    return PointsProof(points_id, position, position is not None, position is not None, TOKEN)
+
+
+@pytest.fixture
+def path(track: Callable[..., Rows], mission: Mission) -> Rows:
+    return track(np.zeros(math.ceil(mission.path.length_m) + 1))
+
+
+@pytest.fixture
+def switched_off(
+    rtri: Line,
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    path: Rows,
+) -> Bench:
+    return Bench(rtri, mission, unit, train, behaviour, keeper(), path)
+
+
+@pytest.fixture
+def bench(switched_off: Bench) -> Bench:
+    """Standing at A, signed on."""
+    bench = switched_off
+    bench.begin()
+    assert bench.said == [SignOn(UNIT, ("3",))]
+    assert bench.phase is Phase.SIGNING_ON
+    bench.hear(MANAGER, SignOnAccepted(("3",), 10, None, ()))
+    assert bench.phase is Phase.STANDING
+    return bench
+
+
+@pytest.fixture
+def granted(bench: Bench) -> Bench:
+    """It has its route and has commanded the departure points."""
+    assert bench.wake_at_s == DEPARTURE_S - LEAD_S
+    bench.at(DEPARTURE_S - LEAD_S)
+    assert bench.said == [RouteRequest(UNIT, "3>8", SECTIONS)]
+    bench.hear(MANAGER, RouteGranted("3>8", SECTIONS, TOKEN, capabilities()))
+    assert bench.said == [PointsCommand("P5", Position.NORMAL, "5", TOKEN, b"five")]
+    return bench
+
+
+@pytest.fixture
+def running(granted: Bench) -> Bench:
+    """It has left A on time and runs at the open line's beginning, tag 601 read."""
+    granted.hear("A-E", proof("P5"))
+    assert granted.row.stop_limit_m == pytest.approx(520.0)  # before the arrival points
+    assert granted.wake_at_s == DEPARTURE_S
+    granted.at(DEPARTURE_S)
+    assert "departs" in granted.notes
+    assert granted.phase is Phase.RUNNING
+    granted.row.speed_mps = 10.0
+    granted.ticked(EVENT_MOVING)
+    assert granted.notes == ["moving"]
+    granted.read(601)
+    assert granted.said == [HoldingReport(SECTIONS, TOKEN)]
+    granted.hear(MANAGER, HoldingConfirmed(SECTIONS, TOKEN))
+    return granted
+
+
+@pytest.fixture
+def cleared_to_b(running: Bench) -> Bench:
+    """It has passed the approach tag and its points are proven."""
+    running.read(602)
+    assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+    running.hear("B-W", proof("P7"))
+    return running
+
+
+# the run as it should be ----------------------------------------------------------------------------------------
+
+
+def test_the_stop_limit_moves_on_with_the_grant_and_the_proofs(cleared_to_b: Bench) -> None:
+    assert cleared_to_b.row.stop_limit_m == pytest.approx(690.0)  # the arrival track
+    assert cleared_to_b.row.target_stop_m == pytest.approx(MARK_B_M)
+
+
+def test_before_the_proof_it_aims_short_of_the_points(running: Bench) -> None:
+    assert running.row.target_stop_m == pytest.approx(520.0 - UnitParameters().standoff_m)
+
+
+def test_it_does_not_leave_towards_points_that_are_not_proven(granted: Bench) -> None:
+    assert granted.row.stop_limit_m == pytest.approx(110.0)
+    granted.at(DEPARTURE_S + 1.0)
+    assert granted.phase is Phase.STANDING
+    assert granted.row.mode == MODE_HOLD
+    assert granted.waits_for == "points P5: not proven"
+    granted.hear("A-E", proof("P5"))
+    assert granted.phase is Phase.RUNNING
+    assert granted.row.mode == MODE_DRIVE
+
+
+def test_it_does_not_leave_before_its_time(granted: Bench) -> None:
+    granted.hear("A-E", proof("P5"))
+    granted.at(DEPARTURE_S - 1.0)
+    assert granted.phase is Phase.STANDING
+    assert granted.waits_for == "departure time"
+
+
+def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
+    bench.at(DEPARTURE_S - LEAD_S)
+    bench.hear(MANAGER, RouteRefused("3>8", RefusalReason.HELD, "6", "K2"))
+    assert bench.waits_for == "route 3>8: held: section 6 of K2"
+    bench.at(DEPARTURE_S + 100.0)
+    assert bench.phase is Phase.STANDING
+
+
+def test_arrival_report_and_end_of_the_mission(cleared_to_b: Bench) -> None:
+    for tag_id in (801, 802, 803):
+        cleared_to_b.read(tag_id)
+    cleared_to_b.stop(MARK_B_M + 0.1)
+    assert "arrived" in cleared_to_b.notes
+    assert cleared_to_b.held == ("8",)
+    assert cleared_to_b.phase is Phase.STANDING  # until the release is confirmed
+    cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
+    assert cleared_to_b.told == (Finished("T1"),)
+    assert cleared_to_b.phase is Phase.FINISHED
+    assert cleared_to_b.row.mode == MODE_HOLD
+
+
+@pytest.mark.parametrize(
+    ("beyond_m", "what", "arrived"),
+    [(-5.1, "stopped_short", False), (-4.9, "arrived", True), (4.9, "arrived", True), (5.1, "overran", True)],
+)
+def test_stopping_off_the_mark(cleared_to_b: Bench, beyond_m: float, what: str, arrived: bool) -> None:
+    cleared_to_b.stop(MARK_B_M + beyond_m)
+    assert what in cleared_to_b.notes
+    assert (cleared_to_b.phase is Phase.STANDING) is arrived
+    assert ("arrived" in cleared_to_b.notes) is arrived
+
+
+def test_signing_off(cleared_to_b: Bench) -> None:
+    cleared_to_b.stop(MARK_B_M)
+    cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
+    cleared_to_b.tell([Leave()])
+    assert cleared_to_b.said == [SignOff(UNIT, TOKEN)]
+    assert cleared_to_b.phase is Phase.SIGNING_OFF
+    cleared_to_b.hear(MANAGER, SignOffAccepted())
+    assert cleared_to_b.told == (LeftLine("T1"),)
+    assert cleared_to_b.phase is Phase.GONE
+    assert cleared_to_b.held == ()
+
+
+def test_a_broken_telegram_takes_no_effect(granted: Bench) -> None:
+    data = granted.devices["A-E"].seal(UNIT, proof("P5"), granted.now_s, granted.correlation["A-E"])
+    granted.tell(telegrams=[data[:-1] + b"?"])
+    assert granted.notes == ["telegram_dropped"]
+    assert granted.motion.command.proven == ()
+    granted.tell(telegrams=[data])
+    assert "proven" in granted.notes
+    granted.tell(telegrams=[data])
+    assert granted.notes == ["telegram_dropped"]  # repeated
+
+
+# giving back ----------------------------------------------------------------------------------------------------
+
+
+def check_given_back_by_the_safe_rear(bench: Bench) -> None:
+    """Safe against the bound behind, and against a tachometer that has shown too much since tag 602 (at 310 m)."""
+    row, tag_m, share = bench.row, 310.0, UnitParameters().doubt_error_share
+    rear_m = 520.0 + share * (520.0 + REAR_M + row.bound_behind_m - tag_m) / (1.0 - share)
+    assert row.rear_trigger_m == pytest.approx(rear_m)
+    row.bound_behind_m = 2.1
+    row.position_m = (520.0 + REAR_M + 2.0 - share * tag_m) / (1.0 - share)
+    bench.ticked(EVENT_SAFE_REAR)
+    assert bench.said == []
+    row.bound_behind_m = 1.9
+    bench.ticked(EVENT_SAFE_REAR)
+    assert bench.said == [HoldingReport(("7", "8"), TOKEN)]
+    assert row.rear_trigger_m > 580.0
+
+
+def test_sections_are_given_back_by_the_safe_rear(cleared_to_b: Bench) -> None:
+    check_given_back_by_the_safe_rear(cleared_to_b)
+
+
+@pytest.mark.parametrize("off", ["the bound behind", "the margin for the tachometer"])
+def test_without_either_it_would_give_back_too_early(
+    cleared_to_b: Bench, off: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if off == "the bound behind":
+        place = Motion.place
+
+        def bold(motion: Motion) -> driving.Place:
+            bound_m, motion.row.bound_behind_m = motion.row.bound_behind_m, 0.0
+            found = place(motion)
+            motion.row.bound_behind_m = bound_m
+            return found
+
+        monkeypatch.setattr(Motion, "place", bold)
+    else:
+        monkeypatch.setattr("onboard.localisation.tags.TagDoubt.release_margin_m", lambda *_, **__: 0.0)
+    with pytest.raises(AssertionError):
+        check_given_back_by_the_safe_rear(cleared_to_b)
+
+
+def test_a_train_seen_at_its_mark_gives_back_without_the_margin(cleared_to_b: Bench) -> None:
+    """Its driver sees where it is: the rear at 620 m has left section 7 (to 580 m), for a tachometer it might not."""
+    row = cleared_to_b.row
+    row.bound_behind_m = 10.0
+    margin_m = UnitParameters().doubt_error_share * (MARK_B_M - 310.0)
+    assert MARK_B_M - REAR_M - row.bound_behind_m - margin_m < 580.0
+    cleared_to_b.stop(MARK_B_M)
+    assert cleared_to_b.held == ("8",)
+
+
+# points ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_withdrawn_proof_draws_the_limit_back_and_is_asked_for_again(cleared_to_b: Bench) -> None:
+    cleared_to_b.hear("B-W", proof("P7", None))
+    assert cleared_to_b.said == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+    assert cleared_to_b.row.stop_limit_m == pytest.approx(520.0)
+    assert cleared_to_b.row.target_stop_m < 520.0
+    cleared_to_b.hear("B-W", proof("P7"))
+    assert cleared_to_b.row.stop_limit_m == pytest.approx(690.0)
+
+
+def test_points_perhaps_under_the_train_are_never_commanded_again(cleared_to_b: Bench) -> None:
+    """The front may be 1 m beyond the joint (at 520 m), or half a metre short of it."""
+    cleared_to_b.row.position_m = 519.5
+    cleared_to_b.row.bound_ahead_m = 1.5
+    cleared_to_b.hear("B-W", proof("P7", None))
+    assert cleared_to_b.said == []
+
+
+def test_the_next_tag_throws_the_arrival_points_if_the_approach_tag_was_missed(running: Bench) -> None:
+    running.read(603)
+    assert [command.points_id for command in running.commanded] == ["P7"]
+
+
+# position faults ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def lost(running: Bench) -> Bench:
+    running.ticked(EVENT_TAG_OVERDUE)
+    assert "position_fault" in running.notes
+    return running
+
+
+def test_a_missed_tag_stops_the_train_and_it_goes_on_on_sight(lost: Bench) -> None:
+    row = lost.row
+    assert lost.phase is Phase.ON_SIGHT
+    assert (row.position_known, row.intervention) == (0, EMERGENCY_INTERVENTION)
+    assert row.restricted_mps == pytest.approx(15.0 / 3.6)
+    assert row.mode == MODE_HOLD  # the emergency brake is applied
+    row.speed_mps = 0.0
+    lost.ticked(EVENT_STOPPED)
+    assert lost.waits_for == "release of the emergency brake"
+    release_s = lost.now_s + UnitParameters().emergency_release_s
+    assert lost.wake_at_s == release_s
+    lost.at(release_s)
+    assert "emergency_released" in lost.notes
+    assert row.intervention == NO_INTERVENTION
+    assert row.mode == MODE_DRIVE
+    assert row.restricted_mps == pytest.approx(15.0 / 3.6)
+    assert lost.waits_for == "a tag: its position is unknown"
+
+
+def test_the_next_tag_ends_it_and_the_block_picture_is_unchanged(lost: Bench) -> None:
+    lost.read(602)
+    assert "position_found" in lost.notes
+    assert lost.row.position_known == 1
+    assert lost.row.restricted_mps == math.inf
+    assert lost.held == ("6", "7", "8")  # and the rear has left 5 for certain
+    assert lost.row.stop_limit_m == pytest.approx(520.0)
+    assert lost.phase is Phase.RUNNING
+    assert lost.row.intervention == EMERGENCY_INTERVENTION  # until it stands and the driver releases it
+
+
+def test_without_a_position_nothing_is_given_back_and_nothing_thrown(lost: Bench) -> None:
+    lost.row.position_m, lost.row.bound_behind_m = 500.0, 0.5
+    held = lost.held
+    lost.ticked(EVENT_SAFE_REAR)
+    assert lost.said == []
+    assert lost.held == held
+    lost.hear("A-E", proof("P5", None))
+    assert lost.said == []
+
+
+@pytest.mark.parametrize("tag_id", [9999, 803])
+def test_a_tag_where_none_can_be_stops_the_train(running: Bench, tag_id: int) -> None:
+    """A tag of no track of this path, and one that lies half a kilometre on."""
+    before_m = running.row.position_m
+    running.tell(running.motion.tag_read(tag_id, float(running.row.odometer_m)))
+    assert "position_fault" in running.notes
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    assert running.row.position_m == before_m
+
+
+def test_a_tachometer_that_shows_what_cannot_be_stops_the_train(running: Bench) -> None:
+    running.ticked(EVENT_TACHOMETER)
+    assert running.notes[:2] == ["tachometer_fault", "position_fault"]
+    assert running.phase is Phase.ON_SIGHT
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+
+
+def test_an_emergency_is_released_only_at_a_stand(running: Bench) -> None:
+    running.row.intervention = EMERGENCY_INTERVENTION
+    running.at(running.now_s + 100.0)
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    running.stop(200.0)
+    running.at(running.now_s + UnitParameters().emergency_release_s)
+    assert running.row.intervention == NO_INTERVENTION
+
+
+def test_bounds_that_leave_no_room_to_go_on_are_a_position_fault(running: Bench) -> None:
+    running.row.bound_ahead_m = UnitParameters().doubt_bound_max_m + 1.0
+    running.stop(400.0)
+    assert "position_fault" in running.notes
+    assert running.phase is Phase.ON_SIGHT
+
+
+def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) -> None:
+    """Until a tag has told the position and the manager what is held."""
+    running.unit = running.boot(2)
+    running.motion.switch_on(running.mission, running.path, 0.0, 0.0)
+    running.row.speed_mps = 0.0
+    running.tell([SwitchedOn(running.plan, None)])
+    assert running.said == [SignOn(UNIT, None)]
+    assert running.row.position_known == 0
+    assert (running.row.intervention, running.row.mode) == (EMERGENCY_INTERVENTION, MODE_HOLD)
+    assert running.row.restricted_mps == pytest.approx(15.0 / 3.6)
+    running.hear(MANAGER, SignOnAccepted(("6", "7", "8"), TOKEN, None, capabilities()[1:]))
+    assert running.phase is Phase.ON_SIGHT
+    running.read(602)
+    assert running.phase is Phase.RUNNING
+    assert running.row.restricted_mps == math.inf
+    assert running.held == ("6", "7", "8")
+    assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+
+
+# radio ----------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_due_out_of_reach_goes_out_where_the_radio_begins_again(
+    rtri: Line,
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    path: Rows,
+) -> None:
+    main = replace(rtri.alignments["main"], coverage=(Coverage(0.0, 100.0), Coverage(500.0, 1410.0)))
+    gap = replace(rtri, alignments={"main": main})
+    bench = Bench(gap, mission, unit, train, behaviour, keeper(), path)
+    bench.begin()
+    assert bench.said == []
+    assert bench.wake_at_s == DEPARTURE_S - LEAD_S  # and no repeat
+    assert bench.row.position_trigger_m == pytest.approx(141.0)  # km 0.5, and a metre
+    bench.row.position_m = 141.0
+    bench.ticked(EVENT_POSITION)
+    assert bench.said == [SignOn(UNIT, ("3",))]
+    assert bench.wake_at_s == pytest.approx(bench.now_s + 2.0)
+
+
+def test_timers_run_out_in_the_order_of_their_times(bench: Bench) -> None:
+    """Asked late, it asks for its route first and only then finds that its time has come."""
+    bench.at(DEPARTURE_S + 10.0)
+    assert bench.said == [RouteRequest(UNIT, "3>8", SECTIONS)]
+    assert bench.unit.state.may_leave
+    assert bench.wake_at_s == pytest.approx(bench.now_s + 2.0)
+
+
+def test_what_happened_comes_before_telegrams_and_telegrams_before_timers(
+    granted: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken: list[str] = []
+
+    def noted(self: Unit, event: Event, *rest: object) -> None:
+        taken.append(type(event).__name__)
+
+    monkeypatch.setattr(Unit, "_take", noted)
+    granted.now_s = DEPARTURE_S
+    data = granted.devices["A-E"].seal(UNIT, proof("P5"), granted.now_s, granted.correlation["A-E"])
+    granted.tell(granted.motion.events(EVENT_POSITION), [data])
+    assert taken[:2] == ["Looked", "Heard"]
+    assert set(taken[2:]) == {"TimerDue"}
