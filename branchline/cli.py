@@ -11,7 +11,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -93,7 +93,7 @@ def _print_json(value: object) -> None:
 
 
 @contextmanager
-def _progress(title: str) -> Iterator[Callable[[float, float, int], None]]:
+def _progress(title: str) -> Generator[Callable[[float, float, int], None]]:
     """A progress line on stderr; a plain line now and then where stderr is no terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn

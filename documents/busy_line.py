@@ -182,7 +182,7 @@ def _alignment() -> str:
     """One axis; level 0.6 km either side of a station, a hill or a dip and a curve between two."""
     end_km = _km(len(STATIONS) - 1)
     gradients = [(-1.0, 0.6, 0.0)]
-    curves = []
+    curves: list[tuple[float, float, int]] = []
     for i in range(len(STATIONS) - 1):
         low, middle, high = _km(i) + 0.6, _km(i) + SPAN_KM / 2, _km(i + 1) - 0.6
         rise = 8.0 if i % 2 == 0 else -8.0
@@ -270,7 +270,7 @@ def _train(direction: str, index: int) -> str:
     begins = f"from:{_number(other, before)}" if before >= 0 else f"portal:{stops[0]}.P"
     ends = f"becomes:{_number(other, after)}" if after < TRAINS_EACH_WAY else f"portal:{stops[-1]}.P"
     first_track, last_track = "12"[index % 2], "12"[after % 2]
-    calls = []
+    calls: list[str] = []
     for k, station in enumerate(stops):
         track = first_track if k == 0 else last_track if k == len(stops) - 1 else usual
         arrival = f', arrival = "{clock(leaves_s + STEP_S * k - DWELL_S)}"' if k else ""
@@ -288,7 +288,7 @@ def _diagrams() -> Iterator[str]:
     firsts = [("down", i) for i in range(UP_TO_DOWN)] + [("up", j) for j in range(DOWN_TO_UP)]
     for stock, first in enumerate(firsts, start=1):
         direction, index = first
-        numbers = []
+        numbers: list[str] = []
         while index < TRAINS_EACH_WAY:
             numbers.append(f'"{_number(direction, index)}"')
             direction, index = (

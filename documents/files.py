@@ -106,7 +106,8 @@ def tables_of(model: type[BaseModel]) -> Iterator[tuple[str, str, list[tuple[str
     waiting: list[tuple[str, Mapping[str, Any]]] = [("", schema)]
     while waiting:
         path, node = waiting.pop(0)
-        rows, below = [], []
+        rows: list[tuple[str, ...]] = []
+        below: list[tuple[str, Mapping[str, Any]]] = []
         for key, own in node["properties"].items():
             field = resolved(schema, own)
             child, form = _child(schema, field)

@@ -23,6 +23,8 @@ from simulation.world import point_machine
 from wayside import block_manager, point_terminal
 
 FILE: Final = Path("docs/interlocking.md")
+_RUN_HEAD: Final = "## A run"
+_HAZARDS_HEAD: Final = "## Hazards"
 
 INVARIANTS: Final = (
     ("wayside.block_manager", "block manager (閉そく管理装置)"),
@@ -53,8 +55,8 @@ class Line:
     outcome: str
 
 
-def document() -> str:
-    """The whole document. Runs the paper's test line some twenty times."""
+def document(runs: str | None = None) -> str:
+    """The whole document. Runs the paper's test line some twenty times, unless `runs` says what they show."""
     parts = [_HEAD, "## What always holds", _invariants(), "## The machines", _MACHINES]
     for title, rows in (
         ("Block manager", block_manager.table_rows()),
@@ -64,17 +66,27 @@ def document() -> str:
         ("On-board unit: authority", authority.table_rows()),
     ):
         parts += [f"### {title}", _machine(rows)]
+    parts += [_shown_by_runs() if runs is None else runs]
+    parts += [_HAZARDS_HEAD, _HAZARDS_INTRO, _hazards(), "### What remains", bullets(REMAINING)]
+    return "\n\n".join(part.strip("\n") for part in parts) + "\n"
+
+
+def runs_in(page: str) -> str:
+    """The part of a page that only runs can tell."""
+    return _RUN_HEAD + page.partition(_RUN_HEAD)[2].partition(_HAZARDS_HEAD)[0]
+
+
+def _shown_by_runs() -> str:
     run = run_without_failure()
-    parts += [
-        "## A run",
+    parts = [
+        _RUN_HEAD,
         _RUN,
         sequence(run),
         _LIMITS,
         table(("time", "stop limit", "because"), stop_limits(run)),
+        *("## After a restart of the on-board unit", _TABLE_3, table(_RESTART_HEAD, restart_rows())),
     ]
-    parts += ["## After a restart of the on-board unit", _TABLE_3, table(_RESTART_HEAD, restart_rows())]
-    parts += ["## Hazards", _HAZARDS_INTRO, _hazards(), "### What remains", bullets(REMAINING)]
-    return "\n\n".join(part.strip("\n") for part in parts) + "\n"
+    return "\n\n".join(part.strip("\n") for part in parts)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

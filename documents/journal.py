@@ -46,7 +46,7 @@ def _data(kind: EventType) -> str:
     (schema,), components = msgspec.json.schema_components([kind], ref_template=_REF)
     own = _resolved(schema, components)
     required = set(own["required"])
-    said = []
+    said: list[str] = []
     for key, value in own["properties"].items():
         if key == "what":
             continue

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 from types import TracebackType
 from typing import Self
 
+from host.boot import boot
 from host.parties import PartyError
-from host.party import Advance, Party, PartySpec, boot
+from host.party import Advance, Party, PartySpec
 from host.store import MemoryStore
 
 

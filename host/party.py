@@ -2,7 +2,7 @@
 
 A party (a wayside device, an on-board unit) is told and says what its role alone understands: `told` and
 `said` are the records of a `Codec`, opaque to whoever carries them. Adding a role is a member of `Role`, a
-case of `boot`, and the module that the case names; transport, time plane and processes stay as they are.
+case of `host.boot`, and the module that the case names; transport, time plane and processes stay as they are.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from typing import Generic, Protocol, TypeVar
 
 import msgspec
 
-from host.store import Store
 from network.errors import InputError
 from radio.keys import KeyRing
 
@@ -91,17 +90,3 @@ def _decoded(decoder: msgspec.msgpack.Decoder[Record], data: bytes) -> Record:
         return decoder.decode(data)
     except msgspec.MsgspecError as error:
         raise InputError("host", "record", f"{len(data)} bytes", f"a record of this role ({error})") from None
-
-
-def boot(spec: PartySpec, store: Store, file: str = "config.json") -> Party:
-    """Start the party. Raises InputError that names `file` where its configuration is not of this party."""
-    match spec.role:
-        # Imported here: a process loads its own role and nothing of the others.
-        case Role.BLOCK_MANAGER | Role.POINT_TERMINAL:
-            from host.device import DeviceParty
-
-            return DeviceParty(spec, store, file)
-        case Role.UNIT:
-            from host.unit import UnitParty
-
-            return UnitParty(spec, store, file)

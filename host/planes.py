@@ -13,10 +13,10 @@ import re
 import secrets
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 
@@ -57,7 +57,7 @@ def time_key(line_id: str, party_id: str) -> str:
 
 
 @contextmanager
-def private_folder(first: Path | None = None) -> Iterator[Path]:
+def private_folder(first: Path | None = None) -> Generator[Path]:
     """A directory for a socket, mode 0700, with a path short enough for one; gone when the context ends.
 
     It is made in `first` (default: the folder for temporary files), or where that is too deep in `/tmp`.
@@ -90,7 +90,7 @@ def session_json5(role: str, endpoint: str, session_id: str) -> str:
     leaves out the queues of priorities, so that what is put before a query or its reply comes before it.
     """
     other = {"listen": "connect", "connect": "listen"}[role]
-    config = {
+    config: dict[str, Any] = {
         "id": session_id,
         "mode": "peer",
         role: {"endpoints": [endpoint], "timeout_ms": 5000, "exit_on_failure": True},

@@ -22,9 +22,10 @@ from typing import Final
 import msgspec
 import zenoh
 
+from host.boot import boot
 from host.lockstep import Answerer, Question, Tagged
 from host.parties import ForeignError
-from host.party import PartySpec, Role, boot
+from host.party import PartySpec, Role
 from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, session_json5, time_key
 from host.process import CONFIG_FILE, DURABLE_FILE
 from host.store import FileStore

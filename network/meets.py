@@ -65,7 +65,7 @@ def planned_meets(line: Line, timetable: Timetable) -> tuple[Meet, ...]:
     by_direction: dict[Direction, list[_Trajectory]] = {Direction.DOWN: [], Direction.UP: []}
     for train in timetable.trains.values():
         by_direction[train.direction].append(_trajectory(line, train, timetable.dwell_min_s))
-    meets = []
+    meets: list[Meet] = []
     for down, up in product(by_direction[Direction.DOWN], by_direction[Direction.UP]):
         found = _meeting(down, up)
         if found is not None:

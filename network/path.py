@@ -93,7 +93,7 @@ def path_of(line: Line, piece_ids: Sequence[str], direction: Direction) -> Path:
     for before, after in pairwise(piece_ids):
         if after not in next_pieces(line, before, direction):
             raise ValueError(f"{after} does not follow {before} going {direction.name.lower()}")
-    steps = []
+    steps: list[PathStep] = []
     start_m = 0.0
     for piece_id in piece_ids:
         piece = line.pieces[piece_id]

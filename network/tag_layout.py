@@ -71,7 +71,7 @@ def lay_tags(line: Line, rule: TagRule | None = None) -> tuple[Tag, ...]:
 
 def tags_toml(line: Line, tags: Iterable[Tag]) -> str:
     """Tags as `[[tags]]` of a line file, one inline table a row."""
-    rows = []
+    rows: list[str] = []
     for tag in tags:
         piece = line.pieces[tag.piece_id]
         where = "section" if piece.id == piece.section_id else "piece"
@@ -86,7 +86,7 @@ def tags_toml(line: Line, tags: Iterable[Tag]) -> str:
 def _numbered(line: Line, spots: dict[tuple[str, float, TagPurpose], list[Direction]]) -> tuple[Tag, ...]:
     stations = [station.position_m for station in line.stations.values()]
     used: dict[int, int] = {}
-    tags = []
+    tags: list[Tag] = []
     for (piece_id, position_m, purpose), directions in sorted(
         spots.items(), key=lambda item: (item[0][1], item[0][0], item[0][2].value)
     ):

@@ -255,7 +255,8 @@ def _begin(file: str, key: str, text: str) -> Begin:
             return AtPortal(name)
         case ("from", name) if name:
             return FromTrain(name)
-    raise InputError(file, key, text, "stabled, portal:<section id> or from:<train number>")
+        case _:
+            raise InputError(file, key, text, "stabled, portal:<section id> or from:<train number>")
 
 
 def _end(file: str, key: str, text: str) -> End:
@@ -266,7 +267,8 @@ def _end(file: str, key: str, text: str) -> End:
             return AtPortal(name)
         case ("becomes", name) if name:
             return BecomesTrain(name)
-    raise InputError(file, key, text, "stabled, portal:<section id> or becomes:<train number>")
+        case _:
+            raise InputError(file, key, text, "stabled, portal:<section id> or becomes:<train number>")
 
 
 def _check_portal(

@@ -168,6 +168,8 @@ class Duties:
                 self._finish(slot, step)
             case _ if self._stage[slot] is Stage.ON_LINE and not isinstance(told, Accepted):
                 self._leave(slot, step)
+            case _:
+                pass
 
     def _enter(self, slot: int, duty: Duty, step: int) -> None:
         """Through the portal, if nothing stands there."""

@@ -172,8 +172,9 @@ class Simulation:
             case Due.TO_DEVICE:
                 others = self._agenda.pop_all(step, Due.TO_DEVICE, subject)
                 self.wayside.advance(step, subject, [i.data for i in (item, *others) if i.data is not None])
-            case Due.TO_UNIT if item.data is not None:
-                self._to_unit(self.trains.slot_of[subject], subject, item.data)
+            case Due.TO_UNIT:
+                if item.data is not None:
+                    self._to_unit(self.trains.slot_of[subject], subject, item.data)
             case Due.UNIT_TIMER:
                 self._cabs.timer(self.trains.slot_of[subject], step)
             case Due.SCRIPT if subject.startswith(CREW):

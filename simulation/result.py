@@ -96,8 +96,9 @@ class RunResult:
     ended_because: str
     unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
     courses: tuple[Course, ...] = ()  # what became of the script's faults and acts
-    learned: Mapping[str, Learned] = field(default_factory=dict)  # by stock id; empty: no train learned
-    learned_from: Mapping[str, StopWaves] = field(default_factory=dict)  # waves of the last stop that counted
+    # By stock id, empty where no train learned; then the waves of the last stop that counted.
+    learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
+    learned_from: Mapping[str, StopWaves] = field(default_factory=dict[str, StopWaves])
 
     @property
     def digest(self) -> str:

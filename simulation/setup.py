@@ -42,7 +42,7 @@ class Belief:
     """What units go by where it is not what is so: the line, and the trains of some stock."""
 
     line: Line
-    trains: Mapping[str, TrainType] = field(default_factory=dict)  # by stock id
+    trains: Mapping[str, TrainType] = field(default_factory=dict[str, TrainType])  # by stock id
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +59,13 @@ class Setup:
     air: AirParameters = field(default_factory=AirParameters)
     unit: UnitParameters = field(default_factory=UnitParameters)
     driving: Driving = field(default_factory=Driving)
-    laws: Mapping[str, str] = field(
-        default_factory=dict
-    )  # driving law by stock id; the others hold their speed
+    # Driving law by stock id; the others hold their speed.
+    laws: Mapping[str, str] = field(default_factory=dict[str, str])
     sensors: Sensors = field(default_factory=Sensors)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     # What trains know of their brakes to begin with, by stock id.
-    learned: Mapping[str, Learned] = field(default_factory=dict)
+    learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     vision: Vision = NO_VISION
     day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
     load: Load = field(default_factory=Load)
@@ -80,8 +79,8 @@ class Setup:
 
     def believed_train(self, stock_id: str) -> TrainType:
         """A stock as its unit believes it to be."""
-        own = {} if self.belief is None else self.belief.trains
-        return own.get(stock_id, self.trains[stock_id])
+        so = self.trains[stock_id]
+        return so if self.belief is None else self.belief.trains.get(stock_id, so)
 
     @property
     def today(self) -> tuple[str, ...]:

@@ -67,7 +67,7 @@ def unit_of(name: str) -> str:
 
 def fields_of(row: type) -> tuple[Field, ...]:
     """The fields of a record in order. TypeError, naming record and field, for what no record can hold."""
-    fields = []
+    fields: list[Field] = []
     for name, hint in get_type_hints(row, include_extras=True).items():
         kind, notes = _taken_apart(hint)
         lengths = [note for note in notes if isinstance(note, int)]

@@ -20,6 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from network.errors import InputError
 from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
+from network.files.raw import is_list, is_table
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 
 TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
@@ -248,7 +249,7 @@ def train_of(raw: Mapping[str, Any], file: str) -> TrainType:
     tables: dict[str, object] = {}
     written: dict[str, str] = {}
     for key, value in raw.items():
-        if isinstance(value, dict) and key != "provenance":
+        if is_table(value) and key != "provenance":
             tables[key] = _table_in_si(file, key, value, written)
         else:
             tables[key] = value
@@ -300,7 +301,7 @@ def _table_in_si(
 
 def _scaled(value: object, factor: float, divisor: float) -> object:
     """A number or a list of numbers converted; anything else as it is, for the validator to refuse."""
-    if isinstance(value, list):
+    if is_list(value):
         return [_scaled(item, factor, divisor) for item in value]
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value * factor / divisor
@@ -317,14 +318,14 @@ def _input_error(file: str, error: ValidationError, written: Mapping[str, str]) 
     if first["type"] == "extra_forbidden":
         return InputError(file, key, first["input"], "no such key")
     message = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    value = None if isinstance(first["input"], dict) else first["input"]
+    value = None if is_table(first["input"]) else first["input"]
     unit = " (after conversion to SI)" if ".".join(place[:2]) != written.get(".".join(place[:2])) else ""
     return InputError(file, key, value, message + (unit if value is not None and len(place) > 1 else ""))
 
 
 def _check_provenance(file: str, raw: Mapping[str, object], provenance: Mapping[str, str]) -> None:
     """Every figure has a source or is marked assumed, and nothing is named that is not there."""
-    figures = {f"{t}.{k}" for t, v in raw.items() if isinstance(v, dict) and t != "provenance" for k in v}
+    figures = {f"{t}.{k}" for t, v in raw.items() if is_table(v) and t != "provenance" for k in v}
     for figure in sorted(figures):
         if figure not in provenance and figure.partition(".")[0] not in provenance:
             raise InputError(file, "provenance", None, f'a source or "assumed: why" for {figure}')

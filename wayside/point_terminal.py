@@ -80,7 +80,7 @@ class Terminal:
     terminal_id: str
     key: bytes
     memory: Memory
-    views: Mapping[str, PointsView] = field(default_factory=dict)
+    views: Mapping[str, PointsView] = field(default_factory=dict[str, PointsView])
 
 
 @dataclass(frozen=True, slots=True)

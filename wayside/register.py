@@ -79,11 +79,13 @@ class Reentry:
     all that the unit holds. `heard_s`: when an unknown unit was last heard. `inputs`: by person.
     """
 
-    entries: Mapping[str, Mapping[str, str | None]] = field(default_factory=dict)
+    entries: Mapping[str, Mapping[str, str | None]] = field(
+        default_factory=dict[str, Mapping[str, str | None]]
+    )
     complete: frozenset[tuple[str, str]] = frozenset()
     accepted_by: str = ""
-    inputs: Mapping[str, int] = field(default_factory=dict)
-    heard_s: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, int] = field(default_factory=dict[str, int])
+    heard_s: Mapping[str, float] = field(default_factory=dict[str, float])
     stage: Stage = Stage.INCOMPLETE
     defined_s: float | None = None
 
@@ -100,8 +102,8 @@ class Register:
     plan: Plan
     epoch: int
     counter: int = 0
-    holders: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, Unit] = field(default_factory=dict)
+    holders: Mapping[str, str] = field(default_factory=dict[str, str])
+    units: Mapping[str, Unit] = field(default_factory=dict[str, Unit])
     started_s: float | None = None
     ask_at_s: float = 0.0
     restoring: bool = False

@@ -85,6 +85,11 @@ class SampledAxis:
         return east * sin + north * cos, east * cos - north * sin
 
 
+def interpolated(at_m: Floats, along_m: Floats, points: Floats) -> Floats:
+    """Points (n, 2) at these chainages of a polyline with vertices at `along_m`."""
+    return np.column_stack([np.interp(at_m, along_m, points[:, 0]), np.interp(at_m, along_m, points[:, 1])])
+
+
 def chainage(points: Floats) -> Floats:
     """Distance along a polyline (n, 2) to each vertex, m."""
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
@@ -125,11 +130,11 @@ def find_curves(vertices: Floats) -> Floats:
     turn = np.asarray(gaussian_filter1d(heading[side], SMOOTHING_M / _GRID_M, order=1)) / _GRID_M
     sign = np.where(np.abs(turn) > 1.0 / STRAIGHT_RADIUS_M, np.sign(turn), 0.0)
     edges = np.flatnonzero(np.diff(sign)) + 1
-    rows = []
+    rows: list[tuple[float, float, float]] = []
     for first, last in zip(np.append(0, edges), np.append(edges, len(sign)), strict=True):
         deflection = float(turn[first:last].sum()) * _GRID_M
         if sign[first] != 0.0 and abs(deflection) > DEFLECTION_MIN_RAD:
-            rows.append((grid[first], grid[last - 1] + _GRID_M, deflection))
+            rows.append((float(grid[first]), float(grid[last - 1]) + _GRID_M, deflection))
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 
@@ -149,7 +154,7 @@ class _Problem:
         self.length_m = float(along[-1])
         self.points, self.along_m = _fill(vertices, along)
         self.dense_m = np.arange(0.0, self.length_m, 10.0)
-        self.dense = np.column_stack([np.interp(self.dense_m, along, axis) for axis in vertices.T])
+        self.dense = interpolated(self.dense_m, along, vertices)
         found = find_curves(vertices)
         self.count = len(found)
         gaps = np.diff(np.concatenate(([0.0], found[:, :2].ravel())))[::2]
@@ -229,7 +234,7 @@ def _fill(vertices: Floats, along: Floats) -> tuple[Floats, Floats]:
         parts = int((high - low) // _FILL_M) if high - low > 2 * _FILL_M else 1
         marks.append(low + (high - low) * np.arange(parts) / parts)
     at_m = np.sort(np.concatenate(marks))
-    return np.column_stack([np.interp(at_m, along, axis) for axis in vertices.T]), at_m
+    return interpolated(at_m, along, vertices), at_m
 
 
 def _result(problem: _Problem, unknowns: Floats, radii: Floats | None) -> Fit:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from network.alignment import bearing_rad, curvature_table, positions
 from network.errors import InputError
-from network.exchange.curve_fit import Fit, SampledAxis, fit_curves, sample_axis
+from network.exchange.curve_fit import Fit, SampledAxis, fit_curves, interpolated, sample_axis
 from network.files.json_input import read_json, write_aside
 from network.model import Alignment, Curve, Direction, SpeedLimit
 
@@ -180,7 +180,9 @@ def read_geometry(
     table = read_json(stations_file, _StationsFile)
     if len(table.station_list) < 2:
         raise InputError(str(stations_file), "station_list", len(table.station_list), "two or more stations")
-    lon_deg, lat_deg = (float(v) for v in np.round((vertices.min(axis=0) + vertices.max(axis=0)) / 2.0, 4))
+    lon_deg, lat_deg = (
+        float(np.round((axis.min() + axis.max()) / 2.0, 4)) for axis in (vertices[:, 0], vertices[:, 1])
+    )
     project = plane_projection(polyline_file, lat_deg, lon_deg)
     track = project(vertices)
     stops = project(np.array([(row.lng, row.lat) for row in table.station_list]))
@@ -225,7 +227,7 @@ def deviation(alignment: Alignment, track: Floats) -> tuple[float, float]:
     """Rms and largest lateral distance, m, of a polyline (n, 2) from an alignment, every 10 m."""
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(track, axis=0).T))))
     sample_m = np.arange(0.0, along[-1], _DEVIATION_STEP_M)
-    points = np.column_stack([np.interp(sample_m, along, axis) for axis in track.T])
+    points = interpolated(sample_m, along, track)
     at_m = np.arange(alignment.from_m, alignment.to_m, 4.0)
     places = positions(alignment, at_m)
     axis = SampledAxis(at_m, places[:, 0], places[:, 1], bearing_rad(alignment, at_m))

@@ -23,6 +23,7 @@ from pydantic import Field
 
 from network.errors import InputError
 from network.files.kinds import about
+from network.files.raw import is_list, is_table
 from network.files.toml_input import Record, key_path, one_of, validate
 
 EXAMPLE: Final = '"points.OGN.11.throw_time_s" = 12.0'
@@ -103,7 +104,7 @@ class Patched:
     def set(self, path: str, value: object, key: str = "") -> None:
         """Write one value; the schema, not this, knows which keys a table may have. `key` is the patch's own."""
         key = key or f'{self.key}.set."{path}"'
-        if isinstance(value, dict):
+        if is_table(value):
             raise InputError(self.file, key, "a table", f"one whole key in quotes, such as {EXAMPLE}")
         for node, step in self._places(key, path):
             node[step] = deepcopy(value)
@@ -114,18 +115,18 @@ class Patched:
         key = key or f'{self.key}.times."{path}"'
         for node, step in self._places(key, path):
             old = node.get(step)
-            numbers: list[Any] = old if isinstance(old, list) else [old]
+            numbers: list[Any] = old if is_list(old) else [old]
             if not numbers or any(isinstance(n, bool) or not isinstance(n, int | float) for n in numbers):
                 raise InputError(self.file, key, old, "a number that the file has, to multiply")
             scaled = [number * factor for number in numbers]
-            node[step] = scaled if isinstance(old, list) else scaled[0]
+            node[step] = scaled if is_list(old) else scaled[0]
             self.origins[id(node), step] = key
 
     def remove(self, table: str, name: str, key: str) -> None:
         """Take one entry out of a list."""
         for node, step in self._places(key, table):
             rows = node.get(step)
-            if not isinstance(rows, list):
+            if not is_list(rows):
                 raise InputError(self.file, key, table, f"a list, one of {', '.join(_lists(node))}")
             names = [called(row, i) for i, row in enumerate(rows)]
             if name not in names:
@@ -160,19 +161,19 @@ class Patched:
         found: list[tuple[Data, str]] = []
         while ways:
             node, rest = ways.pop(0)
-            if isinstance(node, list) and rest.startswith("*."):
+            if is_list(node) and rest.startswith("*."):
                 ways += [(entry, rest[2:]) for entry in node]
                 continue
             step, remains = self._step(key, node, rest)
-            if not remains and isinstance(node, dict):
+            if not remains and is_table(node):
                 found.append((node, str(step)))
             else:
-                ways.append((node[step], remains))
+                ways.append((_child(node, str(step)), remains))
         return found
 
     def _step(self, key: str, node: object, rest: str) -> tuple[str | int, str]:
         """The key or index of `node` that `rest` begins with, and what remains; an entry needs a key of it."""
-        if isinstance(node, list):
+        if is_list(node):
             names = {called(item, i): i for i, item in enumerate(node)}
             # Ids may hold dots and begin like one another: the longest that fits is meant.
             fitting = [name for name in names if f"{rest}.".startswith(f"{name}.")]
@@ -180,13 +181,11 @@ class Patched:
                 raise InputError(self.file, key, rest, one_of(names, rest))
             name = max(fitting, key=len)
             entry = node[names[name]]
-            if rest == name or not isinstance(entry, dict):
-                expected = (
-                    f"a key of {name}, {one_of(entry)}" if isinstance(entry, dict) else "the whole list"
-                )
+            if rest == name or not is_table(entry):
+                expected = f"a key of {name}, {one_of(entry)}" if is_table(entry) else "the whole list"
                 raise InputError(self.file, key, None, expected)
             return names[name], rest[len(name) + 1 :]
-        if not isinstance(node, dict):
+        if not is_table(node):
             raise InputError(self.file, key, rest, "the key of a table")
         name, _, remains = rest.partition(".")
         if remains and not isinstance(node.get(name), dict | list):
@@ -207,7 +206,7 @@ def words_of(asked: Asked, model: type[WordsT]) -> WordsT:
 
 def called(item: object, index: int) -> str:
     """What an entry of a list is called in a key path: by its id, name, …, or else its index."""
-    if isinstance(item, dict):
+    if is_table(item):
         for key in _CALLED_BY:
             if key in item:
                 return str(item[key])
@@ -216,10 +215,10 @@ def called(item: object, index: int) -> str:
 
 def differences(file: str, old: object, new: object, path: str = "") -> Iterator[Change]:
     """What differs between two states of a file's data, value by value; entries of lists by what they are called."""
-    if isinstance(old, dict) and isinstance(new, dict):
+    if is_table(old) and is_table(new):
         for key in dict.fromkeys((*old, *new)):
             yield from differences(file, old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
-    elif isinstance(old, list) and isinstance(new, list) and all(isinstance(i, dict) for i in (*old, *new)):
+    elif is_list(old) and is_list(new) and all(is_table(i) for i in (*old, *new)):
         befores = {called(item, i): item for i, item in enumerate(old)}
         afters = {called(item, i): item for i, item in enumerate(new)}
         named = all(any(key in item for key in _CALLED_BY) for item in (*old, *new))
@@ -233,14 +232,14 @@ def differences(file: str, old: object, new: object, path: str = "") -> Iterator
 
 
 def _lists(node: Data) -> list[str]:
-    return [key for key, value in node.items() if isinstance(value, list)] or ["none"]
+    return [key for key, value in node.items() if is_list(value)] or ["none"]
 
 
 def _child(node: object, step: str) -> object:
     """What a step of a key path leads to; None where there is nothing."""
-    if isinstance(node, dict):
+    if is_table(node):
         return node.get(step)
-    if isinstance(node, list) and step.isdecimal() and int(step) < len(node):
+    if is_list(node) and step.isdecimal() and int(step) < len(node):
         return node[int(step)]
     return None
 

@@ -119,7 +119,7 @@ class Joiner:
     def _check_sides(self, key: str, points: PointsTable, ends: Mapping[Leg, str]) -> None:
         """A neighbour whose middle lies on the wrong side of the toe: either `faces` or the name is wrong."""
         faces = DIRECTIONS[points.faces]
-        wrong = []
+        wrong: list[tuple[Leg, str, Direction]] = []
         for leg, name in ends.items():
             own, mate = self._drafts[f"{points.id}.{leg.value}"], self._drafts[name]
             side = faces.opposite if leg is Leg.STEM else faces

@@ -198,7 +198,7 @@ def _points_drafts(key: str, points: schema.PointsTable, alignment_id: str) -> l
     faces = DIRECTIONS[points.faces]
     low = (metres(points.from_km), metres(points.toe_km))
     high = (metres(points.toe_km), metres(points.to_km))
-    drafts = []
+    drafts: list[Draft] = []
     for leg in Leg:
         from_m, to_m = low if (leg is Leg.STEM) == (faces is Direction.DOWN) else high
         name = f"{points.id}.{leg.value}"
@@ -247,12 +247,12 @@ def _stations(
     _unique(file, "stations", [s.id for s in entry.stations])
     kinds = {s.id: s.kind for s in entry.sections}
     owner: dict[str, str] = {}
-    stations = {}
+    stations: dict[str, Station] = {}
     for i, station in enumerate(entry.stations):
         key = f"stations[{i}]"
         check.check_on_line(file, f"{key}.km", station.km, alignments.values())
         _unique(file, f"{key}.tracks", [t.name for t in station.tracks], "name")
-        tracks = []
+        tracks: list[PlatformTrack] = []
         for j, track in enumerate(station.tracks):
             where = f"{key}.tracks[{j}]"
             check.check_platform_section(file, where, station, track, kinds)
@@ -299,7 +299,7 @@ def _sections(
         for track in station.tracks
         if not station.is_halt
     }
-    sections = {}
+    sections: dict[str, Section] = {}
     for item in entry.sections:
         own = tuple(piece for piece in pieces.values() if piece.section_id == item.id)
         station_id, track = owner.get(item.id, (None, None))
@@ -316,7 +316,7 @@ def _sections(
 def _tags(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, Tag]:
     _unique(file, "tags", [t.id for t in entry.tags])
     kinds = {s.id: s.kind for s in entry.sections}
-    tags = {}
+    tags: dict[int, Tag] = {}
     for i, tag in enumerate(entry.tags):
         piece = check.tag_piece(file, f"tags[{i}]", tag, pieces, kinds)
         directions = _directions(tag.directions)

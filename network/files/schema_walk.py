@@ -6,6 +6,8 @@ import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
+from network.files.raw import is_table
+
 Schema = Mapping[str, Any]
 
 _SHOWN_MAX: Final = 12
@@ -28,13 +30,14 @@ def resolved(schema: Schema, node: Schema) -> Schema:
 
 def node_at(schema: Schema, location: Iterable[int | str]) -> tuple[Schema, tuple[int | str, ...]]:
     """The node that a path of keys and indices leads to, and the path without what is no key or index."""
-    node, path = resolved(schema, schema), []
+    node: Schema = resolved(schema, schema)
+    path: list[int | str] = []
     for part in location:
         if isinstance(part, int):
             node = resolved(schema, node.get("items", {}))
         elif part in node.get("properties", {}):
             node = resolved(schema, node["properties"][part])
-        elif isinstance(node.get("additionalProperties"), Mapping):
+        elif is_table(node.get("additionalProperties")):
             node = resolved(schema, node["additionalProperties"])
         elif "properties" in node:
             node = {}
@@ -46,7 +49,7 @@ def node_at(schema: Schema, location: Iterable[int | str]) -> tuple[Schema, tupl
 
 def range_text(node: Schema) -> str:
     """Bounds of a number in words, such as `above 0 and at most 1`; empty where there are none."""
-    words = []
+    words: list[str] = []
     for key, word in (
         ("exclusiveMinimum", "above"),
         ("minimum", "at least"),

@@ -123,10 +123,10 @@ class Letters:
             return
         self.token = message.token
         capabilities = getattr(message, "capabilities", ())
-        renewed = {c.section_id for c in capabilities} | set(section_ids)
+        renewed: set[str] = {c.section_id for c in capabilities} | set(section_ids)
         for key in [key for key in self._macs if key[0] in renewed]:
             del self._macs[key]
-        self._tokens |= dict.fromkeys(renewed, message.token)
+        self._tokens |= dict.fromkeys(renewed, self.token)
         self._macs |= {(c.section_id, c.terminal_id): c.mac for c in capabilities}
 
     # telegrams as the machine is told of them -------------------------------------------------------------------
@@ -201,6 +201,6 @@ _READERS: Final[Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any
     radio.PointsProof: Letters._proof,
     radio.PointsRefused: Letters._points_refused,
     radio.HoldingConfirmed: Letters._confirmed,
-    radio.ClaimQuery: lambda *_: sym.Queried(),
-    radio.Restarted: lambda *_: sym.PeerRestarted(),
+    radio.ClaimQuery: lambda _letters, _heard, _message: sym.Queried(),
+    radio.Restarted: lambda _letters, _heard, _message: sym.PeerRestarted(),
 }

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.errors import InputError
+from network.files.raw import is_list
 from vehicle.compiled import compiled
 
 Wave = NDArray[np.float64]
@@ -319,6 +320,6 @@ def _is_count(value: object) -> bool:
 
 
 def _counts(file: str, key: str, value: object, size: int) -> tuple[int, ...]:
-    if not isinstance(value, list) or len(value) != size or not all(_is_count(item) for item in value):
+    if not is_list(value) or len(value) != size or not all(_is_count(item) for item in value):
         raise InputError(file, key, value, f"{size} whole numbers of at least 0")
     return tuple(int(item) for item in value)

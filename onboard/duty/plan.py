@@ -118,7 +118,7 @@ class Plan(msgspec.Struct, frozen=True):
 def plan_of(mission: Mission, length_m: float) -> Plan:
     """The plan of a mission for a train of this length."""
     path = mission.path
-    spans = []
+    spans: list[Span] = []
     for span in mission.spans:
         piece, kilometrage_m = path.locate(span.start_m)
         points = tuple(
@@ -126,7 +126,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
             for points_id, position, terminal_id in span.points
         )
         spans.append(Span(span.section_id, span.kind, points, piece, kilometrage_m))
-    stops = []
+    stops: list[Stop] = []
     for target in mission.targets:
         rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - length_m
         stops.append(

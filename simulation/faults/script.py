@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Final
 
+from network.files.raw import is_row
 from onboard.notes import Arrived, Departs, Holds, MissionBegun, UnitRestarted
 from simulation.events import (
     Entered,
@@ -53,7 +54,7 @@ class Matcher:
     events: tuple[EventType, ...]
     who: str | None = None
     train: str | None = None
-    data: Mapping[str, object] = field(default_factory=dict)  # by the name of the field
+    data: Mapping[str, object] = field(default_factory=dict[str, object])  # by the name of the field
 
     def __post_init__(self) -> None:
         for event in self.events:
@@ -77,7 +78,7 @@ def _same(actual: object, wanted: object) -> bool:
         return actual.value == wanted or actual is wanted
     if not isinstance(actual, tuple):
         return actual == wanted
-    return all(item in actual for item in (wanted if isinstance(wanted, list | tuple) else (wanted,)))
+    return all(item in actual for item in (wanted if is_row(wanted) else (wanted,)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -325,12 +325,12 @@ def record_table(
 
     Distances rise; raises ValueError naming the distance from which the sign is not found.
     """
-    rows = []
+    rows: list[Floats] = []
     row_axis, column_axis = renderer.camera.axis_px
     view = window or renderer.camera.whole
     for distance in distances_m:
         rng = generator(seed, "camera", "table", f"{distance:.6f}")
-        seen = []
+        seen: list[tuple[float, float, float]] = []
         for _ in range(repeats):
             scene = Scene(sign, sign_m=distance, lighting=lamplight(rng))
             image = renderer.render(scene, Shot(0.0), rng, view)
@@ -400,7 +400,7 @@ def sighted_distances(
         min(int(column) + around, camera.width_px),
         min(int(row) + around, camera.height_px),
     )
-    found = []
+    found: list[float] = []
     for _ in range(count):
         # within a pixel's worth of distance any place is as likely, or rounding to pixels would hide
         jitter_m = float(rng.uniform(-0.5, 0.5)) * table.slope_m_per_px(distance_m)
@@ -422,7 +422,7 @@ def fit_sighting_model(
     """
     camera = renderer.camera
     distances = table.distance_m[1:-1:every]
-    columns = []
+    columns: list[tuple[float, float, float, float, float]] = []
     for distance in distances:
         rng = generator(seed, "camera", "sighting model", f"{distance:.6f}")
         at_rest, creeping = (

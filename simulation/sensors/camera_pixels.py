@@ -7,7 +7,7 @@ the track when the row's exposure begins (rolling shutter), so every row sees it
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +77,7 @@ def draw_tunnel(
     air: float,
 ) -> None:
     """Fill the image with floor, walls and ceiling of a straight box around the track, fading into the air."""
-    side = (left_px + np.arange(image.shape[1]) + 0.5 - axis_column) / focal_px
+    side: NDArray[np.floating[Any]] = (left_px + np.arange(image.shape[1]) + 0.5 - axis_column) / focal_px
     to_wall_m = half_width_m / np.maximum(np.abs(side), half_width_m / RAY_MAX_M)
     per_cell = 1.0 / cell_m
     # what one pixel covers along the track, against the finest pattern: blur = ray^2 * fade - 1/2

@@ -347,7 +347,7 @@ def _child(way: str, scenario: str, recording: Recording) -> dict[str, Any]:
 def report(figures: dict[str, list[dict[str, Any]]], stretches: int, budget: Budget) -> dict[str, Any]:
     """What the figures of all rounds come to: rows, parts and budgets, each budget with whether it is kept."""
     median = {way: statistics.median(f["wall_s"] for f in figures[way]) for way in WAYS}
-    rows = [
+    rows: list[dict[str, Any]] = [
         {
             "way": NAMES[way],
             "wall_s": round(median[way], 3),

@@ -51,7 +51,7 @@ class Fleet:
 
     def true_places(self) -> list[tuple[Learned, float, float]]:
         """What each train learned, its real delay less the lag that its unit knows (s), its real offset (m/s^2)."""
-        places = []
+        places: list[tuple[Learned, float, float]] = []
         for stock_id, learned in self.after.result.learned.items():
             believed = self.setup.trains[stock_id].row[0]
             body, factor = self.setup.scatter.body(self.setup.seed, stock_id, believed)
@@ -96,7 +96,7 @@ def figures(errors: NDArray[np.float64]) -> dict[str, float]:
 
 def rows_of(fleets: Sequence[Fleet], with_signs: Run) -> tuple[Row, ...]:
     """Before and after, fleet by fleet and together."""
-    rows = []
+    rows: list[Row] = []
     for fleet in fleets:
         ours = {"before": figures(fleet.before_m), "after": figures(fleet.after_m)}
         after = ours["after"]

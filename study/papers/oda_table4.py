@@ -240,7 +240,7 @@ def parameters(gain_per_s: float) -> tuple[Parameter, ...]:
 
 def agreeing_patterns_mps2(train: TrainRow, gain_per_s: float) -> tuple[float, ...]:
     """Of the pattern decelerations 0.70 to 0.90 m/s^2 by 0.01, those with which all 22 runs agree."""
-    found = []
+    found: list[float] = []
     for hundredths in range(70, 91):
         errors = stop_errors_m(train, gain_per_s, hundredths / 100.0)
         if all(passes(case, error) for case, error in zip(CASES, errors, strict=True)):

@@ -151,14 +151,14 @@ def table_2_rows(renderer: Renderer, seed: int) -> list[Row]:
     window = SIGN_QUARTER
     for distance_mm in TABLE_2_PX:
         rng = generator(seed, "oda-vision", "table 2", str(distance_mm))
-        seen = []
+        seen: list[float] = []
         for _ in range(IMAGES // 4):
             scene = Scene(PAPER_SIGN, distance_mm / 1000.0, lighting=lamplight(rng))
             cluster = largest_cluster(renderer.render(scene, Shot(0.0), rng, window), window.left, window.top)
             if cluster is not None:
                 seen.append(cluster.row_px - PAPER_CAMERA.axis_px[0])
         offsets[distance_mm] = np.array(seen)
-    rows = []
+    rows: list[Row] = []
     for distance_mm, paper_px in TABLE_2_PX.items():
         ours_px = round(float(offsets[distance_mm].mean()), 2)
         close = abs(ours_px - paper_px) <= 1.0
@@ -174,7 +174,7 @@ def table_2_rows(renderer: Renderer, seed: int) -> list[Row]:
 
 def scatter_rows(renderer: Renderer, table: SightTable, seed: int) -> list[Row]:
     """3 sigma of the distance through the table, any place within a pixel; and how motion shortens it."""
-    rows = []
+    rows: list[Row] = []
     for distance_mm, paper_mm in TABLE_3_MM.items():
         rng = generator(seed, "oda-vision", "scatter", str(distance_mm))
         seen = sighted_distances(renderer, PAPER_SIGN, table, distance_mm / 1000.0, 0.0, IMAGES, rng)
@@ -194,7 +194,7 @@ def scatter_rows(renderer: Renderer, table: SightTable, seed: int) -> list[Row]:
 
 def model_rows(renderer: Renderer, table: SightTable, model: SightingModel, seed: int) -> list[Row]:
     """The sampled error model against fresh images at 3 km/h, between the places it was fitted at."""
-    rows = []
+    rows: list[Row] = []
     for distance_m in MODEL_PLACES_M:
         speed_mps = 3.0 / 3.6
         rng = generator(seed, "oda-vision", "model", f"{distance_m:g}")

@@ -74,7 +74,7 @@ def _figures(rates: Failure) -> dict[str, float]:
 
 def _speed_rows() -> list[Row]:
     """The paper's scheme at each speed of table 7."""
-    rows = []
+    rows: list[Row] = []
     for speed_kmh, bit_error_rates in BIT_ERROR_RATES.items():
         rates = _rates(PAPER, Channel(bit_error_rates))
         figures: dict[str, object] = {**_figures(rates), "meets": _met(rates)}
@@ -90,7 +90,7 @@ def _speed_rows() -> list[Row]:
 
 def _scheme_rows(channel: Channel) -> list[Row]:
     """Simpler schemes: by how much each misses, 1 or less where it does not."""
-    rows = []
+    rows: list[Row] = []
     for scheme in OTHERS:
         rates = _rates(scheme, channel)
         factors = {
@@ -151,7 +151,7 @@ def _monte_carlo_rows(channel: Channel, seed: int, share: float) -> list[Row]:
     """Failures of a passage, played with the reader's code, beside the exact ones at the same rates."""
     each = 1.0 - (1.0 - CONFIDENCE) / 4.0
     count, weighted_count = int(share * TRIALS), int(share * WEIGHTED_TRIALS)
-    rows = []
+    rows: list[Row] = []
 
     raised = channel.raised(30.0)
     counts = trials(generator(seed, "tags", "safe side"), raised, TAG_ID, PAPER.tags, PAPER.rule, count)

@@ -38,6 +38,10 @@ def chosen_trains(run: Run) -> tuple[tuple[str, str], ...]:
     return tuple(chosen)
 
 
+def _in_km(at_m: float, _place: int | None) -> str:
+    return f"{at_m / 1000:g}"
+
+
 def draw_run_curve(run: Run, unit: str, train: str) -> Figure:
     """Speed, permitted and target speed over distance; below gradient, curvature and notch. Km and km/h."""
     alignment = _alignment_of(run.line, run.courses[unit, train])
@@ -63,7 +67,7 @@ def draw_run_curve(run: Run, unit: str, train: str) -> Figure:
     _draw_notches(notch, course)
     _mark_stations(run, (speed, gradient, curve, notch), low_m, high_m)
     notch.xaxis.set_major_locator(MaxNLocator(24, steps=[1, 2, 5, 10]))
-    notch.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 1000:g}"))
+    notch.xaxis.set_major_formatter(FuncFormatter(_in_km))
     notch.set_xlabel("kilometrage, km")
     figure.align_ylabels()
     return figure

@@ -15,6 +15,7 @@ from typing import Any, Final
 import polars as pl
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from network.files.raw import is_table
 from network.model import Line
 from network.timetable import Timetable
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
@@ -172,9 +173,9 @@ def _stops(facts: Mapping[str, Any]) -> str:
 
 def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
     """Broken invariants and expectations as lines of text."""
-    lines = []
+    lines: list[str] = []
     for item in facts.get("violations", ()):
-        if isinstance(item, Mapping):
+        if is_table(item):
             at = f"{clock(item['t_s'], seconds=True)} " if item.get("t_s") is not None else ""
             lines.append(f"{at}{item.get('checker', '')}: {item.get('text', '')}")
         else:
@@ -290,7 +291,7 @@ def _train_grid(run: Run) -> Grid:
         train: (rows["unit"][0], rows["departure_s"][0], rows["arrival_s"][-1])
         for (train,), rows in run.tables.stops.group_by("train", maintain_order=True)
     }
-    rows = []
+    rows: list[tuple[str, str, str, str, str, str, str, str]] = []
     for number in run.trains:
         planned = run.timetable.trains.get(number)
         unit, left_s, came_s = first_last.get(number, ("did not run", None, None))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -84,7 +84,7 @@ def can_write_japanese() -> bool:
 
 
 @contextmanager
-def drawing() -> Iterator[None]:
+def drawing() -> Generator[None]:
     """Matplotlib settings for making and saving the report's figures; the caller's come back afterwards."""
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -178,7 +178,11 @@ def draw_clock_axis(axes: Axes, band: TimeBand, grid: TimeGrid) -> None:
     axes.set_xlim(band.from_s, band.to_s)
     seconds = grid.label_s % 60 != 0
     axes.xaxis.set_major_locator(MultipleLocator(grid.label_s))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: clock(value, seconds=seconds)))
+
+    def label(time_s: float, _place: int | None) -> str:
+        return clock(time_s, seconds=seconds)
+
+    axes.xaxis.set_major_formatter(FuncFormatter(label))
     axes.tick_params(axis="x", length=0, labeltop=True, labelbottom=True)
     styles = ((grid.fine_s, "-", 0.3), (grid.middle_s, (0, (4, 3)), 0.6), (grid.label_s, "-", 0.8))
     drawn: set[int] = set()

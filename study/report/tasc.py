@@ -11,7 +11,6 @@ import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from onboard.driving.tuning import (
@@ -154,7 +153,7 @@ def _draw_surface(axes: Axes, figure: Figure, surface: Floats, tuned: Tuned) -> 
         norm=LogNorm(vmin=least, vmax=max(float(surface.max()), 2.0 * least)),
     )
     bar = figure.colorbar(image, ax=axes, label="J, (m/s²)²")
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    bar.ax.yaxis.set_major_formatter("{x:g}")
     centre = tuned.learned.centre
     x0 = min(max(centre[0], REACH_X), DEAD_TIMES - 1 - REACH_X)
     y0 = min(max(centre[1], REACH_Y), OFFSETS - 1 - REACH_Y)

@@ -11,6 +11,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from network.files.raw import is_row
 from network.model import Line
 from onboard import notes
 from radio.noted import TelegramDropped
@@ -329,4 +330,4 @@ def _told(event: events.Event) -> str:
 
 
 def _text(value: object) -> str:
-    return " ".join(str(item) for item in value) if isinstance(value, list | tuple) else str(value)
+    return " ".join(str(item) for item in value) if is_row(value) else str(value)

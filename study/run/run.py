@@ -7,7 +7,7 @@ import secrets
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
@@ -106,7 +106,7 @@ def execute(
         if units is UnitsAt.PROCESSES:
             specs = (*specs, *unit_specs(on_board))
         make = carrier_factory(carrier, setup.line, net)
-        wrapped = wrap or (lambda plain: plain)
+        wrapped = wrap or _as_it_is
         started = time.perf_counter()
         while True:
             last = setup.day >= scenario.setup.tuning.days
@@ -149,6 +149,10 @@ def execute(
         "wall_s": round(wall_s, 3),
     }
     return Run(scenario, result, summary, tables, broken)
+
+
+def _as_it_is(carrier: Carrier) -> Carrier:
+    return carrier
 
 
 def check_out(out: Path) -> None:
@@ -272,7 +276,7 @@ def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float
 
 
 @contextmanager
-def parties_of(link: Link, line_id: str, specs: tuple[PartySpec, ...], folder: Path) -> Iterator[Parties]:
+def parties_of(link: Link, line_id: str, specs: tuple[PartySpec, ...], folder: Path) -> Generator[Parties]:
     """The parties, in this process or as processes; gone when the context ends, however it ends."""
     if link is Link.ZENOH:
         from host.over_zenoh import ZenohParties

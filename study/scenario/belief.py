@@ -58,7 +58,7 @@ def belief_of(
 
 
 def _trains(path: Path, named: Mapping[str, str], trains: Mapping[str, TrainType]) -> dict[str, TrainType]:
-    believed = {}
+    believed: dict[str, TrainType] = {}
     for stock_id, name in named.items():
         key = f"{KEY}.trains.{stock_id}"
         if stock_id not in trains:

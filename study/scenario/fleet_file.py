@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from network.errors import InputError
+from network.files.raw import is_table
 from network.files.toml_input import one_of, read_text
 from onboard.driving.tuning import Learned, learned_from
 from simulation.settings import Tuning, Vision
@@ -49,7 +50,7 @@ def read_learned(path: Path) -> dict[str, Learned]:
         data = json.loads(read_text(path))
     except json.JSONDecodeError as error:
         raise InputError(str(path), "", None, f"valid JSON ({error})") from error
-    if not isinstance(data, dict) or not all(isinstance(kept, dict) for kept in data.values()):
+    if not is_table(data) or not all(is_table(kept) for kept in data.values()):
         raise InputError(str(path), "", None, "an object of trains, as a run with [tuning] leaves it")
     return {str(stock_id): learned_from(str(path), kept) for stock_id, kept in data.items()}
 

@@ -16,6 +16,7 @@ from pydantic import BaseModel, ValidationError
 
 from network.errors import InputError
 from network.files.edits import Asked, Change, Data, Patched, differences
+from network.files.raw import is_table
 from network.files.toml_input import key_path, parse_table, read_text, validate
 from study.scenario.scenario_file import ListWords, PatchTable, ScenarioFile, TableWords
 
@@ -30,11 +31,10 @@ class Pile:
 
     data: Data
     changes: tuple[Change, ...] = ()
-    files: Mapping[str, tuple[Asked, ...]] = field(default_factory=dict)
-    trains: Mapping[str, tuple[Asked, ...]] = field(default_factory=dict)
-    written: Mapping[str, tuple[str, str]] = field(
-        default_factory=dict
-    )  # key path: file and key of its patch
+    files: Mapping[str, tuple[Asked, ...]] = field(default_factory=dict[str, tuple[Asked, ...]])
+    trains: Mapping[str, tuple[Asked, ...]] = field(default_factory=dict[str, tuple[Asked, ...]])
+    # Key path: file and key of its patch.
+    written: Mapping[str, tuple[str, str]] = field(default_factory=dict[str, tuple[str, str]])
 
     def validated(self, path: Path) -> ScenarioFile:
         """The scenario's tables, checked; what a patch has written is put down to that patch."""
@@ -79,9 +79,7 @@ def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> Data:
     merged = dict(below)
     for key, value in above.items():
         known = merged.get(key)
-        merged[key] = (
-            laid_over(known, value) if isinstance(known, dict) and isinstance(value, dict) else value
-        )
+        merged[key] = laid_over(known, value) if is_table(known) and is_table(value) else value
     return merged
 
 
@@ -104,13 +102,13 @@ def _layers(
 
 def _patch_of(file: Path, patch: object) -> dict[str, Any]:
     """The patch of one file, in its own words: which targets there are is checked here."""
-    if not isinstance(patch, dict):
+    if not is_table(patch):
         raise InputError(str(file), "patch", patch, "tables such as [patch.line]")
     others = {name: words for name, words in patch.items() if name not in _FILES}
     try:
         validate(others, str(file), PatchTable)
         for name in _FILES:
-            if not isinstance(patch.get(name, {}), dict):
+            if not is_table(patch.get(name, {})):
                 raise InputError(str(file), name, patch[name], "a table")
     except InputError as error:
         raise InputError(str(file), f"patch.{error.key}", error.value, error.expected) from error
@@ -119,12 +117,12 @@ def _patch_of(file: Path, patch: object) -> dict[str, Any]:
 
 def _patch_table(data: Data, name: str, asked: Asked, written: dict[str, tuple[str, str]]) -> None:
     """Patch one of the scenario's own tables or lists, in place of what the pile has so far."""
-    is_list = PatchTable.model_fields[name].annotation == ListWords | None
-    words = validate(asked.words, asked.file, ListWords if is_list else TableWords)
-    own = deepcopy(data.get(name, [] if is_list else {}))
+    listed = PatchTable.model_fields[name].annotation == ListWords | None
+    words = validate(asked.words, asked.file, ListWords if listed else TableWords)
+    own: Any = deepcopy(data.get(name, [] if listed else {}))
     known = _defaults(name)
     for path in words.times:
-        if isinstance(own, dict) and path in known:
+        if not listed and path in known:
             own.setdefault(path, known[path])
     patched = Patched(asked.file, asked.key, "scenario", {name: own})
     if isinstance(words, ListWords):

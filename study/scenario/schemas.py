@@ -55,7 +55,7 @@ def _train() -> dict[str, Any]:
 
 def other_keys(key: str) -> dict[str, float]:
     """Keys of a train file that mean the same in another unit, with the factor to SI."""
-    found = {}
+    found: dict[str, float] = {}
     for ending, si_ending, up, down in UNITS:
         plain = "_per_" not in key and key.endswith(si_ending)
         # `_m` is also the end of `_mm`'s SI, and of nothing else: longer endings have a unit of their own.

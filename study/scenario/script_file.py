@@ -14,6 +14,7 @@ import msgspec
 from pydantic import ConfigDict, Field
 
 from network.errors import InputError
+from network.files.raw import is_list
 from network.files.toml_input import Record, one_of, validate
 from network.timetable import Timetable
 from radio.noted import key_of
@@ -246,7 +247,7 @@ def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: Names) 
     }
     for name, value in {**matcher.data, **({"train": matcher.train} if matcher.train else {})}.items():
         known = checks.get(name)
-        for item in value if isinstance(value, list) else (value,):
+        for item in value if is_list(value) else (value,):
             if known is not None and str(item) not in known:
                 raise InputError(file, f"{key}: {key_of(name)}", item, one_of(known, str(item)))
     return matcher

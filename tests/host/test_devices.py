@@ -5,8 +5,9 @@ from __future__ import annotations
 import msgspec
 import pytest
 
+from host.boot import boot
 from host.devices import CODEC, DeviceSaid, DeviceTold, device_specs
-from host.party import Role, boot
+from host.party import Role
 from host.store import MemoryStore
 from network.errors import InputError
 from network.model import Position
