@@ -8,9 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from documents.interlocking import UNIT_EVENTS, UNIT_TELEGRAMS, Line, document, invariant_of, merged, table
+from documents.interlocking import Line, document, invariant_of, merged, table
 from documents.interlocking_hazards import HAZARDS
-from onboard.authority import machine as authority
 from radio.table import Row
 from simulation.judge.checkers import Checker
 from study.run.drill import shipped_drills
@@ -38,11 +37,6 @@ def test_the_document_is_what_the_code_writes() -> None:
 
 def test_the_document_names_no_place_of_a_machine() -> None:
     assert "/work" not in (ROOT / "docs/interlocking.md").read_text(encoding="utf-8")
-
-
-def test_every_event_and_telegram_of_the_unit_has_its_words() -> None:
-    assert set(UNIT_EVENTS) == {kind.__name__ for kind in authority._EVENTS}
-    assert set(UNIT_TELEGRAMS) == {kind.__name__ for kind in authority._HEARD}
 
 
 def test_rows_with_the_same_outcome_are_one_line() -> None:
