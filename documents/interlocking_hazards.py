@@ -86,7 +86,11 @@ HAZARDS: Final = (
         ("radio.envelope",),
         (Checker.TELEGRAM_ONCE,),
         ("karasuyama/31_links_duplicate",),
-        ("a telegram takes effect twice",),
+        (
+            "a telegram takes effect twice",
+            "a telegram takes effect twice at manager and terminals",
+            "a telegram takes effect twice at a unit",
+        ),
     ),
     Hazard(
         "A forged or damaged telegram is obeyed",

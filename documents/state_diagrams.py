@@ -129,7 +129,7 @@ def _manager(keyed: Keyed) -> Iterator[tuple[str, Keyed]]:
             SignOff(unit_id, token),
         )
         for message in said:
-            heard = block_manager.Heard(unit_id, 1, True, 1, message)
+            heard: block_manager.Heard[AnyMessage] = block_manager.Heard(unit_id, 1, True, 1, message)
             yield _named(message, unit_id), _register(block_manager.step(register, heard, 0.0)[0])
         for person in ("one", "another"):
             for act in (ConfirmOutside(unit_id, person), ConfirmHolding(unit_id, ("T",), person)):
