@@ -7,10 +7,10 @@ named by a digest of every source file that holds compiled code. Fastmath stays 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import blake2b
 from pathlib import Path
-from typing import Final, ParamSpec, TypeVar, cast
+from typing import Any, Final, ParamSpec, TypeVar, cast
 
 from numba import njit
 from numba.core import config
@@ -44,6 +44,16 @@ def _place_cache() -> None:
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile `function` at its first call; division by zero gives inf or nan instead of raising."""
     return cast("Callable[P, R]", njit(cache=True, error_model="numpy")(function))
+
+
+def compiled_lines(lines: Sequence[str], names: Mapping[str, Callable[..., Any]], file: str) -> Any:  # noqa: ANN401
+    """Compile a function written by a table of functions: compiled code cannot choose between them by value.
+
+    `lines` define one function, `names` are the table's functions that it calls, `file` is the table's own.
+    """
+    written: dict[str, Any] = dict(names)
+    exec(compile("\n".join(lines), file, "exec"), written)
+    return compiled(written[lines[0].split()[1].partition("(")[0]])
 
 
 _place_cache()
