@@ -7,7 +7,11 @@ SCENARIO ?= karasuyama_weekday
 UNIT_LINES ?= 250
 FILE_LINES ?= 500
 
-.PHONY: install demo test check bench nets docs format clean
+# Tests of compiled laws; those of the slice take seconds even when they are interpreted.
+LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
+LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
+
+.PHONY: install demo test nightly interpreted check bench nets docs format clean
 
 install: $(STAMP)
 
@@ -21,6 +25,16 @@ demo: install
 
 test: install
 	$(BIN)/python -m pytest -n 2 --dist loadfile
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(LAWS_SLICE)
+
+# What is too long for every change, and the laws once more as Python runs them, with their coverage.
+nightly: install interpreted
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m nightly
+
+interpreted: install
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadfile $(LAWS) \
+		--deselect tests/vehicle/test_record.py \
+		--cov=vehicle --cov=onboard.driving --cov=onboard.localisation --cov=onboard.tick --cov-report=term-missing:skip-covered
 
 check: install
 	$(BIN)/ruff format --check $(PACKAGES) typings tests

@@ -8,10 +8,12 @@ named by a digest of every source file that holds compiled code. Fastmath stays 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import wraps
 from hashlib import blake2b
 from pathlib import Path
 from typing import Final, ParamSpec, TypeVar, cast
 
+import numpy as np
 from numba import njit
 from numba.core import config
 
@@ -41,8 +43,49 @@ def _place_cache() -> None:
     settings["CACHE_DIR"] = str(base / f"numba-{sources_digest(root)}")
 
 
+class _Record:
+    """A record as compiled code sees it: fields as attributes, of the very memory."""
+
+    __slots__ = ("_void",)
+    _void: np.void
+
+    def __init__(self, void: np.void) -> None:
+        object.__setattr__(self, "_void", void)
+
+    def __getattr__(self, name: str) -> object:
+        return _seen(self._void[name])
+
+    def __setattr__(self, name: str, value: float) -> None:
+        self._void[name] = value
+
+
+def _seen(value: object) -> object:
+    """An argument with its fields as attributes, if it has any."""
+    if type(value) is np.void:
+        return _Record(value)
+    if isinstance(value, np.ndarray) and value.dtype.names is not None:
+        return value.view(np.recarray)
+    return value
+
+
+def interpreted(function: Callable[P, R]) -> Callable[P, R]:
+    """`function` as Python runs it, on the records that compiled code takes."""
+
+    @wraps(function)
+    def run(*args: P.args, **keywords: P.kwargs) -> R:
+        with np.errstate(all="ignore"):
+            return function(*map(_seen, args), **keywords)  # type: ignore[arg-type]
+
+    return run
+
+
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile `function` at its first call; division by zero gives inf or nan instead of raising."""
+    """Compile `function` at its first call; division by zero gives inf or nan instead of raising.
+
+    With NUMBA_DISABLE_JIT=1 it is interpreted, on the same records: slow, for coverage and for stepping through.
+    """
+    if config.__dict__["DISABLE_JIT"]:
+        return interpreted(function)
     return cast("Callable[P, R]", njit(cache=True, error_model="numpy")(function))
 
 

@@ -62,8 +62,12 @@ def end(state: Authority, _event: EndOnLine) -> Result:
 
 
 def signed_on(state: Authority, event: SignedOn) -> Result:
-    """To its sign-on: holds what the manager says."""
-    if not event.answers:
+    """To its sign-on: holds what the manager says, if that has the portal that it wishes to enter."""
+    request = state.open(Ask.SIGN_ON)
+    if request is None or not event.answers:
+        return state, ()
+    # Asked on its sign-on, it has claimed nothing, and that is what was accepted: the wish is still to come.
+    if state.entering and not set(request.section_ids or ()) <= set(event.section_ids):
         return state, ()
     accepted, actions = closed(state, Ask.SIGN_ON)
     accepted = replace(

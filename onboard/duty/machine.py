@@ -230,8 +230,12 @@ def settle(turn: Turn) -> None:
     if phase in (Phase.OFF, Phase.GONE):
         return
     if phase is Phase.SIGNING_ON and turn.state.authority.on_line:
-        turn.set(phase=Phase.STANDING)
+        if turn.state.place.known:
+            turn.set(phase=Phase.STANDING)
+        else:  # lost while it signed on: only a tag can tell it again
+            turn.set(phase=Phase.ON_SIGHT, stands_at=turn.state.at)
         turn.actions.append(Accepted(turn.plan.number))
+        phase = turn.state.phase
     if phase is Phase.SIGNING_OFF and not turn.state.authority.on_line:
         turn.set(phase=Phase.GONE)
         turn.actions.append(LeftLine(turn.plan.number))

@@ -20,7 +20,7 @@ from wayside.config import (
     TerminalConfig,
     decode_config,
 )
-from wayside.said import ConfirmOutside, Note, NoteKind, PointsDetected, StartThrow
+from wayside.said import ConfirmOutside, PointsDetected, Started, StartThrow
 
 MASTER = b"m" * 32
 MANAGER = ManagerConfig(
@@ -50,7 +50,7 @@ def test_a_device_gets_no_keys_but_its_own() -> None:
 
 def test_records_survive_their_way() -> None:
     told = DeviceTold((ConfirmOutside("u", "x"), PointsDetected("p", None, False)))
-    said = DeviceSaid((StartThrow("p", Position.REVERSE),), (Note(NoteKind.STARTED, token=3),))
+    said = DeviceSaid((StartThrow("p", Position.REVERSE),), (Started(epoch=3),))
     assert CODEC.told(CODEC.encode(told)) == told
     assert CODEC.said(CODEC.encode(said)) == said
 

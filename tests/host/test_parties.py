@@ -20,7 +20,7 @@ from radio.messages import PointsCommand, RouteGranted, RouteRequest, SignOn
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig
-from wayside.said import ConfirmOutside, NoteKind, PointsDetected, StartThrow
+from wayside.said import ConfirmOutside, PointsDetected, Started, StartThrow
 
 MASTER = b"m" * 32
 MANAGER = ManagerConfig(
@@ -31,7 +31,6 @@ MANAGER = ManagerConfig(
     (RouteEntry("R", "P", ("S", "T")),),
 )
 TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
-STARTED = NoteKind.STARTED
 
 
 def specs() -> tuple[PartySpec, ...]:
@@ -116,7 +115,7 @@ def test_a_killed_party_is_down_and_comes_back_with_a_new_boot(
     with make(tmp_path) as parties:
         devices = Devices(parties)
         (note, *_) = devices.advance(device_id, 0.0, []).notes
-        assert (note.kind, note.token) == (STARTED, 1)
+        assert note == Started(epoch=1)
         with pytest.raises(PartyError, match="runs already"):
             parties.restart(device_id)
         for boot in (2, 3):
@@ -126,7 +125,7 @@ def test_a_killed_party_is_down_and_comes_back_with_a_new_boot(
                 devices.advance(device_id, 0.1, [])
             parties.restart(device_id)
             (note, *_) = devices.advance(device_id, 0.2, []).notes
-            assert (note.kind, note.token) == (STARTED, boot)
+            assert note == Started(epoch=boot)
 
 
 @links
@@ -139,7 +138,7 @@ def test_a_killed_terminal_sees_its_points_only_when_it_is_told_anew(
         parties.kill("t")
         parties.restart("t")
         (note,) = devices.advance("t", 0.2, [], [PointsDetected("p", Position.NORMAL, True)]).notes
-        assert (note.kind, note.token) == (STARTED, 2)
+        assert note == Started(epoch=2)
 
 
 @links

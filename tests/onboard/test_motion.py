@@ -137,7 +137,9 @@ def test_a_tag_is_passed_by_its_index(motion: Motion, mission: Mission) -> None:
     motion.row.position_m = tag.position_m + 0.3
     motion.row.odometer_m = 0.0
     assert motion.tag_read(tag.tag_id, 0.0) == [TagPassed(2, found=False)]
-    assert motion.row.position_m == pytest.approx(tag.position_m)
+    row = motion.row
+    assert row.position_m < tag.position_m + 0.3  # drawn towards the tag, which lies within what may be
+    assert row.position_m - row.bound_behind_m <= tag.position_m <= row.position_m + row.bound_ahead_m
 
 
 def test_a_tag_tells_who_does_not_know(motion: Motion, mission: Mission) -> None:

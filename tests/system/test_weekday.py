@@ -205,6 +205,7 @@ def test_one_process_for_each_device_and_none_afterwards(zenoh: Day, line: Line)
     assert zenoh.left_over == 0
 
 
+@pytest.mark.nightly
 def test_another_seed_is_another_day_that_runs_as_well(simulated: Day, other_seed: Day) -> None:
     assert other_seed.figures["digest"] != simulated.figures["digest"]
     assert other_seed.figures["seed"] == 2

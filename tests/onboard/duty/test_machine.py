@@ -572,6 +572,27 @@ TOLD: Final[dict[str, Case]] = {
             Accepted("T1"),
         ),
     ),
+    "signed on without a position: on sight, where it stands": (
+        replace(SIGNING_ON, place=Place()),
+        Heard(SignedOn(("3",), (), answers=True, newer=True)),
+        Place(),
+        replace(
+            STANDING,
+            phase=Phase.ON_SIGHT,
+            place=Place(),
+            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+            stands_at=0,
+        ),
+        (
+            StopTimer(Timer("sign on")),
+            Take(("3",)),
+            Write(notes.SignedOn(section_ids=("3",))),
+            holds("3"),
+            Accepted("T1"),
+            Renew(Ask.ROUTE),
+            *sent(ROUTE_OPEN),
+        ),
+    ),
     "signed off, the train may be taken off the line": (
         SIGNING_OFF,
         Heard(SignedOff(answers=True)),

@@ -40,16 +40,15 @@ class World:
     frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
 
     def __post_init__(self) -> None:
-        self.truth = SimpleNamespace(tachometer_gain=1.0, tachometer_frozen_mps=-1.0, wheel_factor=1.0)
+        self.tachometer = SimpleNamespace(gain=1.0, frozen_mps=-1.0, wheel_factor=1.0)
         self.plant = SimpleNamespace(wheel_speed_mps=WHEEL_MPS)
         self.rail_share = 1.0
         self.trains: Any = SimpleNamespace(
             slot_of={"K1": 0},
-            truths=[self.truth],
+            tachometers=[self.tachometer],
             plants=[self.plant],
             tachometer_faults={},
             tag_faults={},
-            on_board=[],
             set_rail=lambda _slot, share: setattr(self, "rail_share", share),
         )
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
@@ -66,6 +65,7 @@ class World:
             Script(self.failures),
             1,
             self.trains,
+            SimpleNamespace(),
             self.wayside,
             Journal(),
             self.agenda,
@@ -95,7 +95,7 @@ def test_a_short_fault_inside_a_long_one_takes_only_itself_away() -> None:
     gains = []
     for second in (1, 5, 10, 20, 70):
         world.run_to(second * 10)
-        gains.append(world.truth.tachometer_gain)
+        gains.append(world.tachometer.gain)
     assert gains == [1.0, 0.8, 0.0, 0.8, 1.0]
     assert world.trains.tachometer_faults == {0: False}
 
@@ -122,13 +122,13 @@ def test_what_is_stuck_shows_what_it_showed_whatever_the_factor() -> None:
     )
     world.run_to(25)
     world.plant.wheel_speed_mps = 20.0
-    assert world.truth.tachometer_frozen_mps == 5.0
+    assert world.tachometer.frozen_mps == 5.0
     world.run_to(50)
-    assert (world.truth.tachometer_gain, world.truth.tachometer_frozen_mps) == (0.0, -1.0)
+    assert (world.tachometer.gain, world.tachometer.frozen_mps) == (0.0, -1.0)
     world.run_to(70)
-    assert world.truth.tachometer_frozen_mps == 5.0
+    assert world.tachometer.frozen_mps == 5.0
     world.run_to(130)
-    assert (world.truth.tachometer_gain, world.truth.tachometer_frozen_mps) == (0.5, -1.0)
+    assert (world.tachometer.gain, world.tachometer.frozen_mps) == (0.5, -1.0)
 
 
 def test_a_tag_that_is_not_read_reads_as_no_other_either() -> None:
@@ -195,7 +195,7 @@ def expected(family: str, faults: list[Fault[Any]]) -> object:
 def found(family: str, world: World) -> object:
     machine = world.wayside.machines["P7"]
     return {
-        "tachometer": world.truth.tachometer_gain,
+        "tachometer": world.tachometer.gain,
         "rail": world.rail_share,
         "tag": world.trains.tag_faults,
         "points": (machine.stuck, machine.detection_fault, machine.throw_factor),

@@ -69,6 +69,6 @@ def test_without_a_sign_no_camera_looks(rtri_setup: Setup) -> None:
 
 
 def test_a_train_that_has_called_everywhere_has_no_sign_to_look_for(rtri_setup: Setup) -> None:
-    trains = placed(replace(rtri_setup, vision=Vision(frozenset({"B"}), rate_hz=5.0)))
+    trains = placed(replace(rtri_setup, vision=Vision(stations=("B",), rate_hz=5.0)))
     Eyes(trains, Agenda(), lambda _slot: 2).look_ahead(0)
     assert trains.truths[0].camera_m == math.inf

@@ -96,19 +96,19 @@ def test_the_carrier_executes_what_the_kernel_ran_ahead(rtri_setup: Setup) -> No
 def test_standing_and_going_are_told_by_the_truth(rtri_setup: Setup) -> None:
     """A silent tachometer hides both from the unit: it sees neither a start nor a stop."""
     bench = Bench(rtri_setup)
-    bench.trains.truths[0].tachometer_gain = 0.0
+    bench.trains.tachometers[0].gain = 0.0
     stood, went = [], []
     unit_events = 0
     before_mps = 0.0
     while bench.step < 600 and not stood:
-        events = bench.advance()
+        unit_events |= bench.advance()
+        events = bench.passed
         now_mps = float(bench.trains.plants[0].speed_mps)
         assert bool(events & PASSED_FROM_A_STAND) == (
             before_mps == 0.0 < now_mps and events & PASSED_TO_A_STAND == 0
         )
         went += [bench.step] if events & PASSED_FROM_A_STAND else []
         stood += [bench.step] if events & PASSED_TO_A_STAND else []
-        unit_events |= events
         before_mps = now_mps
         if now_mps > 3.0:
             bench.trains.truths[0].powered = 0  # the emergency brake brings it to a stand

@@ -203,8 +203,14 @@ def test_chance_belongs_to_the_stock_whatever_else_runs(rtri_setup: Setup) -> No
 
 def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_setup: Setup) -> None:
     """Drawn anew for each leg, whether a fault is in force or not."""
-    wet = Scatter(weather=(Weather(0.0, 100_000.0, 0.4, 0.8),))
-    placed = Trains(replace(rtri_setup, scatter=wet), plain(rtri_setup), KEY)
+    wet = Scatter(
+        weather=(
+            Weather.model_validate(
+                {"from": "00:00", "to": "24:00", "adhesion_low": 0.4, "adhesion_high": 0.8}
+            ),
+        )
+    )
+    placed = Trains(replace(rtri_setup, scatter=wet), plain(rtri_setup))
     placed.place(0, first_duty(rtri_setup))
     plant, now_s = placed.plants[0], 36_000.0
     weather = float(plant.adhesion_factor)

@@ -15,7 +15,7 @@ from simulation.world.trains import Trains
 from study.scenario.scenario import load_scenario
 
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
-SLOW = "[belief]\nadd = { limits = [ { from_km = 0.0, to_km = 1.41, speed_kmh = 18 } ] }\n"
+SLOW = "[belief.line]\nadd = { limits = [ { from_km = 0.0, to_km = 1.41, speed_kmh = 18 } ] }\n"
 
 
 def setup_of(folder: Path, text: str) -> Setup:
@@ -26,9 +26,16 @@ def setup_of(folder: Path, text: str) -> Setup:
 
 def placed(setup: Setup) -> Trains:
     lengths_m = {piece.id: round(piece.length_m, 6) for piece in setup.line.pieces.values()}
-    trains = Trains(setup, PlainTrack(lengths_m, STEP_S), b"k" * 32)
+    trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
     trains.place(0, draw_up(setup.believed_line, setup.timetable, {"K1": 40.0}, 0.0)["K1"][0])
     return trains
+
+
+def pattern_rows(trains: Trains) -> np.ndarray:
+    """The path database that the unit goes by."""
+    duty = trains.duties[0]
+    assert duty is not None
+    return trains.pool.pattern_of(trains.rows_of(0, duty.mission.path))
 
 
 def test_without_one_units_believe_what_is_so(tmp_path: Path) -> None:
@@ -42,13 +49,13 @@ def test_a_limit_that_only_units_know_is_in_their_patterns_and_nowhere_else(tmp_
     setup = setup_of(tmp_path, SLOW)
     assert all(not alignment.limits for alignment in setup.line.alignments.values())
     trains = placed(setup)
-    assert trains.pattern_rows(0)["permitted_mps"].max() <= 5.0
+    assert pattern_rows(trains)["permitted_mps"].max() <= 5.0
     assert trains.pool.profile["limit_mps"].min() > 5.0
-    assert placed(setup_of(tmp_path, "")).pattern_rows(0)["permitted_mps"].max() > 5.0
+    assert pattern_rows(placed(setup_of(tmp_path, "")))["permitted_mps"].max() > 5.0
 
 
 def test_a_tag_lies_where_it_is_and_is_expected_where_it_is_believed(tmp_path: Path) -> None:
-    setup = setup_of(tmp_path, '[belief]\nset = { "tags.1.km" = 0.05 }\n')
+    setup = setup_of(tmp_path, '[belief.line]\nset = { "tags.1.km" = 0.05 }\n')
     real, believed = setup.line.tags[1], setup.believed_line.tags[1]
     assert believed.position_m == pytest.approx(50.0)
     assert real.position_m == pytest.approx(60.0)
@@ -67,8 +74,8 @@ def test_a_unit_may_be_wrong_about_its_train(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "key"),
     [
-        ('[belief]\nset = { "tags.999.km" = 0.05 }\n', "belief.set"),
-        ('[belief]\nremove_tracks = ["4"]\n', "belief"),
+        ('[belief.line]\nset = { "tags.999.km" = 0.05 }\n', "belief.line.set"),
+        ('[belief.line]\nremove_tracks = ["4"]\n', "belief.line"),
         ('[belief.trains]\nK9 = "br642"\n', "belief.trains.K9"),
         ('[belief.trains]\nK1 = "br6420"\n', "belief.trains.K1"),
         ("[belief]\ntrains = 3\n", "belief.trains"),

@@ -1,0 +1,228 @@
+"""What always holds of a unit, whatever happens to it: breadth first on a small line, and at random on longer courses.
+
+The steps are those of `documents.explored_unit`: the real machines, a train that moves as it is let, telegrams that
+answer well or ill, people, tags and timers.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from documents.explored import Explored, explore
+from documents.explored_unit import END, PLANS, Run, Step, X, course, following, may_start, phase_name, steps
+from onboard.authority.records import (
+    Ask,
+    Granted,
+    SendCommand,
+    SetTimer,
+    SignedOff,
+    SignedOn,
+    StopTimer,
+    Timer,
+)
+from onboard.duty import machine
+from onboard.duty.machine import command_of
+from onboard.duty.records import (
+    ASK,
+    LEAVE,
+    RELEASE,
+    AtMark,
+    Begin,
+    Heard,
+    Phase,
+    PointsSeen,
+    PointsWrong,
+    SetBack,
+    SetTimerAt,
+    SwitchedOn,
+    TimerDue,
+)
+
+SMALL_BYTES = 4096  # of a state, written out
+
+
+def check_holds_what_was_granted(before: Run, step: Step) -> None:
+    """Sections come by the manager's word, or where the crew enters the train number."""
+    gained = set(step.run.state.authority.held) - set(before.state.authority.held)
+    match step.event:
+        case Heard(Granted(answers=True, fresh=True, newer=True) | SignedOn(answers=True)):
+            assert gained <= set(step.event.event.section_ids)
+        case Begin(signs_on=True):
+            assert gained <= {step.event.plan.spans[0].section_id}
+        case _:
+            assert not gained
+
+
+def check_drops_what_is_clear(before: Run, step: Step) -> None:
+    """Sections go when the safe rear has left them, when not entered, or by the manager's word on signing on or off."""
+    after = step.run
+    dropped = set(before.state.authority.held) - set(after.state.authority.held)
+    plan = PLANS[after.plan]
+    match step.event:
+        case SetBack():
+            assert dropped.isdisjoint(s.section_id for s in plan.spans[: after.place.perhaps])
+        case AtMark():
+            assert dropped <= {s.section_id for s in plan.spans[: plan.stops[step.event.stop].clear]}
+        case Begin() | SwitchedOn() | Heard(SignedOn(answers=True) | SignedOff(answers=True)):
+            pass
+        case _:
+            assert dropped <= {s.section_id for s in plan.spans[: after.place.clear]}
+            assert dropped.isdisjoint(after.under)
+
+
+def check_points(before: Run, step: Step) -> None:
+    """Proven only while held, or by the crew's eye on sight; no command of points that may be under the train."""
+    after = step.run
+    authority = after.state.authority
+    crew_may_have_seen = Phase.ON_SIGHT in (before.state.phase, after.state.phase)
+    for needed in set(authority.proven) - set(before.state.authority.proven):
+        assert authority.holds(needed.section_id) or isinstance(step.event, PointsSeen) or crew_may_have_seen
+    assert all(authority.holds(command.needed.section_id) for command in authority.commands)
+    if not after.known:
+        new = {c.needed for c in authority.commands} - {c.needed for c in before.state.authority.commands}
+        assert not new or isinstance(step.event, PointsWrong)
+        return
+    if after.state.phase in (Phase.OFF, Phase.GONE):
+        return
+    perhaps = {span.section_id for span in PLANS[after.plan].spans[: after.place.perhaps]}
+    assert perhaps.isdisjoint(command.needed.section_id for command in authority.commands)
+    for action in step.actions:
+        if isinstance(action, SendCommand) and not isinstance(step.event, TimerDue | Heard):
+            assert action.needed.section_id not in perhaps
+
+
+def timers_named(run: Run) -> set[Timer]:
+    """Timers without which this state would wait for ever."""
+    state = run.state
+    named = {one.timer for one in (*state.authority.requests, *state.authority.commands) if one.sent}
+    if not state.released:
+        named.add(RELEASE)
+    last = len(PLANS[run.plan].stops) - 1
+    if state.phase is Phase.STANDING and state.at < last:
+        named |= {timer for timer, over in ((ASK, state.may_ask), (LEAVE, state.may_leave)) if not over}
+    if state.phase is Phase.ON_SIGHT and state.stands_at not in (None, last) and not state.may_leave:
+        named.add(LEAVE)
+    return named
+
+
+def timers_after(running: frozenset[Timer], step: Step) -> frozenset[Timer]:
+    """Those that run after a step, as `onboard.unit` keeps them."""
+    left = set(running) - ({step.event.timer} if isinstance(step.event, TimerDue) else set())
+    for action in step.actions:
+        if isinstance(action, SetTimer | SetTimerAt):
+            left.add(action.timer)
+        if isinstance(action, StopTimer):
+            left.discard(action.timer)
+    return frozenset(left)
+
+
+# Dead states that are known, and mended with the issue on interlocking when things go wrong twice.
+KNOWN_DEAD: dict[str, Callable[[Run], bool]] = {
+    "the sign-off refused once": lambda run: (
+        run.state.phase is Phase.SIGNING_OFF and run.state.authority.open(Ask.SIGN_OFF) is None
+    ),
+    "bounds wider than the way to the points": lambda run: (
+        run.state.phase is Phase.RUNNING
+        and run.state.limit.why == "points not proven"
+        and run.place.perhaps > run.state.limit.joint
+    ),
+    "the route ahead not held where no route begins": lambda run: (
+        run.state.phase is Phase.RUNNING
+        and run.state.limit.why == "not held"
+        and PLANS[run.plan].leg_beyond(PLANS[run.plan].spans[run.place.here].section_id) is None
+    ),
+}
+
+
+def waits_for_nothing(run: Run) -> bool:
+    """Neither anything outstanding nor a timer, and the train does not move; its duty not over."""
+    state = run.state
+    if state.phase in (Phase.OFF, Phase.GONE, Phase.FINISHED):
+        return False  # the crew's turn
+    if state.authority.requests or state.authority.commands or timers_named(run):
+        return False
+    looks = state.phase is Phase.ON_SIGHT and not run.known  # its crew looks, and drives on or calls for help
+    return not (run.moves or may_start(run) or (looks and command_of(PLANS[run.plan], state).drive))
+
+
+def check_waits_for_something(run: Run) -> None:
+    known = [name for name, dead in KNOWN_DEAD.items() if dead(run)]
+    assert known or not waits_for_nothing(run), run
+
+
+def check(before: Run, step: Step) -> None:
+    check_holds_what_was_granted(before, step)
+    check_drops_what_is_clear(before, step)
+    check_points(before, step)
+    check_waits_for_something(step.run)
+
+
+@pytest.fixture(scope="module")
+def explored() -> Explored[Run]:
+    return explore(course(), following, phase_name, 4000)
+
+
+def test_every_state_reached_first_keeps_the_rules(explored: Explored[Run]) -> None:
+    for run in explored.states:
+        for step in steps(run):
+            check(run, step)
+
+
+def test_states_are_small_and_their_parts_bounded(explored: Explored[Run]) -> None:
+    assert {run.state.phase for run in explored.states} == set(Phase)
+    for run in explored.states:
+        state = run.state
+        assert hash(state) == hash(replace(state))
+        assert len(pickle.dumps(state)) < SMALL_BYTES
+        for listed in (state.authority.held, state.authority.proven, state.authority.unsaid, state.wanted):
+            assert len(set(listed)) == len(listed)
+
+
+@given(st.lists(st.integers(0, 1000), max_size=120), st.booleans())
+def test_whatever_happens_the_rules_hold(choices: list[int], willing: bool) -> None:
+    """`willing`: the first thing that can happen is taken more often, so that courses get far."""
+    run, running = Run(), frozenset[Timer]()
+    for choice in choices:
+        possible = list(steps(run))
+        if not possible:
+            return
+        step = possible[(choice // 2 if willing and choice % 2 else choice) % len(possible)]
+        check(run, step)
+        running = timers_after(running, step)
+        assert timers_named(step.run) <= running
+        run = step.run
+
+
+def test_a_run_gets_through(explored: Explored[Run]) -> None:
+    """So that what is checked is more than the beginning: the train arrives, turns, and leaves the line."""
+    assert any(run.plan == 1 and run.state.phase is Phase.STANDING for run in explored.states)
+    assert any(run.spot == END and run.state.phase is Phase.FINISHED for run in explored.states)
+
+
+@pytest.mark.parametrize("off", ["waits for the rear", "withdraws throws under the front"])
+def test_a_rule_switched_off_is_found(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    if off == "waits for the rear":
+        monkeypatch.setattr(
+            machine,
+            "cleared_sections",
+            lambda plan, authority, clear: tuple(
+                s.section_id for s in plan.spans[: clear + 1] if authority.holds(s.section_id)
+            ),
+        )
+    else:
+        monkeypatch.setattr(machine, "points_perhaps_under", lambda *_: ())
+    found = explore(course(), following, phase_name, 1000)
+    with pytest.raises(AssertionError):
+        for run in found.states:
+            for step in steps(run):
+                check(run, step)
+
+
+def test_the_points_of_the_small_line_are_on_both_plans() -> None:
+    assert all(any(X in span.points for span in plan.spans) for plan in PLANS)

@@ -1,0 +1,227 @@
+"""Coming onto the line and leaving it: by what is accepted and what truly stands there; and a cab without power."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from host.units import LocalUnits
+from network.model import Direction
+from network.timetable import AtPortal, Call, Diagram, Stabled, Timetable, TimetableTrain
+from onboard.duty.records import Accepted, Finished, LeftLine, Phase, Started
+from simulation.agenda import Agenda, Due
+from simulation.cabs import Cabs
+from simulation.carriers.plain_track import PlainTrack
+from simulation.duties import PORTAL_RETRY_S, Duties, Stage
+from simulation.events import Entered, Left, PowerOff, PowerOn
+from simulation.journal import Journal
+from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
+from simulation.world.books import Books
+from simulation.world.on_board import OnBoard
+from simulation.world.roster import draw_up
+from simulation.world.trains import Trains
+
+ENTER_S, LEAD_S = 36_000.0, 210.0
+AT = round((ENTER_S - LEAD_S) * STEPS_PER_S)
+
+
+def two_trains(setup: Setup) -> Setup:
+    """K1 and K2 come in by the western portal; K2 has the same times, so it finds K1 there."""
+    calls = (Call("A", "1", None, round(ENTER_S)), Call("B", "1", round(ENTER_S) + 120, None))
+    trains = {
+        number: TimetableTrain(number, Direction.DOWN, True, calls, AtPortal("PW"), Stabled())
+        for number in ("T1", "T2")
+    }
+    old = setup.timetable
+    diagrams = (Diagram("K1", ("T1",)), Diagram("K2", ("T2",)))
+    timetable = Timetable(old.id, old.name, old.line_id, old.dwell_min_s, trains, diagrams)
+    kind = setup.trains["K1"]
+    return Setup("two", setup.line, timetable, {"K1": kind, "K2": kind})
+
+
+class Yard:
+    """Two trains outside the western portal; the wayside hears them and says nothing."""
+
+    def __init__(self, setup: Setup) -> None:
+        setup = two_trains(setup)
+        lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
+        self.agenda, self.journal = Agenda(), Journal()
+        self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
+        self.units = LocalUnits(unit_configs(setup, b"k" * 32))
+        self.on_board = OnBoard(setup, self.trains, self.units)
+        self.sent: list[tuple[str, str]] = []
+        self.inputs: list[Any] = []
+        wayside: Any = SimpleNamespace(
+            machines={},
+            transmit=lambda _step, source, destination, _data: self.sent.append((source, destination)),
+            input=lambda _step, _device, value: self.inputs.append(value),
+        )
+        checkers: Any = SimpleNamespace(
+            entered=lambda *_: None, left=lambda *_: None, observe=lambda *_: None, reversed=lambda *_: None
+        )
+        self.books = Books(self.trains, lambda slot: self.duties.finished(slot), lambda _slot: "")  # noqa: PLW0108
+        self.cabs = Cabs(self.trains, self.on_board, wayside, self.books, self.agenda, self.journal)
+        lengths = dict.fromkeys(self.trains.stock_ids, 40.0)
+        drawn = draw_up(setup.line, setup.timetable, lengths, LEAD_S)
+        self.duties: Duties = Duties(
+            setup,
+            drawn,
+            self.trains,
+            self.on_board,
+            self.cabs,
+            self.books,
+            checkers,
+            wayside,
+            self.agenda,
+            self.journal,
+        )
+        self.duties.open(AT - 10)
+
+    def stage(self, slot: int) -> Stage:
+        return self.duties._stage[slot]
+
+    def next_duty(self) -> int:
+        """Step at which the next stock takes up its duty."""
+        while (item := self.agenda.pop_due(10**9)) is not None:
+            if item.kind is Due.DUTY:
+                return item.step
+        raise AssertionError("no duty is due")
+
+    def accept(self, slot: int, step: int) -> None:
+        self.duties.told(slot, Accepted("T1"), step)
+
+
+@pytest.fixture
+def yard(rtri_setup: Setup) -> Yard:
+    return Yard(rtri_setup)
+
+
+def test_stock_outside_is_confirmed_and_comes_when_it_is_time(yard: Yard) -> None:
+    assert [(entry.unit_id, entry.person) for entry in yard.inputs] == [
+        ("K1", "controller"),
+        ("K2", "controller"),
+    ]
+    assert yard.next_duty() == AT
+
+
+def test_a_stock_waits_outside_until_it_is_accepted(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    assert yard.stage(0) is Stage.WAITING
+    assert yard.trains.active() == []
+    assert ("K1", "block-manager") in yard.sent  # its unit signs on all the same
+    yard.accept(0, AT + 5)
+    assert yard.stage(0) is Stage.ON_LINE
+    assert yard.trains.active() == [0]
+    assert any(isinstance(entry.event, Entered) for entry in yard.journal.entries)
+
+
+def test_a_stock_that_is_accepted_waits_until_nothing_truly_stands_there(yard: Yard) -> None:
+    for slot in (0, 1):
+        yard.duties.take_up(slot, AT)
+    yard.accept(0, AT)
+    yard.accept(1, AT)
+    assert yard.trains.active() == [0]
+    assert yard.stage(1) is Stage.WAITING
+    again = AT + round(PORTAL_RETRY_S / STEP_S)
+    assert again in [item.step for item in yard.agenda._heap if item.kind is Due.DUTY]
+    yard.duties.take_up(1, again)
+    assert yard.trains.active() == [0]
+    yard.trains.remove(0)
+    yard.duties.take_up(1, again + 100)
+    assert yard.trains.active() == [1]
+
+
+def test_what_a_unit_believes_opens_no_portal(yard: Yard) -> None:
+    """K1's unit says that it is far away; its train stands in the portal all the same."""
+    for slot in (0, 1):
+        yard.duties.take_up(slot, AT)
+    yard.accept(0, AT)
+    yard.trains.units[0].position_m = 500.0
+    yard.accept(1, AT)
+    assert yard.trains.active() == [0]
+
+
+def test_a_unit_that_dies_while_waiting_signs_on_again(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    yard.cabs.power_off(0, AT + 10)
+    sent = len(yard.sent)
+    yard.cabs.timer(0, AT + 20)
+    assert len(yard.sent) == sent
+    assert yard.cabs.power_on(0, AT + 30)
+    assert yard.units._running["K1"].state.phase is Phase.OFF  # nobody has entered its number yet
+    yard.duties.powered_on(0, AT + 30)
+    assert yard.units._running["K1"].state.phase is Phase.SIGNING_ON
+    assert len(yard.sent) > sent
+    yard.accept(0, AT + 40)
+    assert yard.stage(0) is Stage.ON_LINE
+
+
+def test_who_waits_at_a_portal_is_overdue_from_its_time_on(yard: Yard) -> None:
+    enter_s = ENTER_S - LEAD_S
+    assert yard.duties.overdue_s(enter_s + 1000.0) == 0.0  # nothing has been taken up
+    yard.duties.take_up(0, AT)
+    assert yard.duties.overdue_s(enter_s + 30.0) == pytest.approx(30.0)
+    yard.accept(0, AT)  # its departure from the portal has no time: from when it should have been there
+    assert yard.duties.overdue_s(enter_s + 40.0) == pytest.approx(40.0)
+
+
+def test_an_acceptance_moves_nobody_who_is_on_the_line(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    yard.accept(0, AT)
+    place_m = float(yard.trains.truths[0].position_m)
+    yard.trains.truths[0].position_m = place_m + 5.0
+    yard.accept(0, AT + 100)
+    assert yard.trains.truths[0].position_m == place_m + 5.0
+
+
+def test_who_is_told_that_the_line_is_left_is_taken_off_it(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    yard.duties.told(0, LeftLine("T1"), AT)  # not on the line: nothing to leave
+    assert yard.stage(0) is Stage.WAITING
+    yard.accept(0, AT)
+    yard.duties.told(0, LeftLine("T1"), AT + 100)
+    assert yard.trains.active() == []
+    assert yard.stage(0) is Stage.DONE
+    assert any(isinstance(entry.event, Left) for entry in yard.journal.entries)
+    assert not yard.duties.all_done()  # K2 is still to come
+
+
+def test_a_journey_that_ends_on_the_line_is_done(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    yard.accept(0, AT)
+    yard.duties.told(0, Finished("T1"), AT + 100)
+    assert yard.duties.finished(0)
+    assert yard.trains.active() == [0]
+
+
+# cabs ---------------------------------------------------------------------------------------------------------------
+
+
+def test_a_cab_without_power_is_told_nothing(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    yard.accept(0, AT)
+    yard.cabs.power_off(0, AT + 10)
+    yard.cabs.power_off(0, AT + 11)  # it is off already
+    written, sent = len(yard.journal.entries), len(yard.sent)
+    yard.cabs.tell(0, AT + 20, (Started(),))
+    yard.cabs.set_back(0, AT + 20, 60.0)
+    assert (len(yard.journal.entries), len(yard.sent)) == (written, sent)
+    kinds = [type(entry.event) for entry in yard.journal.entries]
+    assert kinds.count(PowerOff) == 1
+    assert not yard.cabs.power_on(1, AT + 30)  # it was never off
+    assert yard.cabs.power_on(0, AT + 30)
+    assert [type(e.event) for e in yard.journal.entries].count(PowerOn) == 1
+
+
+def test_a_timer_wakes_a_unit_at_its_step_and_never_before(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    wakes = [item for item in yard.agenda._heap if item.kind is Due.UNIT_TIMER and item.subject == "K1"]
+    (wake,) = wakes
+    assert wake.step == AT + 20  # a sign-on is repeated after 2 s
+    sent = len(yard.sent)
+    yard.cabs.timer(0, wake.step - 1)
+    assert len(yard.sent) == sent
+    yard.cabs.timer(0, wake.step)
+    assert len(yard.sent) == sent + 1
