@@ -120,8 +120,8 @@ def test_adding_to_a_list_and_replacing_it_are_two_things(tmp_path: Path) -> Non
     added = patched(tmp_path, "[[patch.fault.add]]\n" + FAULT.format("P7").partition("\n")[2], "low")
     fewer = patched(tmp_path, "[patch.fault]\nremove = [0]\n", "low")
     longer = patched(tmp_path, '[patch.fault.times]\n"0.duration_s" = 2.0\n', "low")
-    assert [f.target for f in replaced.setup.script.faults] == ["P7"]
-    assert [f.target for f in added.setup.script.faults] == ["P5", "P7"]
+    assert [f.fault.target for f in replaced.setup.script.faults] == ["P7"]
+    assert [f.fault.target for f in added.setup.script.faults] == ["P5", "P7"]
     assert fewer.setup.script.faults == ()
     assert longer.setup.script.faults[0].duration_s == 120.0
 
