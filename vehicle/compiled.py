@@ -16,6 +16,7 @@ from typing import Final, ParamSpec, TypeVar, cast
 import numpy as np
 from numba import njit
 from numba.core import config
+from numpy.typing import NDArray
 
 PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")  # below them too
 MARKS: Final = (b"@compiled", b"dtype_of")  # the second takes in the records and their sizes
@@ -63,8 +64,9 @@ def _seen(value: object) -> object:
     """An argument with its fields as attributes, if it has any."""
     if type(value) is np.void:
         return _Record(value)
-    if isinstance(value, np.ndarray) and value.dtype.names is not None:
-        return value.view(np.recarray)
+    if isinstance(value, np.ndarray):
+        array = cast("NDArray[np.void]", value)
+        return array if array.dtype.names is None else array.view(np.recarray)
     return value
 
 
