@@ -10,6 +10,7 @@ from typing import Final
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from documents.page import write_page
 from simulation.faults.table import KINDS
 
 FILE: Final = Path("docs/faults.md")
@@ -57,11 +58,5 @@ def _plain(text: str | None) -> str:
     return " ".join((text or "").split())
 
 
-def main() -> None:
-    """Write the file."""
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    path.write_text(document(), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    write_page(document, FILE)

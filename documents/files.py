@@ -6,14 +6,14 @@ Run as `python -m documents.files [file]`; a test compares what is committed wit
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from pydantic import BaseModel
 
 from documents.interlocking import table
+from documents.page import write_page
 from network.files.line_schema import LineFile
 from network.files.schema_walk import range_text, resolved
 from network.files.timetable_schema import TimetableFile
@@ -210,14 +210,5 @@ def _first_line(text: str) -> str:
     return " ".join(text.partition("\n\n")[0].split())
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Write the page, to the file given or to its place in the tree."""
-    file = Path(arguments[0]) if arguments else FILE
-    aside = file.with_suffix(".new")
-    aside.write_text(document(), encoding="utf-8")
-    aside.replace(file)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    write_page(document, FILE)

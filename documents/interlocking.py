@@ -7,7 +7,6 @@ from runs of the paper's test line; hazards are data here, and a test holds ever
 from __future__ import annotations
 
 import importlib
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Final
 
 from documents.interlocking_hazards import HAZARDS, REMAINING
 from documents.interlocking_runs import restart_rows, run_without_failure, sequence, stop_limits
+from documents.page import write_page
 from documents.state_diagrams import drawn
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
@@ -204,14 +204,5 @@ switched off on purpose and caught; the drills of the paper's line fail, too, wh
 """
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Write the document, to the file given or to its place in the tree."""
-    file = Path(arguments[0]) if arguments else FILE
-    aside = file.with_suffix(".new")
-    aside.write_text(document(), encoding="utf-8")
-    aside.replace(file)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    write_page(document, FILE)

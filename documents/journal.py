@@ -5,7 +5,6 @@ Keys and types of the data are those of the JSON Schema that msgspec makes of th
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -13,6 +12,7 @@ from typing import Any, Final
 import msgspec
 
 from documents.interlocking import table
+from documents.page import write_page
 from simulation.events import EVENTS, EventType, authors_of
 
 FILE: Final = Path("docs/journal.md")
@@ -93,11 +93,5 @@ receiver to letting it in once.
 """
 
 
-def main(arguments: list[str]) -> None:
-    """Write the document to the file given, or where it belongs."""
-    file = Path(arguments[0]) if arguments else FILE
-    file.write_text(document(), "utf-8")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    write_page(document, FILE)

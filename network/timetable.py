@@ -358,7 +358,7 @@ def _check_change(
         raise InputError(file, ends, f"becomes:{before.ends.number}", expected)
     # A set that left by one portal may come back by another, as on the two tracks of a main line.
     partner = {BecomesTrain: FromTrain, Stabled: Stabled, AtPortal: AtPortal}[type(before.ends)]
-    if not isinstance(after.begins, partner):
+    if type(after.begins) is not partner:
         written = {FromTrain: f"from:{before.number}", Stabled: "stabled", AtPortal: "portal:<section id>"}
         wanted = written[partner]
         raise InputError(file, begins, _written(after.begins), f"{wanted}, as train {before.number} ends")

@@ -180,9 +180,8 @@ def read_geometry(
     table = read_json(stations_file, _StationsFile)
     if len(table.station_list) < 2:
         raise InputError(str(stations_file), "station_list", len(table.station_list), "two or more stations")
-    lon_deg, lat_deg = (
-        float(np.round((axis.min() + axis.max()) / 2.0, 4)) for axis in (vertices[:, 0], vertices[:, 1])
-    )
+    lows, highs = np.min(vertices, axis=0), np.max(vertices, axis=0)
+    lon_deg, lat_deg = (float(np.round((float(lows[i]) + float(highs[i])) / 2.0, 4)) for i in (0, 1))
     project = plane_projection(polyline_file, lat_deg, lon_deg)
     track = project(vertices)
     stops = project(np.array([(row.lng, row.lat) for row in table.station_list]))

@@ -42,7 +42,7 @@ class Letters:
     def __init__(self, unit_id: str, manager_id: str) -> None:
         self._unit_id: Final = unit_id
         self._manager_id: Final = manager_id
-        self.token = 0  # the greatest taken
+        self.token: int = 0  # the greatest taken
         self._correlation = 0  # of the newest request; each open request keeps its own
         self._open: dict[Ask, int] = {}
         self._tokens: dict[str, int] = {}  # by section

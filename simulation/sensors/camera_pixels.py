@@ -7,7 +7,7 @@ the track when the row's exposure begins (rolling shutter), so every row sees it
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +77,8 @@ def draw_tunnel(
     air: float,
 ) -> None:
     """Fill the image with floor, walls and ceiling of a straight box around the track, fading into the air."""
-    side: NDArray[np.floating[Any]] = (left_px + np.arange(image.shape[1]) + 0.5 - axis_column) / focal_px
+    columns: int = image.shape[1]
+    side = (left_px + np.arange(columns) + 0.5 - axis_column) / focal_px
     to_wall_m = half_width_m / np.maximum(np.abs(side), half_width_m / RAY_MAX_M)
     per_cell = 1.0 / cell_m
     # what one pixel covers along the track, against the finest pattern: blur = ray^2 * fade - 1/2
@@ -88,7 +89,7 @@ def draw_tunnel(
         level_m = lens_height_m if rise < 0.0 else ceiling_m - lens_height_m
         to_level_m = level_m / max(abs(rise), level_m / RAY_MAX_M)
         level_fade = per_cell / (8.0 * focal_px * level_m)
-        for k in range(image.shape[1]):
+        for k in range(columns):
             ray_m = min(to_wall_m[k], to_level_m)
             along = start + ray_m * per_cell
             if to_wall_m[k] < to_level_m:

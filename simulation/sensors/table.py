@@ -54,6 +54,10 @@ SENSORS: Final = (
 class SensorsRow(Protocol):
     """A row for each sensor under its name."""
 
+    if TYPE_CHECKING:  # those that code outside the sensors' own files names
+        tachometer: tacho.TachometerRow
+        tag_reader: tag_reader.TagReaderRow
+
 
 SensorsRow.__annotations__.update({sensor.name: sensor.row for sensor in SENSORS})
 SENSORS_ROW: Final = dtype_of(SensorsRow)

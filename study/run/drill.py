@@ -124,7 +124,7 @@ def shown(drill: Drill) -> DrillShown:
     end_s = result.end_step / STEPS_PER_S
     marks: list[Mark] = []
     for kind, item in ((MarkKind.FAULT, Failure), (MarkKind.ACT, Act)):
-        mine = [course for course in result.courses if isinstance(course.item, item)]
+        mine = [course for course in result.courses if type(course.item) is item]
         for number, course in enumerate(mine, 1):
             over_s = course.begun_s if kind is MarkKind.ACT else course.over_s
             over = (

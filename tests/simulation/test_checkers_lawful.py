@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,33 +24,8 @@ from simulation.events import (
     Reported,
     Started,
 )
-from simulation.judge.checkers import Checkers, PointsFacts
-from sumo_cfg.truth_map import NetEdge, NetMap
-
-# W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
-PIECES = {
-    **{"W": ("W", 300.0), "T1": ("T1", 260.0), "T2": ("T2", 260.0), "B": ("B", 500.0), "E": ("E", 300.0)},
-    **{"stem1": ("P1", 10.0), "normal1": ("P1", 30.0), "reverse1": ("P1", 30.0)},
-    **{"stem2": ("P2", 10.0), "normal2": ("P2", 30.0), "reverse2": ("P2", 30.0)},
-}
-CHAINS = ("W stem1 normal1 T1 normal2 stem2 B E", "stem1 reverse1 T2 reverse2 stem2")
-JOINTS = tuple(joint for chain in CHAINS for joint in pairwise(chain.split()))
-POINTS = {
-    "1": PointsFacts("P1", "stem1", "normal1", "reverse1", Position.NORMAL),
-    "2": PointsFacts("P2", "stem2", "normal2", "reverse2", Position.NORMAL),
-}
-
-
-def net() -> NetMap:
-    """The loop above in both directions; `+` runs from W to E."""
-    edges: dict[str, NetEdge] = {}
-    for piece, (section, length_m) in PIECES.items():
-        down = tuple(f"{high}+" for low, high in JOINTS if low == piece)
-        up = tuple(f"{low}-" for low, high in JOINTS if high == piece)
-        edges[f"{piece}+"] = NetEdge(f"{piece}+", piece, section, length_m, f"{piece}-", down)
-        edges[f"{piece}-"] = NetEdge(f"{piece}-", piece, section, length_m, f"{piece}+", up)
-    return NetMap(edges)
-
+from simulation.judge.checkers import Checkers
+from tests.simulation.judge.stage import PIECES, POINTS, net
 
 DOWN_LEGS = {"T1": ("normal1", "T1", "normal2"), "T2": ("reverse1", "T2", "reverse2")}
 USUAL = {"+": "T1", "-": "T2"}

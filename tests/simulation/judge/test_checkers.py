@@ -2,193 +2,26 @@
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
-import simulation.judge.checkers
 from network.model import Position
 from simulation.events import (
-    MANAGER,
     WORLD,
-    Accepted,
     Collision,
-    ConfirmedByHand,
-    Entry,
-    Event,
-    Freed,
-    Granted,
-    Holds,
-    Outside,
     PointsForced,
     PointsLocked,
     PointsMoving,
     PointsUnlocked,
     ProofDropped,
-    Proven,
     Reported,
-    Started,
-    TookEffect,
     UnitRestarted,
 )
-from simulation.judge.checkers import Checker, Checkers, PointsFacts
-from sumo_cfg.truth_map import NetEdge, NetMap
-
-# W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
-PIECES = {
-    **{"W": ("W", 300.0), "T1": ("T1", 260.0), "T2": ("T2", 260.0), "B": ("B", 500.0), "E": ("E", 300.0)},
-    **{"stem1": ("P1", 10.0), "normal1": ("P1", 30.0), "reverse1": ("P1", 30.0)},
-    **{"stem2": ("P2", 10.0), "normal2": ("P2", 30.0), "reverse2": ("P2", 30.0)},
-}
-CHAINS = ("W stem1 normal1 T1 normal2 stem2 B E", "stem1 reverse1 T2 reverse2 stem2")
-JOINTS = tuple(joint for chain in CHAINS for joint in pairwise(chain.split()))
-POINTS = {
-    "1": PointsFacts("P1", "stem1", "normal1", "reverse1", Position.NORMAL),
-    "2": PointsFacts("P2", "stem2", "normal2", "reverse2", Position.NORMAL),
-}
-TRAIN_M = 40.0
-
-
-def net() -> NetMap:
-    """The loop above in both directions; `+` runs from W to E."""
-    edges: dict[str, NetEdge] = {}
-    for piece, (section, length_m) in PIECES.items():
-        down = tuple(f"{high}+" for low, high in JOINTS if low == piece)
-        up = tuple(f"{low}-" for low, high in JOINTS if high == piece)
-        edges[f"{piece}+"] = NetEdge(f"{piece}+", piece, section, length_m, f"{piece}-", down)
-        edges[f"{piece}-"] = NetEdge(f"{piece}-", piece, section, length_m, f"{piece}+", up)
-    return NetMap(edges)
-
-
-class Stage:
-    """Checkers and a clock; each act takes one second."""
-
-    def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
-        self.checkers = Checkers(net(), POINTS, ("W", "E"), unit_ids)
-        self.t_s = 0.0
-        self.token = 0
-
-    def entry(self, who: str, event: Event) -> Stage:
-        self.t_s += 1.0
-        self.checkers.journal(Entry(self.t_s, who, event))
-        return self
-
-    def world(self, event: Event) -> Stage:
-        return self.entry(WORLD, event)
-
-    def accept(self, unit: str, *sections: str) -> Stage:
-        return self.entry(MANAGER, Accepted(unit_id=unit, section_ids=sections, token=0, was="unknown"))
-
-    def by_hand(self, unit: str, *sections: str) -> Stage:
-        return self.entry(MANAGER, ConfirmedByHand(unit_id=unit, section_ids=sections, token=0, by="Sato"))
-
-    def free(self, unit: str, *sections: str) -> Stage:
-        return self.entry(MANAGER, Freed(unit_id=unit, section_ids=sections))
-
-    def outside(self, unit: str) -> Stage:
-        return self.entry(MANAGER, Outside(unit_id=unit))
-
-    def restart_manager(self) -> Stage:
-        return self.entry(MANAGER, Started(epoch=2))
-
-    def grant(self, unit: str, *sections: str, token: int | None = None) -> Stage:
-        self.token = self.token + 1 if token is None else token
-        granted = Granted(unit_id=unit, route_id="r", section_ids=sections, token=self.token)
-        return self.entry(MANAGER, granted)
-
-    def holds(self, unit: str, *sections: str) -> Stage:
-        return self.entry(unit, Holds(section_ids=sections, token=self.token))
-
-    def see(self, unit: str, *places: tuple[str, float], speed_mps: float = 10.0) -> Stage:
-        for edge, front_m in places:
-            self.t_s += 1.0
-            self.checkers.observe(self.t_s, unit, edge, front_m, speed_mps)
-        return self
-
-    def put(self, unit: str, edge: str, front_m: float = 200.0, length_m: float = TRAIN_M) -> Stage:
-        self.checkers.entered(unit, length_m, (edge,))
-        return self.see(unit, (edge, front_m), speed_mps=0.0)
-
-    def sign_on(self, unit: str, *sections: str) -> Stage:
-        return self.accept(unit, *sections).holds(unit, *sections)
-
-    def prove(self, unit: str, points: str, position: str, token: int | None = None) -> Stage:
-        token = self.token if token is None else token
-        return self.entry(unit, Proven(points_id=points, position=Position(position), token=token))
-
-    def bounds(self, true_m: float, behind_m: float, ahead_m: float) -> Stage:
-        self.checkers.bounds(self.t_s, "A", true_m, 1000.0, behind_m, ahead_m)
-        return self
-
-    def effect(self, receiver: str, epoch: int, sequence: int) -> Stage:
-        return self.entry(
-            receiver,
-            TookEffect(
-                source="S",
-                receiver=receiver,
-                epoch=epoch,
-                sequence=sequence,
-                kind="ClaimQuery",
-                correlation=0,
-            ),
-        )
-
-    def run_in(self) -> Stage:
-        """A runs from W over the normal leg into T1."""
-        return self.see("A", ("stem1+", 5.0), ("normal1+", 20.0), ("T1+", 1.0), ("T1+", 50.0))
-
-    def turn(self, unit: str) -> Stage:
-        self.checkers.reversed(self.t_s, unit)
-        return self
-
-    def leave(self, unit: str) -> Stage:
-        self.checkers.left(unit)
-        return self
-
-    def finish(self, **arrived: bool) -> Stage:
-        self.checkers.finish(self.t_s, arrived)
-        return self
-
-    def broken(self) -> set[str]:
-        return {violation.checker for violation in self.checkers.violations}
-
-
-def authorised(unit_ids: tuple[str, ...] = ("A", "B")) -> Stage:
-    """A stands in the portal W and may run to T1, points 1 proven in normal."""
-    stage = Stage(unit_ids).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
-    return stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
-
-
-def on_points() -> Stage:
-    """A has its front on the normal leg and its rear still in W: 10 + 20 of its 40 m are on the points."""
-    return authorised().see("A", ("stem1+", 5.0), ("normal1+", 20.0))
-
-
-def in_track() -> Stage:
-    """A stands wholly in T1, its rear 10 m beyond the points."""
-    return on_points().see("A", ("T1+", 1.0)).see("A", ("T1+", 50.0), speed_mps=0.0)
-
-
-def second(stage: Stage) -> Stage:
-    """B signs on in the portal E."""
-    return stage.put("B", "E-").sign_on("B", "E")
-
-
-def restarted(*heard: str) -> Stage:
-    """The manager has restarted with A and B registered; `heard` are known again."""
-    stage = second(authorised())
-    stage.restart_manager()
-    if "A" in heard:
-        stage.accept("A", "W", "P1", "T1")
-    if "B" in heard:
-        stage.outside("B")
-    return stage
-
+from simulation.judge.checkers import Checker
+from tests.simulation.judge.stage import Stage, authorised, in_track, on_points, restarted, second
 
 Act = Callable[[Stage], Stage]
 
@@ -484,76 +317,3 @@ def test_each_checker_finds_its_breach_and_nothing_else(case: Case) -> None:
 
 def test_every_checker_has_a_case() -> None:
     assert {case.checker for case in CASES} == set(Checker)
-
-
-def test_a_lasting_breach_is_one_violation_with_its_first_time() -> None:
-    stage = Stage()
-    for _ in range(3):
-        stage.t_s += 1.0
-        stage.bounds(1010.0, 5.0, 2.0)
-    (violation,) = stage.checkers.violations
-    assert violation.t_s == 1.0
-    assert "+10.000 m" in violation.text
-    assert stage.checkers.counts == {"within-bounds": 3}
-
-
-def test_change_ends_astride_a_joint() -> None:
-    """20 m in T1 and 20 m on the leg: the new front is 20 m into the leg, seen from T1."""
-    stage = on_points()
-    stage.see("A", ("T1+", 20.0), speed_mps=0.0)
-    stage.turn("A")
-    stage.see("A", ("T1+", 20.0), speed_mps=0.0)  # SUMO turns the train in its next step
-    stage.see("A", ("normal1-", 20.0), speed_mps=0.0)
-    stage.world(PointsMoving(points_id="1", target=Position.REVERSE))
-    assert stage.broken() == {"no-throw-under-train"}
-
-
-def test_after_a_change_of_ends_the_other_end_clears() -> None:
-    """From T1 back to W: T1 is clear when 30 + 10 m of points and then nothing of 40 m is left of it."""
-    stage = in_track()
-    stage.turn("A")
-    stage.prove("A", "1", "normal")
-    stage.see("A", ("T1-", 250.0), ("normal1-", 5.0), ("stem1-", 5.0), ("W-", 0.5))
-    stage.holds("A", "W", "P1")
-    assert stage.broken() == set()
-    stage.entry("A", Reported(section_ids=("W",), token=1))
-    assert stage.broken() == {"release-behind-rear"}
-
-
-def test_an_unseen_short_edge_is_still_entered() -> None:
-    stage = authorised()
-    stage.entry("A", ProofDropped(points_id="1"))
-    stage.see("A", ("normal1+", 5.0))
-    assert stage.broken() == {"proven-before-entry"}
-
-
-def test_rear_outside_the_net_and_touching_a_joint() -> None:
-    """A train longer than what it has run is only where the net is; a front on the joint is not beyond it."""
-    stage = Stage()
-    stage.put("A", "W+", front_m=20.0, length_m=100.0)
-    stage.see("A", ("W+", 300.0), ("stem1+", 0.0))
-    assert stage.broken() == set()
-    stage.see("A", ("stem1+", 0.1))
-    assert stage.broken() == {"inside-holding", "proven-before-entry"}
-
-
-def test_a_train_enters_on_edges_of_the_net() -> None:
-    stage = Stage()
-    with pytest.raises(ValueError, match="no edge"):
-        stage.checkers.entered("A", TRAIN_M, ())
-    with pytest.raises(KeyError):
-        stage.checkers.entered("A", TRAIN_M, ("nowhere+",))
-
-
-def test_checkers_share_nothing_with_what_they_check() -> None:
-    allowed = ("network.model", "simulation.judge.checkers", "sumo_cfg.truth_map")
-    files = sorted(Path(simulation.judge.checkers.__file__).parent.glob("*.py"))
-    assert files
-    for file in files:
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            ours = [
-                n for n in names if n.split(".")[0] in {"network", "onboard", "wayside", "sumo_cfg", "radio"}
-            ]
-            assert all(name.startswith(allowed) for name in ours), (file.name, names)

@@ -1,0 +1,174 @@
+"""The stage of the checkers' tests: a loop with two points, acts in a row, and situations to begin from."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from network.model import Position
+from simulation.events import (
+    MANAGER,
+    WORLD,
+    Accepted,
+    ConfirmedByHand,
+    Entry,
+    Event,
+    Freed,
+    Granted,
+    Holds,
+    Outside,
+    Proven,
+    Started,
+    TookEffect,
+)
+from simulation.judge.checkers import Checkers, PointsFacts
+from sumo_cfg.truth_map import NetEdge, NetMap
+
+# W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
+PIECES = {
+    **{"W": ("W", 300.0), "T1": ("T1", 260.0), "T2": ("T2", 260.0), "B": ("B", 500.0), "E": ("E", 300.0)},
+    **{"stem1": ("P1", 10.0), "normal1": ("P1", 30.0), "reverse1": ("P1", 30.0)},
+    **{"stem2": ("P2", 10.0), "normal2": ("P2", 30.0), "reverse2": ("P2", 30.0)},
+}
+CHAINS = ("W stem1 normal1 T1 normal2 stem2 B E", "stem1 reverse1 T2 reverse2 stem2")
+JOINTS = tuple(joint for chain in CHAINS for joint in pairwise(chain.split()))
+POINTS = {
+    "1": PointsFacts("P1", "stem1", "normal1", "reverse1", Position.NORMAL),
+    "2": PointsFacts("P2", "stem2", "normal2", "reverse2", Position.NORMAL),
+}
+TRAIN_M = 40.0
+
+
+def net() -> NetMap:
+    """The loop above in both directions; `+` runs from W to E."""
+    edges: dict[str, NetEdge] = {}
+    for piece, (section, length_m) in PIECES.items():
+        down = tuple(f"{high}+" for low, high in JOINTS if low == piece)
+        up = tuple(f"{low}-" for low, high in JOINTS if high == piece)
+        edges[f"{piece}+"] = NetEdge(f"{piece}+", piece, section, length_m, f"{piece}-", down)
+        edges[f"{piece}-"] = NetEdge(f"{piece}-", piece, section, length_m, f"{piece}+", up)
+    return NetMap(edges)
+
+
+class Stage:
+    """Checkers and a clock; each act takes one second."""
+
+    def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
+        self.checkers = Checkers(net(), POINTS, ("W", "E"), unit_ids)
+        self.t_s = 0.0
+        self.token = 0
+
+    def entry(self, who: str, event: Event) -> Stage:
+        self.t_s += 1.0
+        self.checkers.journal(Entry(self.t_s, who, event))
+        return self
+
+    def world(self, event: Event) -> Stage:
+        return self.entry(WORLD, event)
+
+    def accept(self, unit: str, *sections: str) -> Stage:
+        return self.entry(MANAGER, Accepted(unit_id=unit, section_ids=sections, token=0, was="unknown"))
+
+    def by_hand(self, unit: str, *sections: str) -> Stage:
+        return self.entry(MANAGER, ConfirmedByHand(unit_id=unit, section_ids=sections, token=0, by="Sato"))
+
+    def free(self, unit: str, *sections: str) -> Stage:
+        return self.entry(MANAGER, Freed(unit_id=unit, section_ids=sections))
+
+    def outside(self, unit: str) -> Stage:
+        return self.entry(MANAGER, Outside(unit_id=unit))
+
+    def restart_manager(self) -> Stage:
+        return self.entry(MANAGER, Started(epoch=2))
+
+    def grant(self, unit: str, *sections: str, token: int | None = None) -> Stage:
+        self.token = self.token + 1 if token is None else token
+        granted = Granted(unit_id=unit, route_id="r", section_ids=sections, token=self.token)
+        return self.entry(MANAGER, granted)
+
+    def holds(self, unit: str, *sections: str) -> Stage:
+        return self.entry(unit, Holds(section_ids=sections, token=self.token))
+
+    def see(self, unit: str, *places: tuple[str, float], speed_mps: float = 10.0) -> Stage:
+        for edge, front_m in places:
+            self.t_s += 1.0
+            self.checkers.observe(self.t_s, unit, edge, front_m, speed_mps)
+        return self
+
+    def put(self, unit: str, edge: str, front_m: float = 200.0, length_m: float = TRAIN_M) -> Stage:
+        self.checkers.entered(unit, length_m, (edge,))
+        return self.see(unit, (edge, front_m), speed_mps=0.0)
+
+    def sign_on(self, unit: str, *sections: str) -> Stage:
+        return self.accept(unit, *sections).holds(unit, *sections)
+
+    def prove(self, unit: str, points: str, position: str, token: int | None = None) -> Stage:
+        token = self.token if token is None else token
+        return self.entry(unit, Proven(points_id=points, position=Position(position), token=token))
+
+    def bounds(self, true_m: float, behind_m: float, ahead_m: float) -> Stage:
+        self.checkers.bounds(self.t_s, "A", true_m, 1000.0, behind_m, ahead_m)
+        return self
+
+    def effect(self, receiver: str, epoch: int, sequence: int) -> Stage:
+        return self.entry(
+            receiver,
+            TookEffect(
+                source="S",
+                receiver=receiver,
+                epoch=epoch,
+                sequence=sequence,
+                kind="ClaimQuery",
+                correlation=0,
+            ),
+        )
+
+    def run_in(self) -> Stage:
+        """A runs from W over the normal leg into T1."""
+        return self.see("A", ("stem1+", 5.0), ("normal1+", 20.0), ("T1+", 1.0), ("T1+", 50.0))
+
+    def turn(self, unit: str) -> Stage:
+        self.checkers.reversed(self.t_s, unit)
+        return self
+
+    def leave(self, unit: str) -> Stage:
+        self.checkers.left(unit)
+        return self
+
+    def finish(self, **arrived: bool) -> Stage:
+        self.checkers.finish(self.t_s, arrived)
+        return self
+
+    def broken(self) -> set[str]:
+        return {violation.checker for violation in self.checkers.violations}
+
+
+def authorised(unit_ids: tuple[str, ...] = ("A", "B")) -> Stage:
+    """A stands in the portal W and may run to T1, points 1 proven in normal."""
+    stage = Stage(unit_ids).put("A", "W+").sign_on("A", "W").grant("A", "P1", "T1")
+    return stage.holds("A", "W", "P1", "T1").prove("A", "1", "normal")
+
+
+def on_points() -> Stage:
+    """A has its front on the normal leg and its rear still in W: 10 + 20 of its 40 m are on the points."""
+    return authorised().see("A", ("stem1+", 5.0), ("normal1+", 20.0))
+
+
+def in_track() -> Stage:
+    """A stands wholly in T1, its rear 10 m beyond the points."""
+    return on_points().see("A", ("T1+", 1.0)).see("A", ("T1+", 50.0), speed_mps=0.0)
+
+
+def second(stage: Stage) -> Stage:
+    """B signs on in the portal E."""
+    return stage.put("B", "E-").sign_on("B", "E")
+
+
+def restarted(*heard: str) -> Stage:
+    """The manager has restarted with A and B registered; `heard` are known again."""
+    stage = second(authorised())
+    stage.restart_manager()
+    if "A" in heard:
+        stage.accept("A", "W", "P1", "T1")
+    if "B" in heard:
+        stage.outside("B")
+    return stage
