@@ -1,6 +1,7 @@
 """The tag reader (地上子読取): latches the tachometer where the front passed a tag, a little early or late.
 
-Which id it reads, or that it reads none, is the tag's own fault; see `Trains.tag_faults`.
+Which id it reads, or that it reads none, is the tag's own fault (see `Trains.tag_faults`) or, in a run that reads bit
+by bit, what the air leaves of its telegrams (`tag_air`).
 """
 
 from __future__ import annotations
