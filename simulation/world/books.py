@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from onboard.duty.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan, Waiting
 from simulation.world.roster import Duty
 from simulation.world.trains import EnergyMark, Trains
 
 CALLS_SHORT_M: Final = 6.0  # stood this far before the mark, a train calls there all the same
 CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no train sets back
+# Further short of it a train calls that stands alongside its platform, with its whole length.
 
 
 class Books:
@@ -31,6 +33,8 @@ class Books:
         self._waits_for = waits_for
         self._open_stop: dict[int, StopRecord | None] = {}
         self._at: dict[int, int] = {}  # slot: the target where the train truly called last
+        self._called: dict[int, StopRecord] = {}  # its record
+        self._moved: set[int] = set()  # slots that have moved since
 
     def begin_train(self, slot: int, duty: Duty, step: int) -> None:
         """A stock has taken up a train: its trace begins, and its stop at the first station."""
@@ -41,6 +45,7 @@ class Books:
         span = TraceSpan(slot, step, duty.train.number, direction, starts_m, path.piece_ids, entries_m)
         self.spans.append(span)
         self._at[slot] = 0
+        self._called.pop(slot, None)
         first = duty.mission.targets[0]
         if first.station_id is not None:
             self._open_stop[slot] = self._record(slot, duty, 0)
@@ -59,8 +64,11 @@ class Books:
 
     def look_for_departure(self, slot: int, now_s: float) -> None:
         """A train that moves has left the stop that was open."""
+        if self._trains.plants[slot].speed_mps <= 0.0:
+            return
+        self._moved.add(slot)
         stop = self._open_stop.get(slot)
-        if stop is not None and self._trains.plants[slot].speed_mps > 0.0:
+        if stop is not None:
             stop.departure_s = now_s
             self._open_stop[slot] = None
 
@@ -70,6 +78,10 @@ class Books:
         if duty is None or self._trains.plants[slot].speed_mps > 0.0:
             return
         targets = duty.mission.targets
+        at = self._at.get(slot, 0)
+        if at > 0 and slot in self._moved and self._calls(slot, duty, at) and slot in self._called:
+            self._arrive(slot, self._called[slot], targets[at], now_s)  # it drew up to its mark
+            return
         index = next(
             (i for i in range(self.next_target(slot), len(targets)) if self._calls(slot, duty, i)), None
         )
@@ -80,12 +92,29 @@ class Books:
         target = targets[index]
         if target.station_id is None:
             return
-        record = self._record(slot, duty, index)
-        record.arrival_s = now_s
-        record.error_m = float(self._trains.truths[slot].position_m) - target.mark_m
-        self._open_stop[slot] = record if target.departure_s is not None else None
+        self._called[slot] = self._record(slot, duty, index)
+        self._arrive(slot, self._called[slot], target, now_s)
         if target is [t for t in targets if t.station_id is not None][-1]:
             self.arrived.append(duty.train.number)
+
+    def _arrive(self, slot: int, record: StopRecord, target: Target, now_s: float) -> None:
+        self._moved.discard(slot)
+        record.arrival_s, record.departure_s = now_s, None
+        record.error_m = float(self._trains.truths[slot].position_m) - target.mark_m
+        self._open_stop[slot] = record if target.departure_s is not None else None
+
+    def _alongside(self, slot: int, duty: Duty, target: Target) -> bool:
+        """Whether the whole train stands along the platform of a target."""
+        if target.station_id is None:
+            return False
+        tracks = self._trains.setup.line.stations[target.station_id].tracks
+        track = next(track for track in tracks if track.name == target.track)
+        ends_m = [
+            duty.mission.path.to_path_m(track.piece_id, kilometrage_m)
+            for kilometrage_m in (track.platform_from_m, track.platform_to_m)
+        ]
+        front_m = float(self._trains.truths[slot].position_m)
+        return min(ends_m) <= front_m - float(self._trains.bodies[slot].length_m) and front_m <= max(ends_m)
 
     def _calls(self, slot: int, duty: Duty, index: int) -> bool:
         """Whether the front truly is where a train calls at a target, on the way of its own path."""
@@ -93,7 +122,8 @@ class Books:
         target = mission.targets[index]
         end_m = mission.spans[mission.span_index(target.section_id)].end_m
         front_m = float(truth.position_m)
-        if not target.mark_m - CALLS_SHORT_M <= front_m <= max(target.mark_m + CALLS_BEYOND_M, end_m):
+        near = target.mark_m - CALLS_SHORT_M <= front_m <= max(target.mark_m + CALLS_BEYOND_M, end_m)
+        if not near and not self._alongside(slot, duty, target):
             return False
         planned = mission.path.piece_ids
         return self._trains.true_path(slot).piece_ids[: len(planned)] == planned

@@ -13,6 +13,7 @@ import pytest
 
 from onboard.notes import Intervention, SignSeen, StopImpossible
 from radio.noted import Noted
+from simulation.sensors import sign_camera
 from study.run.run import LEARNED_FILE, CarrierKind, Link, Run, execute, write_run
 from study.scenario.scenario import load_scenario
 
@@ -79,7 +80,8 @@ def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
 
 
 def test_a_sign_that_is_never_seen_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("simulation.sensors.camera.SightingModel.sample", lambda *_: None)
+    blind = tuple((row[0], 0.0, *row[2:]) for row in sign_camera.LINE_SIGHTINGS)
+    monkeypatch.setattr(sign_camera, "LINE_SIGHTINGS", blind)
     run = run_of(tmp_path, '[vision]\nstations = "all"\n')
     assert [note.why for note in noted(run, StopImpossible)] == ["target not seen"]
     error_m = run.result.stops[-1].error_m
@@ -109,7 +111,7 @@ def test_days_differ_in_what_passes_and_not_in_the_train(tmp_path: Path) -> None
     from simulation.world.trains import Trains
 
     def factors(day: int) -> tuple[float, float]:
-        trains = Trains(replace(setup, day=day), PlainTrack({}, STEP_S), b"k" * 32)
+        trains = Trains(replace(setup, day=day), PlainTrack({}, STEP_S))
         trains.begin_leg(0, 0.0)
         return float(setup.scatter.body(setup.seed, "K1", trains.kinds[0])[1]), float(
             trains.plants[0].brake_factor

@@ -20,8 +20,10 @@ from onboard.authority.records import Authority
 from onboard.authority.tables import Result, Standing
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, Sensed
+from onboard.localisation.fix import Fix, Refused, Taken, take
 from onboard.localisation.tags import TagDoubt
 from onboard.motion import Motion, PathData
+from onboard.records import UnitRow
 from onboard.unit import Answer, Report, Unit
 from radio.envelope import header_of
 from simulation.world.crew import Crew
@@ -127,7 +129,13 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
 
 
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
+
+    def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
+        row.position_known = 0  # so that nothing is compared
+        return take(row, fix)
+
     patch.setattr("onboard.motion.missed_by_m", lambda *_: 0.0)
+    patch.setattr("onboard.motion.take", take_any)
     patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 
