@@ -239,8 +239,8 @@ def _time(run: Run) -> Iterator[_Happening]:
         yield TimerDue(LEAVE), run
     if not state.released and not run.moves:
         yield TimerDue(RELEASE), run
-    yield from ((TimerDue(request.timer), run) for request in state.authority.requests)
-    yield from ((TimerDue(command.timer), run) for command in state.authority.commands)
+    for timer in (*(r.timer for r in state.authority.requests), *(c.timer for c in state.authority.commands)):
+        yield TimerDue(timer), run
 
 
 def _telegrams(run: Run) -> Iterator[_Happening]:
@@ -314,6 +314,14 @@ def course() -> tuple[Run, ...]:
         run = min(possible, key=lambda s: _GOOD.index(event_name(s.event))).run
         runs.append(run)
     return tuple(runs)
+
+
+def first() -> tuple[Run, ...]:
+    """Where to look first: that course, and a unit switched on at each place of the way."""
+    lost = [
+        Run(plan=plan, spot=spot, known=False, emergency=True) for plan in (0, 1) for spot in range(END + 1)
+    ]
+    return (*course(), *(taken(SwitchedOn(PLANS[run.plan], None), run).run for run in lost))
 
 
 def _is_good(event: Event) -> bool:

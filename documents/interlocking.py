@@ -1,7 +1,7 @@
 """Writes docs/interlocking.md from the code and from real runs: `python -m documents.interlocking [FILE]`.
 
-The machines' tables come from the machines, invariants from their modules, the sequence and table 3 from runs of the
-paper's test line; hazards are data here, and a test holds every name in them to what exists.
+The machines' tables and state diagrams come from the machines, invariants from their modules, the sequence and table 3
+from runs of the paper's test line; hazards are data here, and a test holds every name in them to what exists.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Final
 from documents.interlocking_hazards import HAZARDS, REMAINING
 from documents.interlocking_runs import restart_rows, run_without_failure, sequence, stop_limits
 from documents.page import write_page
+from documents.state_diagrams import drawn
 from onboard.authority import machine as authority
 from onboard.duty import machine as duty
 from radio.table import Row
@@ -65,7 +66,7 @@ def document(runs: str | None = None) -> str:
         ("On-board unit: duty", duty.table_rows()),
         ("On-board unit: authority", authority.table_rows()),
     ):
-        parts += [f"### {title}", _machine(rows)]
+        parts += [f"### {title}", drawn(title), _machine(rows)]
     parts += [_shown_by_runs() if runs is None else runs]
     parts += [_HAZARDS_HEAD, _HAZARDS_INTRO, _hazards(), "### What remains", bullets(REMAINING)]
     return "\n\n".join(part.strip("\n") for part in parts) + "\n"
@@ -172,6 +173,9 @@ _MACHINES: Final = """
 Each is a pure function of its state and one event. What a table does not name is refused and changes nothing; lines
 join the states in which an event does the same. A telegram reaches a machine only through the envelope's checks
 (`radio.envelope`): code, addressee, boot, time and sequence.
+
+The diagrams are drawn by exploring each machine's own step, breadth first up to a bound, on the smallest line on which
+it has something to do; an arrow is an event that leads from one state of the table to another.
 """
 _RUN: Final = """
 From track 1 of station A (section 3) to track 1 of station B (section 8), without any failure, as `branchline run

@@ -20,8 +20,7 @@ from network.model import Line
 from onboard import notes
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.driving.stopping import LIMIT_MARGIN_M
-from onboard.driving.supervision import RESERVE_M
+from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
@@ -38,7 +37,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.timekeeping import cruise_for
 from onboard.localisation.fix import Taken, missed_by_m, take
-from onboard.localisation.sighting import NOT_SEEN_M, sign_fix
+from onboard.localisation.sighting import sign_fix, sign_is_missing
 from onboard.localisation.tags import TagDoubt, tag_fix
 from onboard.records import (
     EMERGENCY_INTERVENTION,
@@ -231,7 +230,7 @@ class Motion:
             self._sighted = target
             correction_m = round(taken.correction_m, 3)
             self.notes.append(notes.SignSeen(station=target.station_id, correction_m=correction_m))
-        if self._sighted != target and target.mark_m - self.row.position_m < NOT_SEEN_M:
+        if self._sighted != target and sign_is_missing(target.mark_m, self.row.position_m):
             self._impossible(Verdict.TARGET_NOT_SEEN)
         return []
 
@@ -277,8 +276,7 @@ class Motion:
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        reach_m = self.row.stop_limit_m - self.row.bound_ahead_m - LIMIT_MARGIN_M - RESERVE_M
-        if self._mission is None or target.mark_m < reach_m:
+        if self._mission is None or not limit_is_short(self.row, target.mark_m):
             return False
         return self._mission.span_at(self.row.position_m).section_id == target.section_id
 
@@ -378,7 +376,7 @@ class Motion:
     def _aim(self, mark_m: float, limit_m: float) -> None:
         """The front stops at the next mark, or before the stop limit if that comes first."""
         row = self.row
-        aim_m = mark_m if mark_m < limit_m else limit_m - self._parameters.standoff_m
+        aim_m = aim_within(mark_m, limit_m, self._parameters.standoff_m)
         if aim_m > row.target_stop_m + 0.01:
             row.braking_to_stop = 0
         row.target_stop_m = aim_m

@@ -92,37 +92,41 @@ class Setup:
         return replace(self, day=self.day + 1, learned=learned)
 
 
+def behaviour_row(driving: Driving, train: np.void) -> NDArray[np.void]:
+    """A BEHAVIOUR record from driving parameters and the brakes that the unit believes in; shape ()."""
+    row = np.zeros((), dtype=BEHAVIOUR)
+    strongest = float(train["brake_deceleration_mps2"][int(train["brake_notches"])])
+    row["service_guaranteed_mps2"] = driving.service_guaranteed_share * strongest
+    row["service_reaction_s"] = (
+        float(train["brake_dead_time_s"] + train["brake_lag_s"]) + driving.reaction_reserve_s
+    )
+    row["emergency_guaranteed_mps2"] = driving.emergency_guaranteed_share * float(
+        train["emergency_deceleration_mps2"]
+    )
+    row["emergency_reaction_s"] = (
+        float(train["emergency_dead_time_s"] + train["emergency_lag_s"]) + driving.reaction_reserve_s
+    )
+    row["standing_brake_notch"] = driving.standing_brake_share * float(train["brake_notches"])
+    row["step_s"] = STEP_S
+    for name in (
+        "service_margin_mps",
+        "release_margin_mps",
+        "emergency_margin_mps",
+        "driving_margin_mps",
+        "stop_deceleration_mps2",
+        "stop_gain_per_s",
+        "cruise_gain_per_s",
+        "notch_hold_s",
+    ):
+        row[name] = getattr(driving, name)
+    return row
+
+
 def behaviour_rows(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
-    """BEHAVIOUR records, one a stock id, from driving parameters and the brakes that units believe in; shape (n,)."""
+    """BEHAVIOUR records, one a stock id; shape (n,)."""
     rows = np.zeros(len(stocks), dtype=BEHAVIOUR)
-    driving = setup.driving
     for index, stock_id in enumerate(stocks):
-        train = setup.believed_train(stock_id).row[0]
-        row = rows[index]
-        strongest = float(train["brake_deceleration_mps2"][int(train["brake_notches"])])
-        row["service_guaranteed_mps2"] = driving.service_guaranteed_share * strongest
-        row["service_reaction_s"] = (
-            float(train["brake_dead_time_s"] + train["brake_lag_s"]) + driving.reaction_reserve_s
-        )
-        row["emergency_guaranteed_mps2"] = driving.emergency_guaranteed_share * float(
-            train["emergency_deceleration_mps2"]
-        )
-        row["emergency_reaction_s"] = (
-            float(train["emergency_dead_time_s"] + train["emergency_lag_s"]) + driving.reaction_reserve_s
-        )
-        row["standing_brake_notch"] = driving.standing_brake_share * float(train["brake_notches"])
-        row["step_s"] = STEP_S
-        for name in (
-            "service_margin_mps",
-            "release_margin_mps",
-            "emergency_margin_mps",
-            "driving_margin_mps",
-            "stop_deceleration_mps2",
-            "stop_gain_per_s",
-            "cruise_gain_per_s",
-            "notch_hold_s",
-        ):
-            row[name] = getattr(driving, name)
+        rows[index] = behaviour_row(setup.driving, setup.believed_train(stock_id).row[0])
     return rows
 
 

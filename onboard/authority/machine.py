@@ -12,9 +12,10 @@ changes nothing. Sugiyama et al. 2017, section 2.2 and table 1 (閉そく要求�
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
+
+from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority import points, report, route, sign_on

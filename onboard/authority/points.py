@@ -6,9 +6,10 @@ unit's own command, or by the crew's eye; a proof that no longer holds is droppe
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
+
+from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (

@@ -7,7 +7,6 @@ machine of each telegram only how it relates to what is open: does it answer tha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
@@ -33,8 +32,7 @@ class Timer(NamedTuple):
     of: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(msgspec.Struct, frozen=True):
     """The record of an open request. Not `sent`: due as soon as the radio reaches; sent: its timer runs.
 
     `subject`: the route asked for; `section_ids`: its sections, or those of a sign-on (None: does not know).
@@ -53,8 +51,7 @@ class Request:
         return Timer(self.ask.value)
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(msgspec.Struct, frozen=True):
     """A points command not yet proven; `sent` and `refusal` as in a request."""
 
     needed: PointsNeeded
@@ -67,8 +64,7 @@ class Command:
         return Timer("points", self.needed.points_id)
 
 
-@dataclass(frozen=True, slots=True)
-class Authority:
+class Authority(msgspec.Struct, frozen=True):
     """The state. `held`: sections in order of travel; `commandable`: those of them granted with a capability.
 
     `unsaid`: points not commanded any more, of which a proof still counts. `entering`: the sign-on is a wish for a

@@ -6,9 +6,10 @@ surely short of it; a lost report heals with the next one, since each says all t
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
+
+from msgspec.structs import replace
 
 from onboard.authority.records import Action, Ask, Authority, Cleared, Confirmed, StopTimer
 from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, report_now, take_newer

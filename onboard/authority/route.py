@@ -6,9 +6,10 @@ a token greater than any known before; then it is held whole.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
+
+from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (

@@ -6,9 +6,10 @@ enter; it signs off only with its last section, and then holds nothing.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
+
+from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (

@@ -7,9 +7,10 @@ happens. What no table names is refused and changes nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from enum import Enum
 from typing import Any, Final, TypeAlias
+
+from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (

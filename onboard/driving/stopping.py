@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
+from onboard.driving.supervision import RESERVE_M
 from onboard.driving.tasc import (
     POSSIBLE,
     DesignRow,
@@ -49,6 +50,18 @@ class WaveRow(Protocol):
 
 
 WAVE: Final = dtype_of(WaveRow)
+
+
+@compiled
+def aim_within(mark_m: float, limit_m: float, standoff_m: float) -> float:
+    """Where the front shall stop, m: at the mark, or `standoff_m` before the stop limit if that comes first."""
+    return mark_m if mark_m < limit_m else limit_m - standoff_m
+
+
+@compiled
+def limit_is_short(unit: UnitRow, mark_m: float) -> bool:
+    """Whether the mark lies further than the stop limit lets the train go."""
+    return mark_m >= unit.stop_limit_m - unit.bound_ahead_m - LIMIT_MARGIN_M - RESERVE_M
 
 
 @compiled

@@ -11,11 +11,11 @@ it is then. Sugiyama et al. 2017, section 2.2, 4.4 and table 1.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
 import msgspec
+from msgspec.structs import replace
 
 from network.model import TagPurpose
 from onboard import notes
@@ -79,7 +79,7 @@ def step(
     plan: Plan, parameters: DutyParameters, state: DutyState, event: Event, place: Place, now_s: float
 ) -> tuple[DutyState, tuple[Action, ...]]:
     """Next state and what to do. An event that does not fit the phase changes nothing but what is due anyway."""
-    turn = Turn(plan, parameters, now_s, replace(state, place=place))
+    turn = Turn(plan, parameters, now_s, state if state.place == place else replace(state, place=place))
     handler = TABLE.get((state.phase, type(event)))
     if handler is not None:
         handler(turn, event)
@@ -266,7 +266,8 @@ def remember_entered(turn: Turn) -> None:
     state = turn.state
     if state.place.known:
         entered = entered_on_proof(turn.plan, state.authority, state.place.sure)
-        turn.set(entered=state.entered | entered)
+        if not entered <= state.entered:
+            turn.set(entered=state.entered | entered)
 
 
 def withdraw_throws(turn: Turn) -> None:
@@ -283,7 +284,8 @@ def throw_wanted(turn: Turn) -> None:
         return
     ahead = {span.section_id for span in turn.plan.spans[state.place.perhaps :]}
     wanted = tuple(needed for needed in state.wanted if needed.section_id in ahead)
-    turn.set(wanted=wanted)
+    if wanted != state.wanted:
+        turn.set(wanted=wanted)
     under_way = {*state.authority.proven, *(command.needed for command in state.authority.commands)}
     missing = tuple(needed for needed in wanted if needed not in under_way)
     if missing:

@@ -7,7 +7,6 @@ process of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
@@ -67,21 +66,20 @@ class Limit(msgspec.Struct, frozen=True):
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class DutyState:
+class DutyState(msgspec.Struct, frozen=True):
     """The state. `at`: the stop where the train stands or that it left last; `stands_at`: the stop at which a train
     without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
     `entered`: points sections that the train came onto by their proof.
     """
 
     phase: Phase = Phase.OFF
-    place: Place = Place()  # noqa: RUF009 - frozen
-    authority: Authority = Authority()  # noqa: RUF009 - frozen
+    place: Place = Place()
+    authority: Authority = Authority()
     at: int = 0
     stands_at: int | None = None
     wanted: tuple[PointsNeeded, ...] = ()
     entered: frozenset[str] = frozenset()
-    limit: Limit = Limit(0, None, "no mission")  # noqa: RUF009 - frozen
+    limit: Limit = Limit(0, None, "no mission")
     may_ask: bool = False
     may_leave: bool = False
     released: bool = True  # no emergency stop waits for the driver's acknowledgement

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final
 
 import msgspec
+from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority import machine as authority
@@ -41,7 +42,7 @@ class Turn:
 
     def set(self, **changes: object) -> None:
         """Change the state."""
-        self.state = replace(self.state, **changes)  # type: ignore[arg-type]
+        self.state = replace(self.state, **changes)
 
     def note(self, note: notes.Note) -> None:
         """Write a line of the journal."""
@@ -50,7 +51,8 @@ class Turn:
     def authority(self, event: AuthorityEvent) -> None:
         """Let the authority take an event."""
         after, actions = authority.step(self.state.authority, event, covered=self.state.place.covered)
-        self.state = replace(self.state, authority=after)
+        if after is not self.state.authority:
+            self.state = replace(self.state, authority=after)
         self.actions += actions
 
     def timer(self, timer: str, at_s: float) -> bool:

@@ -14,6 +14,7 @@ from enum import StrEnum
 from typing import Final, NamedTuple
 
 from onboard.records import UnitRow
+from vehicle.compiled import compiled
 
 STRONGEST_WEIGHT: Final = 1.0  # of a fix that meets an estimate which says nothing
 
@@ -48,34 +49,53 @@ class Refused:
     why: str
 
 
-def missed_by_m(row: UnitRow, fix: Fix) -> float:
-    """By how much the fix's interval misses the present one, m; not positive where they meet."""
+@compiled
+def missed_m(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
+    """By how much an interval misses the present one, m; not positive where they meet."""
     if row.position_known == 0:
         return 0.0
-    behind_m = row.position_m - row.bound_behind_m - (fix.position_m + fix.ahead_m)
-    ahead_m = fix.position_m - fix.behind_m - (row.position_m + row.bound_ahead_m)
-    return float(max(behind_m, ahead_m))
+    short_m = row.position_m - row.bound_behind_m - (position_m + ahead_m)
+    beyond_m = position_m - behind_m - (row.position_m + row.bound_ahead_m)
+    return max(short_m, beyond_m)
 
 
-def take(row: UnitRow, fix: Fix) -> Taken | Refused:
-    """Cut the present interval with the fix's; the row is left alone where the fix is refused."""
+@compiled
+def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
+    """The rule itself: cut the present interval with another one; returns by how much they miss each other, m.
+
+    The row is left alone where they do. `take` is the same for a `Fix`.
+    """
     if row.position_known == 0:
-        row.position_m, row.bound_behind_m, row.bound_ahead_m = fix.position_m, fix.behind_m, fix.ahead_m
+        row.position_m, row.bound_behind_m, row.bound_ahead_m = position_m, behind_m, ahead_m
         row.position_known = 1
-        return Taken(0.0)
-    missed_m = missed_by_m(row, fix)
-    if not missed_m <= 0.0:
-        return Refused(f"{fix.source} misses the bounds by {missed_m:.3f} m")
-    rear_m = max(row.position_m - row.bound_behind_m, fix.position_m - fix.behind_m)
-    front_m = min(row.position_m + row.bound_ahead_m, fix.position_m + fix.ahead_m)
+        return 0.0
+    missed = missed_m(row, position_m, behind_m, ahead_m)
+    if not missed <= 0.0:
+        return missed
+    rear_m = max(row.position_m - row.bound_behind_m, position_m - behind_m)
+    front_m = min(row.position_m + row.bound_ahead_m, position_m + ahead_m)
     own_m = (row.bound_ahead_m + row.bound_behind_m) / 2.0
-    its_m = (fix.ahead_m + fix.behind_m) / 2.0
-    both_m2 = own_m**2 + its_m**2
-    weight = own_m**2 / both_m2 if both_m2 > 0.0 else STRONGEST_WEIGHT
+    its_m = (ahead_m + behind_m) / 2.0
+    both_m2 = own_m * own_m + its_m * its_m
+    weight = own_m * own_m / both_m2 if both_m2 > 0.0 else STRONGEST_WEIGHT
     before_m = row.position_m
-    estimate_m = min(max(before_m + weight * (fix.position_m - before_m), rear_m), front_m)
+    estimate_m = min(max(before_m + weight * (position_m - before_m), rear_m), front_m)
     row.position_m = estimate_m
     row.bound_ahead_m = front_m - estimate_m
     row.bound_behind_m = estimate_m - rear_m
     row.fix_correction_m += estimate_m - before_m
-    return Taken(float(estimate_m - before_m))
+    return missed
+
+
+def missed_by_m(row: UnitRow, fix: Fix) -> float:
+    """By how much the fix's interval misses the present one, m; not positive where they meet."""
+    return float(missed_m(row, fix.position_m, fix.behind_m, fix.ahead_m))
+
+
+def take(row: UnitRow, fix: Fix) -> Taken | Refused:
+    """Cut the present interval with the fix's; the row is left alone where the fix is refused."""
+    known, before_m = row.position_known == 1, float(row.position_m)
+    missed = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
+    if not missed <= 0.0:
+        return Refused(f"{fix.source} misses the bounds by {missed:.3f} m")
+    return Taken(float(row.position_m) - before_m if known else 0.0)

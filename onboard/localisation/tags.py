@@ -15,13 +15,22 @@ from onboard.localisation.fix import Fix, FixSource
 from onboard.localisation.tachometer import calibrated_scale
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
+from vehicle.compiled import compiled
+
+
+@compiled
+def front_by_tag(
+    row: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: float
+) -> tuple[float, float]:
+    """Where the front is now (m) by a tag at `tag_m`, and within what (m either way); see `tag_fix`."""
+    since_m = (row.odometer_m - odometer_at_tag_m) * row.odometer_scale
+    return tag_m + since_m, accuracy_m + abs(since_m) * row.bound_growth
 
 
 def tag_fix(row: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: float) -> Fix:
     """What a tag at path coordinate `tag_m` says, read when the tachometer stood at `odometer_at_tag_m`."""
-    since_m = (row.odometer_m - odometer_at_tag_m) * row.odometer_scale
-    bound_m = accuracy_m + abs(since_m) * row.bound_growth
-    return Fix(float(tag_m + since_m), float(bound_m), float(bound_m), FixSource.TAG)
+    position_m, bound_m = front_by_tag(row, tag_m, odometer_at_tag_m, accuracy_m)
+    return Fix(float(position_m), float(bound_m), float(bound_m), FixSource.TAG)
 
 
 class TagDoubt:

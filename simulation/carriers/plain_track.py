@@ -28,10 +28,16 @@ class PlainTrack:
         self._trains: dict[str, _Train] = {}
 
     def insert(
-        self, unit_id: str, pieces: Sequence[str], direction: Direction, offset_m: float, length_m: float
+        self,
+        unit_id: str,
+        pieces: Sequence[str],
+        direction: Direction,
+        offset_m: float,
+        length_m: float,
+        speed_mps: float = 0.0,
     ) -> None:
-        """Put a standing train on the track."""
-        self._trains[unit_id] = _Train(list(pieces), direction, offset_m, length_m)
+        """Put a train on the track; a standing one unless an experiment begins in motion."""
+        self._trains[unit_id] = _Train(list(pieces), direction, offset_m, length_m, speed_mps)
 
     def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
         """Execute the speeds; never reports a collision."""

@@ -19,6 +19,7 @@ class TachometerRow(Protocol):
     wheel_factor: Annotated[float, "true circumference over the one it is set for"]
     odometer_m: Annotated[float, "what it has counted"]
     gain: Annotated[float, "1 in order, 0 silent"]
+    miscount_share: Annotated[float, "of the distance, counted too much (< 0: pulses lost); speed is right"]
     frozen_mps: Annotated[float, "shows this speed for ever; negative: in order"]
 
 
@@ -31,7 +32,9 @@ def read_tachometer(
         tachometer.odometer_m += tachometer.frozen_mps * step_s
         return tachometer.frozen_mps
     gain = tachometer.gain / tachometer.wheel_factor
-    tachometer.odometer_m += (plant.wheel_travelled_m - wheel_before_m) * gain
+    tachometer.odometer_m += (plant.wheel_travelled_m - wheel_before_m) * (
+        gain * (1.0 + tachometer.miscount_share)
+    )
     return plant.wheel_speed_mps * gain
 
 

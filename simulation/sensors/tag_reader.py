@@ -25,5 +25,6 @@ class TagReaderRow(Protocol):
 def latch(reader: TagReaderRow, tachometer: TachometerRow, beyond_m: float, step: int) -> None:
     """Read the tag that the front passed in this step and is `beyond_m` past now."""
     error_m = min(max(reader.sigma_m * normal(reader.source, step), -reader.most_m), reader.most_m)
-    at_tag_m = tachometer.odometer_m - beyond_m * tachometer.gain / tachometer.wheel_factor
+    counted_m = beyond_m * tachometer.gain / tachometer.wheel_factor * (1.0 + tachometer.miscount_share)
+    at_tag_m = tachometer.odometer_m - counted_m
     reader.latched_m = at_tag_m + error_m

@@ -8,7 +8,7 @@ first-order share of the variance, Var(E[error | factor]) / Var(error), estimate
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -16,13 +16,11 @@ from numpy.typing import NDArray
 from scipy.stats import norm, qmc
 
 from network.errors import InputError
-from onboard.driving.tasc import TASC, reset
+from onboard.unit_records import UnitParameters
 from radio.chance import generator
-from study.papers.oda_table4 import START_M, controller, oda_train
+from study.papers.oda_table4 import START_M, oda_train
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
-from study.papers.single_stop import OUTCOME, STOP, TRACE, new_stops, run_stop
-from vehicle.compiled import compiled
-from vehicle.records import PLANT, TRAIN
+from study.papers.single_train import COASTING, Bench, Rows, new_stops
 
 LIMITS_M: Final = (0.35, 0.5, 1.0)
 STOPS: Final = 100_000
@@ -32,6 +30,8 @@ PATTERN_MPS2: Final = 0.65
 GAIN_PER_S: Final = 0.6
 COMPENSATION_SHARE: Final = 0.06
 SPEED_MPS: Final = 17.0
+TAG_ACCURACY_M: Final = 0.15
+BOUND_GROWTH: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,24 +78,6 @@ class StopStatistics:
         return max(self.variance_shares, key=lambda name: self.variance_shares[name])
 
 
-@compiled
-def run_all(
-    stops: NDArray[np.void],
-    lags_s: NDArray[np.float64],
-    trains: NDArray[np.void],
-    designs: NDArray[np.void],
-    tascs: NDArray[np.void],
-    plants: NDArray[np.void],
-    outcomes: NDArray[np.void],
-    trace: NDArray[np.void],
-) -> None:
-    """Run every stop with its own brake lag; the single rows of `trains`, `tascs`, `plants` are worked on."""
-    for i in range(stops.shape[0]):
-        reset(tascs[0])
-        trains[0].brake_lag_s = lags_s[i]
-        run_stop(stops[i], trains[0], designs[0], tascs[0], plants[0], outcomes[i], trace)
-
-
 def drawn(n: int, seed: int, factors: Mapping[str, Factor]) -> Mapping[str, NDArray[np.float64]]:
     """`n` values of each factor, each stratified evenly over its distribution."""
     unit = qmc.LatinHypercube(d=len(factors), rng=generator(seed, "stop-statistics")).random(n)
@@ -107,16 +89,19 @@ def drawn(n: int, seed: int, factors: Mapping[str, Factor]) -> Mapping[str, NDAr
     return values
 
 
-def stops_of(values: Mapping[str, NDArray[np.float64]]) -> NDArray[np.void]:
-    """STOP rows of the drawn values, shape (n,); beacons at 400 and 100 m and the last one where drawn."""
+def stops_of(values: Mapping[str, NDArray[np.float64]], lag_s: float) -> Rows:
+    """STOP rows of the drawn values, shape (n,); beacons at 400 and 100 m and the last one where drawn.
+
+    `lag_s` is the brake's lag that the controller believes in.
+    """
     rows = new_stops(values["load"].size)
     rows["speed_mps"] = SPEED_MPS
     rows["start_m"] = START_M
     rows["load_share"] = values["load"]
     rows["adhesion_factor"] = values["adhesion"]
     rows["brake_factor"] = values["brake"] * (1.0 - COMPENSATION_SHARE * (values["load"] - 0.5))
-    rows["odometer_error"] = values["wheel"]
-    rows["speed_error"] = values["wheel"]
+    rows["brake_lag_off_s"] = values["brake_lag"] - lag_s
+    rows["wheel_error"] = values["wheel"]
     rows["gradient_permille"] = values["gradient"]
     rows["beacons"] = 3
     rows["beacon_m"][:, 0] = 400.0
@@ -153,20 +138,15 @@ def stop_statistics(n: int, seed: int, factors: Mapping[str, Factor] = FACTORS) 
     if unknown:
         raise InputError("stop-statistics", "factors", unknown[0], "one of " + ", ".join(FACTORS))
     values = drawn(n, seed, {**FACTORS, **factors})
-    design = controller(GAIN_PER_S, PATTERN_MPS2)
-    design["lag_s"] = {**FACTORS, **factors}["brake_lag"].mean
-    train = np.array(oda_train(), dtype=TRAIN).reshape(1)
-    outcomes = np.zeros(n, dtype=OUTCOME)
-    run_all(
-        np.asarray(stops_of(values), dtype=STOP),
-        np.maximum(values["brake_lag"], 0.0),
-        train,
-        design,
-        np.zeros(1, dtype=TASC),
-        np.zeros(1, dtype=PLANT),
-        outcomes,
-        np.zeros(0, dtype=TRACE),
+    lag_s = {**FACTORS, **factors}["brake_lag"].mean
+    row = oda_train().row.copy()
+    row["brake_lag_s"] = lag_s
+    train = replace(oda_train(), row=row)
+    driving = COASTING.model_copy(
+        update={"stop_deceleration_mps2": PATTERN_MPS2, "stop_gain_per_s": GAIN_PER_S}
     )
+    unit = UnitParameters(tag_accuracy_m=TAG_ACCURACY_M, wheel_error_share=BOUND_GROWTH)
+    outcomes, _ = Bench(train, driving, unit).run(stops_of(values, lag_s))
     errors = np.array(outcomes["error_m"], dtype=np.float64)
     return StopStatistics(
         errors,
@@ -207,6 +187,8 @@ def reproduce(options: Options) -> Reproduction:
         Parameter("speed at the beginning", SPEED_MPS, "m/s", "assumed"),
         Parameter("pattern deceleration", PATTERN_MPS2, "m/s^2", "assumed: that of a cautious service"),
         Parameter("proportional gain", GAIN_PER_S, "1/s", "that of oda-table4"),
+        Parameter("bound of a fix at a beacon", TAG_ACCURACY_M, "m", "3 sigma of beacon_error"),
+        Parameter("growth of the bounds", BOUND_GROWTH, "m per m", "3 sigma of wheel, and some more"),
         *(
             Parameter(name, f"{factor.mean:g} +- {factor.sigma:g}", factor.unit, factor.origin)
             for name, factor in FACTORS.items()
@@ -215,8 +197,10 @@ def reproduce(options: Options) -> Reproduction:
     remainder = 1.0 - sum(result.variance_shares.values())
     remarks = [
         f"Factors acting together explain the remaining {remainder:.0%} of the variance.",
-        "Adhesion has no part while the brake stays below it; where the wheels slide it outweighs everything, "
-        "since TASC then takes the slower wheel for the train.",
+        "Adhesion has no part while the brake stays below it; where the wheels slide it outweighs everything. The "
+        "unit rides over a slide within what its slide protection allows; taking the slower wheel for the train, as "
+        "a loop of its own once did here, left 0.90 of the stops on such rails within 1 m. On others the kernel and "
+        "the rule for fixes changed the shares by less than 0.002.",
         "No paper gives these figures; the accuracy asked for is Oda's 1 m (2.2).",
     ]
     if options.quick:

@@ -57,7 +57,7 @@ def reports_once(patch: pytest.MonkeyPatch) -> None:
         after, actions = say(state)
         said = any(isinstance(a, sym.Send) and a.request.ask is sym.Ask.REPORT for a in actions)
         left = tuple(r for r in after.requests if r.ask is not sym.Ask.REPORT)
-        return (replace(after, requests=left) if said else after), actions
+        return (msgspec.structs.replace(after, requests=left) if said else after), actions
 
     patch.setattr(authority, "say", once)
 

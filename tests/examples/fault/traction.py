@@ -28,5 +28,5 @@ class WeakTraction(Fault[float]):
 
     def put(self, world: World, share: float) -> None:
         trains, slot = world.trains, world.slot(self.target)
-        whole = trains.kinds["traction_notch_share"][slot]
-        trains.bodies["traction_notch_share"][slot] = whole * share
+        whole = trains.setup.trains[self.target].row["traction_notch_share"][0]
+        trains.stock["body"]["traction_notch_share"][slot] = whole * share

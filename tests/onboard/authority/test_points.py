@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
-import msgspec
 import pytest
+from msgspec.structs import replace
 
 from network.model import Position
 from onboard import notes
@@ -52,7 +51,7 @@ def proven(by_crew: bool = False) -> Write:
 
 
 def other(shown: Proof, **changes: object) -> Proof:
-    return msgspec.structs.replace(shown, **changes)
+    return replace(shown, **changes)
 
 
 DROPPED: Final = Write(notes.ProofDropped(points_id="P5"))
@@ -147,10 +146,10 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, commands=(replace(OPEN, refusal="not detected"),)),
         (SetTimer(TIMER, REFUSED_REPEAT_S),),
     ),
-    "refused for another token": (THROWING, msgspec.structs.replace(DENIED, mine=False), THROWING, ()),
+    "refused for another token": (THROWING, replace(DENIED, mine=False), THROWING, ()),
     "refused by another terminal": (
         THROWING,
-        msgspec.structs.replace(DENIED, terminal_id="B-W"),
+        replace(DENIED, terminal_id="B-W"),
         THROWING,
         (),
     ),

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
-import msgspec
 import pytest
+from msgspec.structs import replace
 
 from network.model import Position
 from onboard import notes
@@ -59,7 +58,7 @@ def reported(*section_ids: str) -> tuple[Action, ...]:
 
 
 def other(grant: Granted, **changes: object) -> Granted:
-    return msgspec.structs.replace(grant, **changes)
+    return replace(grant, **changes)
 
 
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
@@ -107,7 +106,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "a manager that lost sight of the unit gets a report": (
         ASKING,
-        msgspec.structs.replace(REFUSAL, why="stale token", lost_sight=True),
+        replace(REFUSAL, why="stale token", lost_sight=True),
         replace(ASKING, requests=(replace(OPEN, refusal="stale token"), Request(Ask.REPORT, sent=True))),
         (
             Renew(Ask.ROUTE),
@@ -119,19 +118,19 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "a refusal of another request is none": (
         ASKING,
-        msgspec.structs.replace(REFUSAL, answers=False),
+        replace(REFUSAL, answers=False),
         ASKING,
         (),
     ),
     "a refusal of another route is none": (
         ASKING,
-        msgspec.structs.replace(REFUSAL, subject="3>9"),
+        replace(REFUSAL, subject="3>9"),
         ASKING,
         (),
     ),
     "on the line, a refusal of a sign-on is none": (
         ASKING,
-        msgspec.structs.replace(REFUSAL, ask=Ask.SIGN_ON),
+        replace(REFUSAL, ask=Ask.SIGN_ON),
         ASKING,
         (),
     ),

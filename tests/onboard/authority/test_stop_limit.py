@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
-import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from network.model import Position
 from onboard.authority.records import Authority, Command
@@ -65,7 +64,7 @@ def test_stop_limit(
 
 
 def test_a_proof_for_the_other_position_does_not_count(plan: Plan) -> None:
-    other = msgspec.structs.replace(P5, position=Position.REVERSE)
+    other = replace(P5, position=Position.REVERSE)
     assert stop_limit(plan, authority(*ALL, proven=(other, P7))).before == "5"
 
 

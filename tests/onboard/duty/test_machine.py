@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, Final, get_args
 
-import msgspec
 import pytest
+from msgspec.structs import replace
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
@@ -150,7 +149,7 @@ def limit(joint: int, before: str | None, why: str) -> Write:
 
 
 def moved(place: Place, **changes: bool | int) -> Place:
-    return msgspec.structs.replace(place, **changes)
+    return replace(place, **changes)
 
 
 BEGUN: Final = Write(notes.MissionBegun(train="T1", direction="down"))

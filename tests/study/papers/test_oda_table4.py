@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from onboard.driving.tasc import Verdict
@@ -9,13 +10,12 @@ from study.papers.oda_table4 import (
     best_gain_per_s,
     controller,
     impossible_stops,
-    oda_train,
     passes,
     reproduce,
     stop_of,
 )
 from study.papers.reproduction import Options, Reproduction, reproduction
-from study.papers.single_stop import one_stop
+from study.papers.single_train import Rows
 
 GAIN_PER_S = 0.6
 
@@ -33,7 +33,7 @@ def test_there_are_22_runs_with_the_papers_figures() -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_cell_has_the_papers_verdict(case: Case) -> None:
-    outcome, _ = one_stop(stop_of(case), oda_train(), controller(GAIN_PER_S))
+    outcome, _ = controller(GAIN_PER_S).one(stop_of(case))
     if case.paper_m > 1.0:
         assert outcome.error_m > 1.0
         assert abs(outcome.error_m - case.paper_m) <= 0.4 * case.paper_m
@@ -45,15 +45,15 @@ def test_every_cell_has_the_papers_verdict(case: Case) -> None:
 
 @pytest.mark.parametrize(("name", "expected", "stop"), impossible_stops(), ids=lambda value: str(value)[:20])
 def test_impossible_stops_are_told_and_stay_within_the_limit(
-    name: str, expected: Verdict, stop: object
+    name: str, expected: Verdict, stop: Rows
 ) -> None:
-    outcome, _ = one_stop(stop, oda_train(), controller(GAIN_PER_S))  # type: ignore[arg-type]
+    outcome, _ = controller(GAIN_PER_S).one(stop)
     assert outcome.verdict is expected
     assert outcome.within_limit
 
 
 def test_the_gain_comes_from_stops_without_position_error() -> None:
-    assert best_gain_per_s(oda_train()) == GAIN_PER_S
+    assert best_gain_per_s() == GAIN_PER_S
 
 
 def test_a_cell_passes_only_with_the_papers_verdict() -> None:
@@ -71,3 +71,9 @@ def test_everything_passes_and_names_its_origins(result: Reproduction) -> None:
     assert all(parameter.origin for parameter in result.parameters)
     assert any("opposite sign the verdicts are the same" in remark for remark in result.remarks)
     assert reproduction("oda-table4") is reproduce
+
+
+def test_the_bounds_hold_the_truth_and_no_fix_is_refused() -> None:
+    outcomes, _ = controller(GAIN_PER_S).run(np.concatenate([stop_of(case) for case in CASES]))
+    assert (outcomes["out_of_bounds_m"] <= 0.0).all()
+    assert (outcomes["refused"] == 0).all()

@@ -38,12 +38,12 @@ def test_the_delay_of_a_lag_in_steps_is_the_area_over_its_response() -> None:
 
 
 def test_a_train_learns_for_itself_and_stops_better_for_it() -> None:
-    tuned = tune(np.asarray(oda_train()), 3, "train 1")
+    tuned = tune(oda_train(), 3, "train 1")
     assert is_right(tuned.by_approximation, tuned.hidden)
     assert tuned.by_approximation.stops + tuned.by_approximation.left_out == RUNS
     kept = ~tuned.slid
     assert np.abs(tuned.after_m[kept]).mean() < np.abs(tuned.before_m[kept]).mean()
-    assert tuned.hidden != tune(np.asarray(oda_train()), 3, "train 2").hidden
+    assert tuned.hidden != tune(oda_train(), 3, "train 2").hidden
 
 
 def test_right_means_within_one_step_of_the_grid() -> None:

@@ -13,6 +13,7 @@ import pytest
 import study.run.run
 from host.party import PartySpec
 from network.errors import InputError
+from radio.noted import TelegramDropped
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
 from simulation.result import RunResult, Waiting
@@ -117,11 +118,11 @@ def test_every_run_has_new_keys_which_leave_no_trace_in_it(monkeypatch: pytest.M
 
     monkeypatch.setattr(study.run.run, "specs_of", seen)
     scenario = load_scenario("rtri_test_line")
-    noisy = replace(scenario.setup, air=replace(scenario.setup.air, flip_p=1e-3))
+    noisy = replace(scenario.setup, air=scenario.setup.air.model_copy(update={"flip_p": 1e-3}))
     scenario = replace(scenario, setup=noisy)
     runs = [execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN) for _ in range(2)]
     assert keys[0] != keys[1]
-    dropped = [entry for entry in runs[0].result.journal.entries if entry["what"] == "dropped"]
+    dropped = [e for e in runs[0].result.journal.entries if isinstance(e.event, TelegramDropped)]
     assert len(dropped) > 5
     assert runs[0].result.digest == runs[1].result.digest
 
