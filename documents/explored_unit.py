@@ -239,8 +239,8 @@ def _time(run: Run) -> Iterator[_Happening]:
         yield TimerDue(LEAVE), run
     if not state.released and not run.moves:
         yield TimerDue(RELEASE), run
-    for timer in (*(r.timer for r in state.authority.requests), *(c.timer for c in state.authority.commands)):
-        yield TimerDue(timer), run
+    yield from ((TimerDue(request.timer), run) for request in state.authority.requests)
+    yield from ((TimerDue(command.timer), run) for command in state.authority.commands)
 
 
 def _telegrams(run: Run) -> Iterator[_Happening]:

@@ -11,6 +11,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.table import LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
+from onboard.localisation.table import ReadersRow, ReadingsRow
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.record import dtype_of
 from vehicle.records import TrainRow
@@ -24,6 +25,7 @@ class SensedRow(Protocol):
     speed_mps: Annotated[float, "what the tachometer shows"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
     load_share: Annotated[float, "from the load sensor: 0 empty, 1 full"]
+    readings: Annotated[ReadingsRow, "of the sensors in the table of readers"]
 
 
 class BoardRow(Protocol):
@@ -31,6 +33,7 @@ class BoardRow(Protocol):
 
     unit: Annotated[UnitRow, "what the unit believes and decides"]
     kind: Annotated[TrainRow, "the train as the unit believes it to be"]
+    readers: Annotated[ReadersRow, "what it makes of its sensors' readings"]
     behaviour: Annotated[BehaviourRow, "how it drives and supervises"]
     cue: Annotated[CueRow, "what its driving law is told in this tick"]
     laws: Annotated[LawsRow, "which law drives, and what each of them keeps"]

@@ -11,7 +11,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,8 @@ from network.model import Line
 from onboard import notes
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.driving.stopping import aim_within, limit_is_short
+from onboard.driving.stopping import LIMIT_MARGIN_M
+from onboard.driving.supervision import RESERVE_M
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
@@ -36,11 +37,13 @@ from onboard.duty.records import (
     TagPassed,
 )
 from onboard.duty.timekeeping import cruise_for
-from onboard.localisation.fix import Taken, missed_by_m, take
-from onboard.localisation.sighting import sign_fix, sign_is_missing
+from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
+from onboard.localisation.sighting import sign
+from onboard.localisation.table import READER_NAMES, READERS_ROW, ReadersRow
 from onboard.localisation.tags import TagDoubt, tag_fix
 from onboard.records import (
     EMERGENCY_INTERVENTION,
+    EVENT_FIX,
     EVENT_INTERVENTION,
     EVENT_MOVING,
     EVENT_POSITION,
@@ -58,6 +61,7 @@ from onboard.records import (
 from onboard.unit_records import UnitParameters
 from vehicle.records import TrainRow
 
+SIGN: Final = sign.__name__
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 
@@ -80,8 +84,12 @@ class Motion:
         train: TrainRow,
         behaviour: BehaviourRow,
         keeper: StopKeeper,
+        readers: ReadersRow | None = None,
     ) -> None:
         self.row: Final = row
+        self.readers: Final[Any] = (
+            np.zeros(1, READERS_ROW).view(np.recarray)[0] if readers is None else readers
+        )
         self.keeper: Final = keeper
         self.command = Command()
         self.load_share = 0.0
@@ -97,8 +105,9 @@ class Motion:
         self._doubt: Final = TagDoubt(row, parameters)
         self._elevation_m: NDArray[np.float64] = np.zeros(1)
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
-        self._sighted: Target | None = None  # whose sign has been seen
+        self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
+        self._look_for_sign(None)
 
     # the path that the train is on ------------------------------------------------------------------------------
 
@@ -218,22 +227,6 @@ class Motion:
         self._found = self._found or found
         return [TagPassed(index, found)]
 
-    def frame_taken(self, distance_m: float | None) -> list[Sensed]:
-        """The camera looked for the sign of the next mark: `distance_m` from the front to the sign, None: not seen."""
-        target = self._next_target()
-        if target is None or self.command.target is None:
-            return []
-        taken = None
-        if distance_m is not None and self.row.position_known:
-            taken = take(self.row, sign_fix(self.row, target.mark_m, float(distance_m)))
-        if isinstance(taken, Taken) and self._sighted != target:
-            self._sighted = target
-            correction_m = round(taken.correction_m, 3)
-            self.notes.append(notes.SignSeen(station=target.station_id, correction_m=correction_m))
-        if self._sighted != target and sign_is_missing(target.mark_m, self.row.position_m):
-            self._impossible(Verdict.TARGET_NOT_SEEN)
-        return []
-
     def events(self, bits: int) -> list[Sensed]:
         """What the compiled tick reported."""
         row = self.row
@@ -241,6 +234,8 @@ class Motion:
         if bits & EVENT_TACHOMETER:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
             happened += self._lose("the tachometer shows what cannot be")
+        if bits & EVENT_FIX:
+            self._fixes()
         if bits & EVENT_VERDICT:
             self._note_impossible()
         if bits & EVENT_TAG_OVERDUE:
@@ -256,6 +251,32 @@ class Motion:
         if bits & (EVENT_POSITION | EVENT_SAFE_REAR):
             happened.append(Looked())
         return happened
+
+    def _fixes(self) -> None:
+        """What came of a reading is another than before: taken, refused, or missed."""
+        for number, name in enumerate(READER_NAMES):
+            before, outcome = self._outcomes[number], int(self.readers.outcome[number])
+            self._outcomes[number] = outcome
+            if outcome in (before, NOTHING):
+                continue
+            if outcome == REFUSED:
+                self.notes.append(notes.FixRefused(reader=name))
+            if name != SIGN:
+                continue
+            target = self._next_target()
+            if outcome == TAKEN and target is not None:
+                moved_m = round(float(self.readers.moved_m[number]), 3)
+                self.notes.append(notes.SignSeen(station=target.station_id, correction_m=moved_m))
+            elif outcome == MISSED:
+                self._impossible(Verdict.TARGET_NOT_SEEN)
+
+    def _look_for_sign(self, target: Target | None) -> None:
+        """Go by the sign of this mark from now on."""
+        mark_m = math.inf if target is None else target.mark_m
+        if mark_m != self.readers.sign.mark_m:
+            self.readers.sign.mark_m, self.readers.sign.seen = mark_m, 0
+            number = READER_NAMES.index(SIGN)
+            self._outcomes[number] = self.readers.outcome[number] = NOTHING
 
     def _stopped(self) -> list[Sensed]:
         row, target = self.row, self._next_target()
@@ -276,7 +297,8 @@ class Motion:
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        if self._mission is None or not limit_is_short(self.row, target.mark_m):
+        reach_m = self.row.stop_limit_m - self.row.bound_ahead_m - LIMIT_MARGIN_M - RESERVE_M
+        if self._mission is None or target.mark_m < reach_m:
             return False
         return self._mission.span_at(self.row.position_m).section_id == target.section_id
 
@@ -324,6 +346,7 @@ class Motion:
         """Set what the tick works to."""
         row = self.row
         self.command = command
+        self._look_for_sign(None if command.target is None else self._next_target())
         if Order.RELEASE in command.orders:
             row.intervention = NO_INTERVENTION
         restricted = command.on_sight or not row.position_known
@@ -376,7 +399,7 @@ class Motion:
     def _aim(self, mark_m: float, limit_m: float) -> None:
         """The front stops at the next mark, or before the stop limit if that comes first."""
         row = self.row
-        aim_m = aim_within(mark_m, limit_m, self._parameters.standoff_m)
+        aim_m = mark_m if mark_m < limit_m else limit_m - self._parameters.standoff_m
         if aim_m > row.target_stop_m + 0.01:
             row.braking_to_stop = 0
         row.target_stop_m = aim_m

@@ -122,6 +122,12 @@ class SignSeen(Noted, frozen=True, kw_only=True, tag="sign_seen"):
     correction_m: float
 
 
+class FixRefused(Noted, frozen=True, kw_only=True, tag="fix_refused"):
+    """What a sensor shows misses the bounds of the position, and is not believed until it fits again."""
+
+    reader: str
+
+
 class PositionFault(Noted, frozen=True, kw_only=True, tag="position_fault"):
     """The position cannot be trusted any more: the train stops, then runs on sight."""
 
@@ -276,6 +282,7 @@ Note = (
     | TagRead
     | TagDoubted
     | SignSeen
+    | FixRefused
     | PositionFault
     | PositionFound
     | TachometerFault

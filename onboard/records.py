@@ -19,6 +19,7 @@ EVENT_MOVING: Final = 16  # the train began to move
 EVENT_POSITION: Final = 32  # the position passed `position_trigger_m`
 EVENT_TACHOMETER: Final = 64  # the tachometer shows what cannot be
 EVENT_VERDICT: Final = 128  # the stop at the mark has turned out impossible: `stop_verdict`
+EVENT_FIX: Final = 256  # what came of a sensor's reading is another than before: `readers.outcome`
 
 # unit.mode
 MODE_HOLD: Final = 0  # stand with the brakes applied

@@ -16,7 +16,6 @@ class Due(IntEnum):
     UNIT_TIMER = 3
     DUTY = 4  # a stock takes up its next duty
     SCRIPT = 5  # something fails, heals, or is done by a person
-    CAMERA = 6  # a train's camera takes a frame
 
 
 @dataclass(order=True, frozen=True, slots=True)

@@ -47,7 +47,7 @@ class Cabs:
         self._timer_steps: dict[int, int] = {}
         self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
         self.told: Callable[[int, Told, int], None] = lambda _slot, _told, _step: None
-        self.looked_ahead: Callable[[int], None] = lambda _slot: None  # eyes, which see signs
+        self.looked_ahead: Callable[[int], None] = lambda _slot: None  # signs, which cameras see
 
     def tell(
         self, slot: int, step: int, happened: Sequence[Person | Sensed] = (), telegrams: Sequence[bytes] = ()

@@ -26,20 +26,19 @@ from simulation.faults.injector import Injector
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import RunResult
-from simulation.sensors.eyes import Eyes
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from simulation.world.records import (
-    PASSED_CAMERA,
     PASSED_FRONT,
     PASSED_REAR,
     PASSED_TAG,
     TRACE,
 )
 from simulation.world.roster import draw_up
+from simulation.world.signs import Signs
 from simulation.world.trains import SIGN, Trains
 from sumo_cfg.truth_map import NetMap
 
@@ -113,8 +112,8 @@ class Simulation:
         self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
         self._broken = ""
-        self._eyes = Eyes(self.trains, self._agenda, self._books.next_target)
-        self._cabs.looked_ahead = self._eyes.look_ahead
+        self._signs = Signs(self.trains, self._books.next_target)
+        self._cabs.looked_ahead = self._signs.look_ahead
         self._injector = Injector(
             setup.script,
             setup.seed,
@@ -181,10 +180,6 @@ class Simulation:
                 self._cabs.crew_looks(self.trains.slot_of[subject.removeprefix(CREW)], step)
             case Due.SCRIPT:
                 self._injector.due(step, subject)
-            case Due.CAMERA:
-                slot = self.trains.slot_of[subject]
-                seen_m = self._eyes.frame(slot, step)
-                self._cabs.tell(slot, step, self.on_board.frame_taken(slot, seen_m))
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
 
@@ -277,6 +272,7 @@ class Simulation:
             if onto != expected:
                 self._unsafe(slot, f"was sent the wrong way at points {points.id}")
                 self.trains.divert(slot, onto)
+                self._signs.look_ahead(slot)
         elif leaving.points_id and leaving.leg in (Leg.NORMAL, Leg.REVERSE) and entering.leg is Leg.STEM:
             position = self.wayside.position_of(leaving.points_id)
             if position is None or position.value != leaving.leg.value:
@@ -300,8 +296,6 @@ class Simulation:
                 cabs.tell(slot, step, self.on_board.tag_read(slot, read_id, odometer_m))
                 if trains.units[slot].position_known:
                     trains.position_fixed(slot)
-        if passed & PASSED_CAMERA:
-            self._eyes.begin(slot, step)
         if events:
             cabs.tell(slot, step, self.on_board.ticked(slot, events))
             if events & EVENT_STOPPED:

@@ -87,6 +87,10 @@ class Setup:
         """What sets the day's draws apart from those of the first day."""
         return () if self.day == 1 else (f"day {self.day}",)
 
+    def steps_of(self, time_s: float) -> int:
+        """The number of steps nearest to a time, at least one."""
+        return max(1, round(time_s * STEPS_PER_S))
+
     def next_day(self, learned: Mapping[str, Learned]) -> Setup:
         """The same timetable a day later, with what the trains have learned."""
         return replace(self, day=self.day + 1, learned=learned)

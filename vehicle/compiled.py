@@ -7,19 +7,19 @@ named by a digest of every source file that holds compiled code. Fastmath stays 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from hashlib import blake2b
 from pathlib import Path
-from typing import Final, ParamSpec, TypeVar, cast
+from typing import Any, Final, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numba import njit
 from numba.core import config
-from numpy.typing import NDArray
 
 PACKAGES: Final = ("vehicle", "onboard", "simulation", "study")  # below them too
 MARKS: Final = (b"@compiled", b"dtype_of")  # the second takes in the records and their sizes
+INTERPRETED: Final = bool(config.__dict__["DISABLE_JIT"])
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -44,51 +44,47 @@ def _place_cache() -> None:
     settings["CACHE_DIR"] = str(base / f"numba-{sources_digest(root)}")
 
 
-class _Record:
-    """A record as compiled code sees it: fields as attributes, of the very memory."""
+def compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile `function` at its first call; division by zero gives inf or nan instead of raising.
 
-    __slots__ = ("_void",)
-    _void: np.void
-
-    def __init__(self, void: np.void) -> None:
-        object.__setattr__(self, "_void", void)
-
-    def __getattr__(self, name: str) -> object:
-        return _seen(self._void[name])
-
-    def __setattr__(self, name: str, value: float) -> None:
-        self._void[name] = value
+    With NUMBA_DISABLE_JIT=1 it runs as it is written, for coverage and for looking into; much slower.
+    """
+    if INTERPRETED:
+        return _interpreted(function)
+    return cast("Callable[P, R]", njit(cache=True, error_model="numpy")(function))
 
 
-def _seen(value: object) -> object:
-    """An argument with its fields as attributes, if it has any."""
-    if type(value) is np.void:
-        return _Record(value)
-    if isinstance(value, np.ndarray):
-        array = cast("NDArray[np.void]", value)
-        return array if array.dtype.names is None else array.view(np.recarray)
-    return value
-
-
-def interpreted(function: Callable[P, R]) -> Callable[P, R]:
-    """`function` as Python runs it, on the records that compiled code takes."""
+def _interpreted(function: Callable[P, R]) -> Callable[P, R]:
+    """Compiled code reads `row.speed_mps`; numpy does so for records alone."""
 
     @wraps(function)
-    def run(*args: P.args, **keywords: P.kwargs) -> R:
-        with np.errstate(all="ignore"):
-            return function(*map(_seen, args), **keywords)  # type: ignore[arg-type]
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return function(*(_with_names(arg) for arg in args), **kwargs)  # type: ignore[arg-type]
 
     return run
 
 
-def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile `function` at its first call; division by zero gives inf or nan instead of raising.
+def _with_names(value: object) -> object:
+    """The same memory, its fields as attributes; rows in a named tuple too."""
+    if type(value) is np.void and value.dtype.names is not None:
+        return value.view((np.record, value.dtype))
+    if type(value) is np.ndarray and value.dtype.names is not None:
+        return value.view(np.recarray)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        parts: list[Any] = [_with_names(part) for part in value]
+        return type(value)(*parts)
+    return value
 
-    With NUMBA_DISABLE_JIT=1 it is interpreted, on the same records: slow, for coverage and for stepping through.
+
+def compiled_lines(lines: Sequence[str], names: Mapping[str, Callable[..., Any]], file: str) -> Any:  # noqa: ANN401
+    """Compile a function written by a table of functions: compiled code cannot choose between them by value.
+
+    `lines` define one function, `names` are the table's functions that it calls, `file` is the table's own.
     """
-    if config.__dict__["DISABLE_JIT"]:
-        return interpreted(function)
-    return cast("Callable[P, R]", njit(cache=True, error_model="numpy")(function))
+    written: dict[str, Any] = dict(names)
+    exec(compile("\n".join(lines), file, "exec"), written)
+    return compiled(written[lines[0].split()[1].partition("(")[0]])
 
 
 _place_cache()

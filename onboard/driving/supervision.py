@@ -35,13 +35,13 @@ SMOOTHED_S: Final = 2.0 * ACCELERATION_SMOOTHING_S
 @compiled
 def path_index(unit: UnitRow, position_m: float) -> int:
     """Row of the path database at a path coordinate, clamped to the path."""
-    index = int(position_m)
-    return int(unit.path_offset + min(max(index, 0), unit.path_rows - 1))
+    return int(unit.path_offset + int(min(max(position_m, 0.0), unit.path_rows - 1.0)))
 
 
 @compiled
 def body_elevation_m(unit: UnitRow, path: NDArray[np.void], position_m: float) -> float:
     """Mean elevation under the train with its front at a path coordinate, between the rows by proportion, m."""
+    position_m = min(max(position_m, 0.0), float(unit.path_rows))  # a stop limit may be infinitely far
     low = path_index(unit, position_m)
     high = path_index(unit, position_m + 1.0)
     share = min(max(position_m - int(position_m), 0.0), 1.0)

@@ -4,7 +4,9 @@ Invariant: an interval that holds the true front, cut with another one that hold
 misses the present one is refused: one of the two is wrong, and nobody knows which. A unit without a position takes
 the fix as it is.
 
-The new estimate lies between the two, weighted by the squares of what each may be wrong by, inside what is left.
+A reader of `onboard.localisation.table` gives its fix to `taken` in the compiled tick, event-driven ones give theirs
+to `take`; both `cut`. The new estimate lies between the two, weighted by the squares of what each may be wrong by,
+inside what is left.
 """
 
 from __future__ import annotations
@@ -16,6 +18,12 @@ from typing import Final, NamedTuple
 from onboard.records import UnitRow
 from vehicle.compiled import compiled
 
+# what came of a reading, as a reader of the table tells
+NOTHING: Final = 0  # it says nothing now
+TAKEN: Final = 1
+REFUSED: Final = 2
+MISSED: Final = 3  # what should have shown itself by now has not
+
 STRONGEST_WEIGHT: Final = 1.0  # of a fix that meets an estimate which says nothing
 
 
@@ -23,7 +31,6 @@ class FixSource(StrEnum):
     """What a fix comes from."""
 
     TAG = "tag"
-    SIGN = "sign"
 
 
 class Fix(NamedTuple):
@@ -51,27 +58,24 @@ class Refused:
 
 @compiled
 def missed_m(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
-    """By how much an interval misses the present one, m; not positive where they meet."""
+    """By how much an interval about `position_m` misses the present one, m; not positive where they meet."""
     if row.position_known == 0:
         return 0.0
-    short_m = row.position_m - row.bound_behind_m - (position_m + ahead_m)
-    beyond_m = position_m - behind_m - (row.position_m + row.bound_ahead_m)
-    return max(short_m, beyond_m)
+    below_m = row.position_m - row.bound_behind_m - (position_m + ahead_m)
+    above_m = position_m - behind_m - (row.position_m + row.bound_ahead_m)
+    return float(max(below_m, above_m))
 
 
 @compiled
 def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
-    """The rule itself: cut the present interval with another one; returns by how much they miss each other, m.
-
-    The row is left alone where they do. `take` is the same for a `Fix`.
-    """
+    """Cut the present interval with that about `position_m`; returns `missed_m`, the row stays if positive."""
     if row.position_known == 0:
         row.position_m, row.bound_behind_m, row.bound_ahead_m = position_m, behind_m, ahead_m
         row.position_known = 1
         return 0.0
-    missed = missed_m(row, position_m, behind_m, ahead_m)
-    if not missed <= 0.0:
-        return missed
+    away_m = missed_m(row, position_m, behind_m, ahead_m)
+    if not away_m <= 0.0:  # what is no number is refused too
+        return away_m
     rear_m = max(row.position_m - row.bound_behind_m, position_m - behind_m)
     front_m = min(row.position_m + row.bound_ahead_m, position_m + ahead_m)
     own_m = (row.bound_ahead_m + row.bound_behind_m) / 2.0
@@ -84,7 +88,13 @@ def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> flo
     row.bound_ahead_m = front_m - estimate_m
     row.bound_behind_m = estimate_m - rear_m
     row.fix_correction_m += estimate_m - before_m
-    return missed
+    return away_m
+
+
+@compiled
+def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
+    """A fix from a reader of the table, by the rule; what came of it."""
+    return TAKEN if cut(row, position_m, behind_m, ahead_m) <= 0.0 else REFUSED
 
 
 def missed_by_m(row: UnitRow, fix: Fix) -> float:
@@ -94,8 +104,8 @@ def missed_by_m(row: UnitRow, fix: Fix) -> float:
 
 def take(row: UnitRow, fix: Fix) -> Taken | Refused:
     """Cut the present interval with the fix's; the row is left alone where the fix is refused."""
-    known, before_m = row.position_known == 1, float(row.position_m)
-    missed = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
-    if not missed <= 0.0:
-        return Refused(f"{fix.source} misses the bounds by {missed:.3f} m")
+    known, before_m = row.position_known, float(row.position_m)
+    away_m = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
+    if not away_m <= 0.0:
+        return Refused(f"{fix.source} misses the bounds by {away_m:.3f} m")
     return Taken(float(row.position_m) - before_m if known else 0.0)

@@ -8,9 +8,11 @@ the height being that of the lens over the sign (Oda, 3.2.2, figure 16).
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Annotated, Final, Protocol
 
-from onboard.localisation.fix import Fix, FixSource
+import numpy as np
+
+from onboard.localisation.fix import MISSED, NOTHING, TAKEN, taken
 from onboard.records import UnitRow
 from vehicle.compiled import compiled
 
@@ -22,10 +24,25 @@ SIGN_BEYOND_MARK_M: Final = 10.0  # the sign stands this far behind the mark, so
 NOT_SEEN_M: Final = 20.0  # this near the mark without any sighting the sign counts as not seen
 
 
+class SignReading(Protocol):
+    """What the camera shows."""
+
+    taken: Annotated[int, "1: it took a frame in this step"]
+    distance_m: Annotated[float, "from the front to the sign; +inf: the frame shows none"]
+
+
+class SignRow(Protocol):
+    """What the unit keeps of the sign that it goes by."""
+
+    mark_m: Annotated[float, "path coordinate of the mark where it is to stop; +inf: none"]
+    seen: Annotated[int, "1: the sign of that mark has been seen"]
+
+
 @compiled
 def accuracy_m(distance_m: float, speed_mps: float) -> float:
     """How wrong one frame may be, m, at a distance to the sign and a speed."""
-    return FLOOR_M + PITCH_BOUND_RAD / LENS_OVER_SIGN_M * distance_m**2 + EXPOSED_WITHIN_S * speed_mps
+    pitch_m = PITCH_BOUND_RAD / LENS_OVER_SIGN_M * distance_m * distance_m
+    return FLOOR_M + pitch_m + EXPOSED_WITHIN_S * speed_mps
 
 
 @compiled
@@ -40,7 +57,17 @@ def sign_is_missing(mark_m: float, position_m: float) -> bool:
     return mark_m - position_m < NOT_SEEN_M
 
 
-def sign_fix(row: UnitRow, mark_m: float, distance_m: float) -> Fix:
-    """What a frame says that shows the sign of the mark at `mark_m` (path coordinate) `distance_m` ahead."""
-    position_m, slack_m = front_by_sign(row, mark_m + SIGN_BEYOND_MARK_M, distance_m)
-    return Fix(float(position_m), float(slack_m), float(slack_m), FixSource.SIGN)
+@compiled
+def sign(own: SignRow, reading: SignReading, unit: UnitRow, _step_s: float) -> int:
+    """A frame that shows the sign of the next mark is a fix; near the mark without any, the sign was missed."""
+    if reading.taken == 0 or not np.isfinite(own.mark_m):
+        return NOTHING
+    outcome = NOTHING
+    if np.isfinite(reading.distance_m) and unit.position_known == 1:
+        front_m, slack_m = front_by_sign(unit, own.mark_m + SIGN_BEYOND_MARK_M, reading.distance_m)
+        outcome = taken(unit, front_m, slack_m, slack_m)
+    if outcome == TAKEN:
+        own.seen = 1
+    if own.seen == 0 and sign_is_missing(own.mark_m, unit.position_m):
+        outcome = MISSED
+    return outcome

@@ -10,8 +10,8 @@ from simulation.faults.fault import Fault
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
-from simulation.faults.tachometer import NoOutput, Scale, StuckOutput
-from simulation.faults.tags import Miss, WrongId
+from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
+from simulation.sensors.tag_reader import Miss, WrongId
 
 KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,

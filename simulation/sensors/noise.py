@@ -16,6 +16,8 @@ from vehicle.compiled import compiled
 GAMMA: Final = np.uint64(0x9E3779B97F4A7C15)
 MIX_A: Final = np.uint64(0xBF58476D1CE4E5B9)
 MIX_B: Final = np.uint64(0x94D049BB133111EB)
+LOW: Final = np.uint64(0xFFFFFFFF)
+HALF: Final = np.uint64(32)
 DRAWS: Final = 2  # counters that one step uses
 TO_UNIT: Final = 2.0**-53
 
@@ -27,11 +29,33 @@ def source_of(seed: int, *names: str) -> int:
 
 
 @compiled
+def plus(a: np.uint64, b: np.uint64) -> np.uint64:
+    """a + b modulo 2^64, in halves: nothing overflows, of which interpreted code would warn."""
+    low = (a & LOW) + (b & LOW)
+    high = (a >> HALF) + (b >> HALF) + (low >> HALF)
+    return ((high & LOW) << HALF) | (low & LOW)
+
+
+@compiled
+def times(a: np.uint64, b: np.uint64) -> np.uint64:
+    """a * b modulo 2^64, likewise."""
+    low = (a & LOW) * (b & LOW)
+    across = (((a >> HALF) * (b & LOW)) & LOW) + (((a & LOW) * (b >> HALF)) & LOW)
+    return plus(low, (across & LOW) << HALF)
+
+
+@compiled
+def bits_of(number: int) -> np.uint64:
+    """The 64 bits of an integer in two's complement."""
+    return (np.uint64((number >> 32) & 0xFFFFFFFF) << HALF) | np.uint64(number & 0xFFFFFFFF)
+
+
+@compiled
 def uniform(source: int, counter: int) -> float:
     """A number in [0, 1) of a source."""
-    z = np.uint64(source) + np.uint64(counter) * GAMMA
-    z = (z ^ (z >> np.uint64(30))) * MIX_A
-    z = (z ^ (z >> np.uint64(27))) * MIX_B
+    z = plus(bits_of(source), times(bits_of(counter), GAMMA))
+    z = times(z ^ (z >> np.uint64(30)), MIX_A)
+    z = times(z ^ (z >> np.uint64(27)), MIX_B)
     z ^= z >> np.uint64(31)
     return float(np.float64(z >> np.uint64(11)) * TO_UNIT)
 

@@ -1,16 +1,25 @@
 """The tachometer (速度発電機): counts the turning of one axle, by a circumference that may not be the wheel's.
 
-Its faults: a scale other than 1, no output (gain 0), an output that stays at one speed for ever.
+Its faults: a scale other than 1, no output (gain 0), an output that stays at one speed for ever. Factors multiply;
+one that is stuck shows the same whatever they are.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Protocol
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, Self
 
+import numpy as np
+from pydantic import Field, PrivateAttr
+
+from onboard.board import SensedRow
+from radio.chance import generator
+from simulation.faults.fault import Fault, Names, World
+from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled
-from vehicle.records import PlantRow
 
-SLIDE_SEEN_MPS: Final = 0.05  # the slide protection compares axles no finer than this
+if TYPE_CHECKING:
+    from simulation.setup import Setup
 
 
 class TachometerRow(Protocol):
@@ -23,25 +32,93 @@ class TachometerRow(Protocol):
     frozen_mps: Annotated[float, "shows this speed for ever; negative: in order"]
 
 
-@compiled
-def read_tachometer(
-    tachometer: TachometerRow, plant: PlantRow, wheel_before_m: float, step_s: float
-) -> float:
-    """Count the wheel's turning of one step; returns the speed shown, m/s. A faulty one shows what it shows."""
-    if tachometer.frozen_mps >= 0.0:
-        tachometer.odometer_m += tachometer.frozen_mps * step_s
-        return tachometer.frozen_mps
-    gain = tachometer.gain / tachometer.wheel_factor
-    tachometer.odometer_m += (plant.wheel_travelled_m - wheel_before_m) * (
-        gain * (1.0 + tachometer.miscount_share)
-    )
-    return plant.wheel_speed_mps * gain
+def fit(own: TachometerRow, setup: Setup, stock_id: str) -> None:
+    """A wheel that is worn as the run's seed has it."""
+    sigma = setup.sensors.wheel_factor_sigma
+    drawn = generator(setup.seed, "sensors", stock_id).normal(0.0, sigma)
+    own.wheel_factor = 1.0 + float(np.clip(drawn, -3.0 * sigma, 3.0 * sigma))
+    own.gain, own.frozen_mps = 1.0, IN_ORDER
 
 
 @compiled
-def slide_seen(plant: PlantRow) -> int:
-    """What the slide protection tells the unit: -1 the wheels slide, 1 they slip, 0 they roll."""
-    difference = plant.wheel_speed_mps - plant.speed_mps
-    if abs(difference) <= SLIDE_SEEN_MPS:
-        return 0
-    return -1 if difference < 0.0 else 1
+def tachometer(own: TachometerRow, _sensors: Any, scene: SceneRow, sensed: SensedRow) -> None:  # noqa: ANN401
+    """Count the wheel's turning of one step and show its speed. A faulty one shows what it shows."""
+    if own.frozen_mps >= 0.0:
+        own.odometer_m += own.frozen_mps * scene.step_s
+        sensed.speed_mps = own.frozen_mps
+    else:
+        gain = own.gain / own.wheel_factor
+        own.odometer_m += scene.wheel_run_m * (gain * (1.0 + own.miscount_share))
+        sensed.speed_mps = scene.wheel_mps * gain
+    sensed.odometer_m = own.odometer_m
+
+
+IN_ORDER: Final = -1.0  # what the compiled truth holds where nothing is stuck
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What the tachometer makes of the wheel: its speed times `gain`, or `stuck_mps` for ever."""
+
+    gain: float = 1.0
+    stuck_mps: float | None = None
+
+
+class TachometerFault(Fault[Reading]):
+    """What the tachometer of a train shows."""
+
+    aims_at = "unit"
+    changes = "tachometer"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> Reading:
+        return Reading()
+
+    def put(self, world: World, reading: Reading) -> None:
+        slot = world.slot(self.target)
+        tachometer = world.trains.tachometers[slot]
+        tachometer.gain = reading.gain
+        tachometer.frozen_mps = IN_ORDER if reading.stuck_mps is None else reading.stuck_mps
+        world.trains.tachometer_faults[slot] = reading != Reading()
+
+
+class Scale(TachometerFault):
+    """Shows the speed times a factor."""
+
+    kind = "scale"
+    factor: float = Field(ge=0.0, le=10.0, description="shown over real speed")
+
+    def over(self, reading: Reading) -> Reading:
+        return replace(reading, gain=reading.gain * self.factor)
+
+
+class NoOutput(TachometerFault):
+    """Shows nothing, even if it was stuck before."""
+
+    kind = "no_output"
+
+    def over(self, _reading: Reading) -> Reading:
+        return Reading(gain=0.0)
+
+
+class StuckOutput(TachometerFault):
+    """Shows for ever what it shows when it begins."""
+
+    kind = "stuck_output"
+    _shown_mps: float = PrivateAttr(default=0.0)
+
+    def begun(self, world: World) -> Self:
+        slot = world.slot(self.target)
+        tachometer, plant = world.trains.tachometers[slot], world.trains.plants[slot]
+        copy = self.model_copy()
+        turned_mps = float(plant.wheel_speed_mps * tachometer.gain / tachometer.wheel_factor)
+        stuck_mps = float(tachometer.frozen_mps)
+        copy._shown_mps = stuck_mps if stuck_mps >= 0.0 else turned_mps
+        return copy
+
+    def over(self, reading: Reading) -> Reading:
+        return replace(reading, stuck_mps=self._shown_mps)

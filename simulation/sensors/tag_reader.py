@@ -1,15 +1,24 @@
 """The tag reader (地上子読取): latches the tachometer where the front passed a tag, a little early or late.
 
-Which id it reads, or that it reads none, is the tag's own fault; see `Trains.tag_faults`.
+Which id it reads, or that it reads none, is the tag's own fault; one that is not read reads as nothing, whatever else
+is wrong with it.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Protocol
+from typing import TYPE_CHECKING, Annotated, Protocol
 
-from simulation.sensors.noise import normal
+from pydantic import Field
+
+from onboard.board import SensedRow
+from simulation.faults.fault import Fault, Names, World
+from simulation.sensors.noise import normal, source_of
+from simulation.sensors.scene import SceneRow
 from simulation.sensors.tachometer import TachometerRow
 from vehicle.compiled import compiled
+
+if TYPE_CHECKING:
+    from simulation.setup import Setup
 
 
 class TagReaderRow(Protocol):
@@ -21,6 +30,25 @@ class TagReaderRow(Protocol):
     latched_m: Annotated[float, "the tachometer when it read the last tag"]
 
 
+class WithTachometer(Protocol):
+    """The sensors of a train, as far as the reader needs them."""
+
+    tachometer: TachometerRow
+
+
+def fit(own: TagReaderRow, setup: Setup, stock_id: str) -> None:
+    """A reader with noise of its own."""
+    own.source = source_of(setup.seed, "tag reader", stock_id)
+    own.sigma_m, own.most_m = setup.sensors.tag_read_sigma_m, setup.sensors.tag_read_max_m
+
+
+@compiled
+def tag_reader(own: TagReaderRow, sensors: WithTachometer, scene: SceneRow, _sensed: SensedRow) -> None:
+    """Read the tag that the front passed in this step, if it passed one."""
+    if scene.tag_beyond_m >= 0.0:
+        latch(own, sensors.tachometer, scene.tag_beyond_m, scene.step)
+
+
 @compiled
 def latch(reader: TagReaderRow, tachometer: TachometerRow, beyond_m: float, step: int) -> None:
     """Read the tag that the front passed in this step and is `beyond_m` past now."""
@@ -28,3 +56,44 @@ def latch(reader: TagReaderRow, tachometer: TachometerRow, beyond_m: float, step
     counted_m = beyond_m * tachometer.gain / tachometer.wheel_factor * (1.0 + tachometer.miscount_share)
     at_tag_m = tachometer.odometer_m - counted_m
     reader.latched_m = at_tag_m + error_m
+
+
+class TagFault(Fault[int | None]):
+    """The id read where a tag lies; None: nothing is read."""
+
+    aims_at = "tag"
+    changes = "tag"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.tags
+
+    def base(self, _world: World) -> int | None:
+        return int(self.target)
+
+    def put(self, world: World, read_id: int | None) -> None:
+        tag_id = int(self.target)
+        if read_id == tag_id:
+            world.trains.tag_faults.pop(tag_id, None)
+        else:
+            world.trains.tag_faults[tag_id] = read_id
+
+
+class Miss(TagFault):
+    """The tag is not read."""
+
+    kind = "miss"
+
+    def over(self, _read_id: int | None) -> None:
+        return None
+
+
+class WrongId(TagFault):
+    """The tag reads as another."""
+
+    kind = "wrong_id"
+    id: int = Field(ge=1, le=65535, description="the id read")
+
+    def over(self, read_id: int | None) -> int | None:
+        return None if read_id is None else self.id

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from onboard.records import MODE_DRIVE, UnitRow
 from onboard.tick import tick
-from simulation.sensors.tachometer import read_tachometer, slide_seen
-from simulation.sensors.tag_reader import latch
+from simulation.sensors.scene import NO_TAG_M
+from simulation.sensors.table import sense_all
 from simulation.world.records import (
-    PASSED_CAMERA,
     PASSED_FROM_A_STAND,
     PASSED_FRONT,
     PASSED_REAR,
@@ -111,9 +110,6 @@ def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: floa
         found |= PASSED_FRONT
     if now_m - length_m >= truth.rear_boundary_m:
         found |= PASSED_REAR
-    if now_m >= truth.camera_m:
-        truth.camera_m = np.inf
-        found |= PASSED_CAMERA
     return found
 
 
@@ -134,14 +130,17 @@ def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: Train
 
 
 @compiled
-def sense(row: StockRow, wheel_before_m: float, step: int, step_s: float) -> None:
-    """Fill the row's `sensed` after its body has moved."""
-    sensed = row.sensed
-    sensed.now_s = step * step_s
-    sensed.speed_mps = read_tachometer(row.tachometer, row.plant, wheel_before_m, step_s)
-    sensed.odometer_m = row.tachometer.odometer_m
-    sensed.wheel_slide = slide_seen(row.plant)
-    sensed.load_share = row.plant.load_share
+def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, step_s: float) -> None:
+    """Show the row's sensors what there is to be sensed after its body has moved."""
+    scene, plant = row.scene, row.plant
+    scene.step, scene.now_s, scene.step_s = step, step * step_s, step_s
+    scene.speed_mps, scene.acceleration_mps2 = plant.speed_mps, plant.acceleration_mps2
+    scene.wheel_mps, scene.wheel_run_m = plant.wheel_speed_mps, plant.wheel_travelled_m - wheel_before_m
+    scene.load_share = plant.load_share
+    scene.tag_beyond_m = tag_beyond_m
+    scene.sign_ahead_m = row.truth.sign_m - row.truth.position_m
+    row.sensed.now_s = scene.now_s
+    sense_all(row.sensors, scene, row.sensed)
 
 
 @compiled
@@ -159,14 +158,15 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     notch = -row.body.brake_notches if dead else unit.notch
     move(plant, row.body, notch, dead or unit.emergency != 0, gradient, curvature, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
-    sense(row, wheel_before_m, step, step_s)
     found = passed(truth, track.tag_positions_m, row.body.length_m)
     if before_mps > 0.0 and plant.speed_mps == 0.0:
         found |= PASSED_TO_A_STAND
     elif before_mps == 0.0 and plant.speed_mps > 0.0:
         found |= PASSED_FROM_A_STAND
+    beyond_m = NO_TAG_M
     if found & PASSED_TAG != 0:
-        latch(row.tag_reader, row.tachometer, truth.position_m - track.tag_positions_m[truth.tag_next], step)
+        beyond_m = truth.position_m - track.tag_positions_m[truth.tag_next]
+    look(row, beyond_m, wheel_before_m, step, step_s)
     if dead:
         return found, 0
     events = tick(row.board, row.sensed, track.pattern, track.plan)

@@ -53,6 +53,7 @@ class OnBoard:
             trains.kinds[slot],
             trains.behaviours[slot],
             self._keepers[slot],
+            trains.readers[slot],
         )
 
     # what people and sensors tell it ------------------------------------------------------------------------------
@@ -90,10 +91,6 @@ class OnBoard:
     def tag_read(self, slot: int, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag."""
         return [] if slot in self.unpowered else self._motions[slot].tag_read(tag_id, odometer_m)
-
-    def frame_taken(self, slot: int, distance_m: float | None) -> list[Sensed]:
-        """The camera took a frame."""
-        return [] if slot in self.unpowered else self._motions[slot].frame_taken(distance_m)
 
     def ticked(self, slot: int, bits: int) -> list[Sensed]:
         """The compiled tick reported."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Annotated, Final, Protocol
 
 from onboard.board import BoardRow, SensedRow
-from simulation.sensors.tachometer import TachometerRow
-from simulation.sensors.tag_reader import TagReaderRow
+from simulation.sensors.scene import SceneRow
+from simulation.sensors.table import SensorsRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
@@ -17,7 +17,6 @@ from vehicle.records import PlantRow, TrainRow
 PASSED_TAG: Final = 1
 PASSED_FRONT: Final = 2  # the front passed the end of a track piece
 PASSED_REAR: Final = 4  # the rear passed the end of a track piece
-PASSED_CAMERA: Final = 8  # the front came to where the camera may see the next stop sign
 PASSED_TO_A_STAND: Final = 16  # the train came to a stand
 PASSED_FROM_A_STAND: Final = 32  # it began to move
 
@@ -36,7 +35,7 @@ class TruthRow(Protocol):
     tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
     tag_end: int
     sight_m: Annotated[float, "where the driver stops on sight while the unit does not know its position"]
-    camera_m: Annotated[float, "path coordinate from where the next sign may be seen; +inf: none"]
+    sign_m: Annotated[float, "path coordinate of the next stop sign; +inf: none"]
 
 
 class StockRow(Protocol):
@@ -45,8 +44,8 @@ class StockRow(Protocol):
     truth: Annotated[TruthRow, "where it really is"]
     plant: Annotated[PlantRow, "the state of its body and machinery"]
     body: Annotated[TrainRow, "the train as it is; its board holds the train as believed"]
-    tachometer: TachometerRow
-    tag_reader: TagReaderRow
+    scene: Annotated[SceneRow, "what there is to be sensed"]
+    sensors: Annotated[SensorsRow, "its sensors"]
     sensed: Annotated[SensedRow, "what its sensors show"]
     board: Annotated[BoardRow, "what it has on board"]
 

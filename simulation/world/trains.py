@@ -17,10 +17,11 @@ from onboard.authority.coverage import covered_at
 from onboard.driving.laws.table import LAW_NAMES, law_number
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
+from onboard.localisation.table import ReadersRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
-from simulation.sensors.noise import source_of
+from simulation.sensors.table import SENSORS
 from simulation.sensors.tachometer import TachometerRow
 from simulation.sensors.tag_reader import TagReaderRow
 from simulation.setup import Setup, behaviour_rows
@@ -73,11 +74,13 @@ class Trains:
         # Each stock's parts, for what is not done in every stretch: writing to them writes to `stock`.
         self.truths: Sequence[TruthRow] = _rows(self.stock["truth"])
         self.plants: Sequence[PlantRow] = _rows(self.stock["plant"])
-        self.tachometers: Sequence[TachometerRow] = _rows(self.stock["tachometer"])
-        self.tag_readers: Sequence[TagReaderRow] = _rows(self.stock["tag_reader"])
+        self.sensors = {sensor.name: _rows(self.stock["sensors"][sensor.name]) for sensor in SENSORS}
+        self.tachometers: Sequence[TachometerRow] = self.sensors["tachometer"]
+        self.tag_readers: Sequence[TagReaderRow] = self.sensors["tag_reader"]
         self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
         self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
         self.units: Sequence[UnitRow] = _rows(board["unit"])
+        self.readers: Sequence[ReadersRow] = _rows(board["readers"])
         self.behaviours: Sequence[BehaviourRow] = _rows(board["behaviour"])
         self.tascs: Sequence[TascRow] = _rows(board["tasc"])
         self.designs: Sequence[DesignRow] = _rows(board["design"])
@@ -108,18 +111,11 @@ class Trains:
         row["board"]["laws"]["number"] = law_number(setup.laws.get(stock_id, LAW_NAMES[0]))
         body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, setup.trains[stock_id].row)
         row["body"] = body[0]
-        sensors, truth = setup.sensors, self.truths[slot]
+        for sensor in SENSORS:
+            sensor.fit(self.sensors[sensor.name][slot], setup, stock_id)
+        truth = self.truths[slot]
         truth.powered = 1
-        chance = generator(setup.seed, "sensors", stock_id)
-        most = 3.0 * sensors.wheel_factor_sigma
-        error = float(np.clip(chance.normal(0.0, sensors.wheel_factor_sigma), -most, most))
-        self.tachometers[slot].wheel_factor = 1.0 + error
-        self.tachometers[slot].gain = 1.0
-        self.tachometers[slot].frozen_mps = -1.0
-        reader = self.tag_readers[slot]
-        reader.source = source_of(setup.seed, "tag reader", stock_id)
-        reader.sigma_m, reader.most_m = sensors.tag_read_sigma_m, sensors.tag_read_max_m
-        truth.sight_m = truth.camera_m = self.units[slot].due_s = math.inf
+        truth.sight_m = truth.sign_m = self.units[slot].due_s = math.inf
 
     def misled(self, slot: int) -> bool:
         """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""

@@ -121,7 +121,11 @@ class History:
         """Take one more step down."""
         row = train.row
         self._rows.append(
-            (float(row.plant.travelled_m), float(row.plant.speed_mps), float(row.tachometer.odometer_m))
+            (
+                float(row.plant.travelled_m),
+                float(row.plant.speed_mps),
+                float(row.sensors.tachometer.odometer_m),
+            )
         )
 
     def _around(self, time_s: float) -> tuple[tuple[float, float, float], tuple[float, float, float], float]:

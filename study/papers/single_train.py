@@ -118,7 +118,7 @@ def lay_track(track: Track, stop: StopRow, row: StockRow, mark_m: float) -> None
 @compiled
 def begin(row: StockRow, stop: StopRow, begin_m: float, standoff_m: float) -> None:
     """Put body, sensors and unit into the state that a stop begins with, coasting, `begin_m` along the path."""
-    truth, plant, tachometer, unit = row.truth, row.plant, row.tachometer, row.board.unit
+    truth, plant, tachometer, unit = row.truth, row.plant, row.sensors.tachometer, row.board.unit
     plant.load_share = stop.load_share
     plant.adhesion_factor = stop.adhesion_factor
     plant.brake_factor = stop.brake_factor
@@ -149,7 +149,7 @@ def take_fixes(
     if found & PASSED_TAG != 0:
         beacon_m = mark_m - stop.beacon_m[truth.tag_next] + stop.beacon_error_m[truth.tag_next]
         truth.tag_next += 1
-        position_m, bound_m = front_by_tag(unit, beacon_m, row.tag_reader.latched_m, tag_accuracy_m)
+        position_m, bound_m = front_by_tag(unit, beacon_m, row.sensors.tag_reader.latched_m, tag_accuracy_m)
         if cut(unit, position_m, bound_m, bound_m) <= 0.0:
             taken += 1
         else:
@@ -291,8 +291,8 @@ def prepared_row(
     row.truth.active = row.truth.powered = 1
     for name in ("front_boundary_m", "rear_boundary_m", "camera_m", "sight_m"):
         row.truth[name] = np.inf
-    row.tachometer.wheel_factor = row.tachometer.gain = 1.0
-    row.tachometer.frozen_mps = -1.0
+    row.sensors.tachometer.wheel_factor = row.sensors.tachometer.gain = 1.0
+    row.sensors.tachometer.frozen_mps = -1.0
     own: UnitRow = row.board.unit
     own.position_known, own.mode, own.odometer_scale = 1, MODE_DRIVE, 1.0
     own.bound_ahead_m = own.bound_behind_m = unit.tag_accuracy_m

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, cast
+from typing import Final, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.follow_plan import FollowPlanRow, follow_plan
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
 from onboard.records import BehaviourRow, UnitRow
-from vehicle.compiled import compiled
+from vehicle.compiled import compiled_lines
 from vehicle.record import dtype_of
 from vehicle.records import TrainRow
 
@@ -59,15 +59,13 @@ def law_number(name: str) -> int:
 
 
 def _ask() -> Ask:
-    """A compiled chain of ifs over the table: compiled code cannot choose between functions by value."""
+    """A chain of ifs over the table."""
     given = "cue, unit, train, behaviour, path, plan"
     lines = [f"def ask(laws, {given}):"]
     for number, name in enumerate(LAW_NAMES):
         lines += [f"    if laws.number == {number}:", f"        return {name}(laws.{name}, {given})"]
     lines += ["    return -train.brake_notches"]
-    names: dict[str, Any] = {law.name: law.function for law in LAWS}
-    exec(compile("\n".join(lines), __file__, "exec"), names)
-    return cast("Ask", compiled(names["ask"]))
+    return cast("Ask", compiled_lines(lines, {law.name: law.function for law in LAWS}, __file__))
 
 
 ask: Final = _ask()

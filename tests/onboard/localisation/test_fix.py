@@ -60,4 +60,4 @@ def test_a_unit_without_a_position_takes_the_fix_as_it_is(unit: UnitRow) -> None
 def test_the_surer_of_two_counts_more(unit: UnitRow) -> None:
     """By the squares: 4 m against 1 m moves the estimate by 16 parts of 17."""
     unit.position_m, unit.bound_behind_m, unit.bound_ahead_m = 100.0, 4.0, 4.0
-    assert take(unit, Fix(101.0, 1.0, 1.0, FixSource.SIGN)) == Taken(pytest.approx(16.0 / 17.0))
+    assert take(unit, Fix(101.0, 1.0, 1.0, FixSource.TAG)) == Taken(pytest.approx(16.0 / 17.0))

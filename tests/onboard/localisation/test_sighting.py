@@ -1,16 +1,37 @@
-"""A frame of the camera as a fix: intervals are cut, never moved off the truth."""
+"""A frame of the camera as a fix: intervals are cut, never moved off the truth; a sign not seen is told."""
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from onboard.localisation.fix import FixSource, Refused, Taken, take
-from onboard.localisation.sighting import SIGN_BEYOND_MARK_M, accuracy_m, sign_fix
-from onboard.records import UnitRow
+from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN
+from onboard.localisation.sighting import NOT_SEEN_M, SIGN_BEYOND_MARK_M, accuracy_m, sign
+from onboard.localisation.table import READER_NAMES, READERS_ROW, READINGS, ReadersRow, ReadingsRow, read_all
+from onboard.records import EVENT_FIX, UnitRow
 
 MARK_M = 500.0
+STEP_S = 0.1
+
+
+def going_by_sign() -> ReadersRow:
+    readers: ReadersRow = np.zeros(1, READERS_ROW).view(np.recarray)[0]
+    readers.sign.mark_m = MARK_M
+    return readers
+
+
+def frame(distance_m: float) -> ReadingsRow:
+    readings: ReadingsRow = np.zeros(1, READINGS).view(np.recarray)[0]
+    readings.sign.taken, readings.sign.distance_m = 1, distance_m
+    return readings
+
+
+def stands_at(unit: UnitRow, position_m: float, bound_m: float) -> None:
+    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = position_m, bound_m, bound_m
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -29,28 +50,69 @@ def test_the_true_front_stays_within_the_bounds(
     seen_share: float,
     speed_mps: float,
 ) -> None:
-    unit.position_m = true_m + estimate_share * bound_m
-    unit.bound_ahead_m = unit.bound_behind_m = bound_m
+    stands_at(unit, true_m + estimate_share * bound_m, bound_m)
     unit.train_mps, unit.fix_correction_m = speed_mps, 0.0
     before_m = float(unit.position_m)
     real_m = MARK_M + SIGN_BEYOND_MARK_M - true_m
     slack_m = accuracy_m(real_m, speed_mps)
     shown_m = real_m + 0.5 * seen_share * slack_m  # the slack is that at the distance shown, so half of it
-    taken = take(unit, sign_fix(unit, MARK_M, shown_m))
-    assert isinstance(taken, Taken)
-    assert unit.position_m == pytest.approx(before_m + taken.correction_m)
-    assert unit.fix_correction_m == pytest.approx(taken.correction_m)
+    readers = going_by_sign()
+    assert sign(readers.sign, frame(shown_m).sign, unit, STEP_S) == TAKEN
+    assert unit.fix_correction_m == pytest.approx(unit.position_m - before_m)
     assert unit.position_m - unit.bound_behind_m <= true_m + 1e-9
     assert true_m - 1e-9 <= unit.position_m + unit.bound_ahead_m
     assert unit.bound_ahead_m + unit.bound_behind_m <= 2.0 * bound_m + 1e-9
 
 
 def test_what_cannot_be_is_not_believed(unit: UnitRow) -> None:
-    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = 450.0, 1.0, 1.0
-    fix = sign_fix(unit, MARK_M, 30.0)  # it would be at 480 m
-    assert fix.source is FixSource.SIGN
-    assert isinstance(take(unit, fix), Refused)
+    stands_at(unit, 450.0, 1.0)
+    assert sign(going_by_sign().sign, frame(30.0).sign, unit, STEP_S) == REFUSED  # it would be at 480 m
     assert unit.position_m == 450.0
+
+
+def test_near_the_mark_a_sign_never_seen_is_missed_and_one_seen_once_is_not(unit: UnitRow) -> None:
+    own = going_by_sign().sign
+    stands_at(unit, MARK_M - NOT_SEEN_M - 1.0, 1.0)
+    assert sign(own, frame(np.inf).sign, unit, STEP_S) == NOTHING
+    unit.position_m += 2.0
+    assert sign(own, frame(np.inf).sign, unit, STEP_S) == MISSED
+    assert sign(own, frame(MARK_M + SIGN_BEYOND_MARK_M - unit.position_m).sign, unit, STEP_S) == TAKEN
+    assert sign(own, frame(np.inf).sign, unit, STEP_S) == NOTHING
+
+
+@pytest.mark.parametrize("change", ["no frame", "no mark", "no position"])
+def test_without_frame_mark_or_position_there_is_no_fix(unit: UnitRow, change: str) -> None:
+    stands_at(unit, 450.0, 30.0)
+    readers, readings = going_by_sign(), frame(60.0)
+    match change:
+        case "no frame":
+            readings.sign.taken = 0
+        case "no mark":
+            readers.sign.mark_m = np.inf
+        case _:
+            unit.position_known = 0
+    before = (float(unit.position_m), int(unit.position_known))
+    assert sign(readers.sign, readings.sign, unit, STEP_S) == NOTHING
+    assert (float(unit.position_m), int(unit.position_known)) == before
+
+
+def test_an_event_tells_that_something_else_came_of_the_readings(unit: UnitRow) -> None:
+    readers, number = going_by_sign(), READER_NAMES.index("sign")
+    stands_at(unit, 450.0, 3.0)
+    none: Any = np.zeros(1, READINGS).view(np.recarray)[0]
+    course = [(none, NOTHING, 0), (frame(60.0), TAKEN, EVENT_FIX), (frame(60.0), TAKEN, 0)]
+    course += [(frame(20.0), REFUSED, EVENT_FIX), (none, REFUSED, 0), (frame(60.0), TAKEN, EVENT_FIX)]
+    for readings, outcome, event in course:
+        assert read_all(readers, readings, unit, STEP_S) == event
+        assert readers.outcome[number] == outcome
+
+
+def test_what_a_fix_moved_is_kept_beside_its_outcome(unit: UnitRow) -> None:
+    readers, number = going_by_sign(), READER_NAMES.index("sign")
+    stands_at(unit, 450.0, 3.0)
+    read_all(readers, frame(59.0), unit, STEP_S)
+    assert readers.moved_m[number] == pytest.approx(unit.position_m - 450.0)
+    assert 0.0 < readers.moved_m[number] <= 1.0
 
 
 def test_near_the_mark_a_sign_is_as_good_as_a_tag() -> None:

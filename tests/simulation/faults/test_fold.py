@@ -20,9 +20,9 @@ from simulation.faults.links import Cut, Delay, Link
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.script import Failure, Script, Trigger
-from simulation.faults.tachometer import NoOutput, Scale, StuckOutput
-from simulation.faults.tags import Miss, WrongId
 from simulation.journal import Journal
+from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
+from simulation.sensors.tag_reader import Miss, WrongId
 from simulation.world.point_machine import Forced, PointMachine, Repaired, step
 
 WHEEL_MPS: Final = 10.0

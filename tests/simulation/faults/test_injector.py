@@ -19,8 +19,8 @@ from simulation.faults.injector import Injector
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Link, LinkFault, Loss, Reorder
 from simulation.faults.points import Stuck
 from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
-from simulation.faults.tags import Miss
 from simulation.journal import Journal
+from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
 from simulation.world.point_machine import PointMachine
 from wayside.said import AcceptPicture, EnterSection

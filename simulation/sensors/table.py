@@ -1,0 +1,74 @@
+"""The sensors that a train has. A new one is a file of its own and one entry in SENSORS.
+
+A sensor is a compiled function of its own row, the rows of all sensors, the scene and what is shown: it looks at the
+scene of this step and writes into `sensed`. Its noise is counted by (seed, stock, step), so that the length of a
+stretch changes nothing. The order of the table is the order in which they look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Protocol, cast
+
+from network.files.toml_input import Record
+from onboard.board import SensedRow
+from simulation.sensors import load_sensor as load
+from simulation.sensors import sign_camera, slide_protection, tag_reader
+from simulation.sensors import tachometer as tacho
+from simulation.sensors.scene import SceneRow
+from vehicle.compiled import compiled_lines
+from vehicle.record import dtype_of
+
+if TYPE_CHECKING:
+    from simulation.setup import Setup
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """One sensor: its compiled function, the class of its own row, and what fills that row when a run begins.
+
+    `settings`, if any, is its table `[sensors.<name>]` in a scenario; without the table it is None there.
+    """
+
+    function: Callable[..., None]
+    row: type
+    fit: Callable[[Any, Setup, str], None]  # own row, setup, stock id
+    settings: type[Record] | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of its row, its readings and its settings."""
+        return self.function.__name__
+
+
+SENSORS: Final = (
+    Sensor(tacho.tachometer, tacho.TachometerRow, tacho.fit),
+    Sensor(slide_protection.slide_protection, slide_protection.SlideProtectionRow, slide_protection.fit),
+    Sensor(load.load_sensor, load.LoadSensorRow, load.fit),
+    Sensor(tag_reader.tag_reader, tag_reader.TagReaderRow, tag_reader.fit),
+    Sensor(sign_camera.sign_camera, sign_camera.SignCameraRow, sign_camera.fit),
+)
+
+
+class SensorsRow(Protocol):
+    """A row for each sensor under its name."""
+
+    if TYPE_CHECKING:  # those that code outside the sensors' own files names
+        tachometer: tacho.TachometerRow
+        tag_reader: tag_reader.TagReaderRow
+
+
+SensorsRow.__annotations__.update({sensor.name: sensor.row for sensor in SENSORS})
+SENSORS_ROW: Final = dtype_of(SensorsRow)
+
+SenseAll = Callable[[SensorsRow, SceneRow, SensedRow], None]
+
+
+def _sense_all() -> SenseAll:
+    lines = ["def sense_all(sensors, scene, sensed):"]
+    lines += [f"    {s.name}(sensors.{s.name}, sensors, scene, sensed)" for s in SENSORS]
+    return cast("SenseAll", compiled_lines(lines, {s.name: s.function for s in SENSORS}, __file__))
+
+
+sense_all: Final = _sense_all()
