@@ -94,6 +94,7 @@ class Motion:
         self.command = Command()
         self.load_share = 0.0
         self.notes: list[notes.Note] = []
+        row.due_s = math.inf
         self._line: Final = line
         self._parameters: Final = parameters
         self._train: Final = train
@@ -167,6 +168,10 @@ class Motion:
         row.cruise_mps = math.inf
         row.target_stop_m = row.position_m
         self._expect_tag()
+
+    def follow(self, offset: int, rows: int) -> None:
+        """Take up a plan for this path that lies at `offset` of the pool; no rows: none any more."""
+        self.row.plan_offset, self.row.plan_rows = offset, rows
 
     # what is reported to the duty ---------------------------------------------------------------------------------
 

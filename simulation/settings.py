@@ -82,6 +82,14 @@ class Sensors(Record):
     tag_read_max_m: Annotated[
         NotNegative, about("beyond this the reader discards", "assumed: the edge of its field")
     ] = 0.2
+    tags: Annotated[
+        Literal["ids", "bits"],
+        about("a tag's id is read as it stands, or from telegrams bit by bit with the errors of the air"),
+    ] = "ids"
+    tag_bit_error_factor: Annotated[
+        NotNegative,
+        about("on the bit-error rates, where tags are read by bits", "Sugiyama, table 7, is factor 1"),
+    ] = 1.0
 
 
 class Load(Record):

@@ -1,7 +1,7 @@
 """The tag reader (地上子読取): latches the tachometer where the front passed a tag, a little early or late.
 
-Which id it reads, or that it reads none, is the tag's own fault; one that is not read reads as nothing, whatever else
-is wrong with it.
+Which id it reads, or that it reads none, is the tag's own fault or, in a run that reads bit by bit, what the air
+leaves of its telegrams (`tag_air`); one that is not read reads as nothing, whatever else is wrong with it.
 """
 
 from __future__ import annotations

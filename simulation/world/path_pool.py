@@ -12,7 +12,7 @@ from network.path import Path
 from network.profile import PROFILE, profile_of
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.pattern import pattern_of
-from onboard.records import PATTERN, BehaviourRow, UnitRow
+from onboard.records import PATTERN, BehaviourRow
 from simulation.world.kernel import Track
 from vehicle.records import TrainRow
 
@@ -73,21 +73,21 @@ class PathPool:
         self._known[key] = rows
         return rows
 
-    def lay_plan(self, slot: int, unit: UnitRow, plan: NDArray[np.void]) -> None:
+    def lay_plan(self, slot: int, path_rows: int, plan: NDArray[np.void]) -> int:
         """Lay a plan (rows of PLAN, one a metre of the unit's path) for one stock; no rows: it has none any more.
 
-        To be called between stretches only, with what an event has brought. ValueError where it is not as long as
-        the unit's path.
+        Returns where it lies, which `onboard.motion.Motion.follow` takes. To be called between stretches only, with
+        what an event has brought. ValueError where it is not as long as the unit's path.
         """
-        if plan.size not in (0, unit.path_rows):
-            raise ValueError(f"a plan of {plan.size} rows for a path of {unit.path_rows}")
+        if plan.size not in (0, path_rows):
+            raise ValueError(f"a plan of {plan.size} rows for a path of {path_rows}")
         offset, room = self._plan_room.get(slot, (0, 0))
         if plan.size > room:
             offset = self.plan.size
             self.plan = np.concatenate([self.plan, plan])
             self._plan_room[slot] = (offset, plan.size)
         self.plan[offset : offset + plan.size] = plan
-        unit.plan_offset, unit.plan_rows = offset, plan.size
+        return offset
 
     @property
     def track(self) -> Track:

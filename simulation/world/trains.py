@@ -23,6 +23,7 @@ from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.sensors.table import SENSORS
 from simulation.sensors.tachometer import TachometerRow
+from simulation.sensors.tag_air import channel_at, read_bits
 from simulation.sensors.tag_reader import TagReaderRow
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
@@ -115,7 +116,7 @@ class Trains:
             sensor.fit(self.sensors[sensor.name][slot], setup, stock_id)
         truth = self.truths[slot]
         truth.powered = 1
-        truth.sight_m = truth.sign_m = self.units[slot].due_s = math.inf
+        truth.sight_m = truth.sign_m = math.inf
 
     def misled(self, slot: int) -> bool:
         """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""
@@ -329,7 +330,17 @@ class Trains:
         truth = self.truths[slot]
         tag_id = self.pool.tag_ids[int(truth.tag_next)]
         truth.tag_next += 1
-        return tag_id, self.tag_faults.get(tag_id, tag_id), float(self.tag_readers[slot].latched_m)
+        says_id = self.tag_faults.get(tag_id, tag_id)
+        if self.setup.sensors.tags == "bits" and says_id is not None:
+            says_id = self._read_bits(slot, says_id)
+        return tag_id, says_id, float(self.tag_readers[slot].latched_m)
+
+    def _read_bits(self, slot: int, tag_id: int) -> int | None:
+        """What the reader makes of the telegrams of a tag; drawn by seed, stock and time, whatever came before."""
+        setup, now_s = self.setup, float(self.stock["sensed"]["now_s"][slot])
+        chance = generator(setup.seed, "tag bits", self.stock_ids[slot], f"{now_s:.1f}", *setup.today)
+        channel = channel_at(float(self.plants[slot].speed_mps), setup.sensors.tag_bit_error_factor)
+        return read_bits(chance, tag_id, channel)
 
     def direction(self, slot: int) -> Direction:
         """Direction of travel of the present path."""

@@ -13,11 +13,10 @@ from scipy.optimize import root_scalar
 
 from onboard.localisation.reader import CRC_OFFSET, CRC_POLYNOMIAL, Rule
 from radio.chance import generator
+from simulation.sensors.tag_air import BIT_ERROR_RATES, Channel
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.papers.tag_scheme import (
-    BIT_ERROR_RATES,
     UNREADABLE,
-    Channel,
     Failure,
     Scheme,
     Traffic,

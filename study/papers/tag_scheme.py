@@ -19,14 +19,11 @@ Sums have positive terms only, so nothing cancels; terms below 1e-308 vanish.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from onboard.localisation.reader import (
     CHECK_STRINGS,
@@ -37,16 +34,9 @@ from onboard.localisation.reader import (
     Rule,
     crc8,
 )
+from simulation.sensors.tag_air import Channel, Floats, Ints, shifted_words
 from vehicle.compiled import compiled
 
-# Table 7: bit-error rate of each telegram from the first within one tag's range, by speed in km/h
-BIT_ERROR_RATES: Final[Mapping[int, tuple[float, ...]]] = {
-    40: (1.0e-2, 1.3e-3, 5.8e-4, 3.4e-4, 2.0e-4, 2.7e-4, 7.6e-4, 5.5e-3, 3.6e-2),
-    60: (6.0e-3, 4.9e-4, 3.9e-4, 5.6e-4, 2.5e-3, 3.9e-2),
-    80: (3.1e-3, 4.6e-4, 5.1e-4, 7.2e-3),
-    100: (1.2e-3, 1.2e-4, 1.4e-3),
-    130: (9.1e-4, 9.9e-4),
-}
 UNREADABLE: Final = 0.5  # the telegram that table 7 marks ※, as bit-error rate: nothing of it is left
 IDS: Final = 1 << 16
 # what one telegram brings to the vote between the right id and one wrong id: (right items, wrong items)
@@ -54,45 +44,6 @@ OUTCOMES: Final = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))
 SINGLE_OUTCOMES: Final = 3  # of a telegram with one item
 NEGLIGIBLE: Final = 1e-5  # share of a sum over wrong ids that may be left to its bound
 RECOUNT: Final = 256  # wrong ids between two sums over the rest
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True)
-class Channel:
-    """What the air does to the telegrams of one tag: bit errors, and shifts by 1 to `shift_bits_max` bits.
-
-    A head of `head_bits` bits with any of them wrong is taken to be found too early or too late, by each distance
-    alike; a shift's probability is thus 1 - (1 - p)^head_bits at the telegram's own bit-error rate p, times
-    `shift_factor` (at most 1 in all).
-    """
-
-    bit_error_rates: tuple[float, ...]
-    head_bits: int = 4
-    shift_bits_max: int = 4
-    shift_factor: float = 1.0
-
-    def shift_probability(self, bit_error_rate: float) -> float:
-        """Probability that a telegram is read shifted."""
-        misread = -math.expm1(self.head_bits * math.log1p(-bit_error_rate))
-        return min(1.0, self.shift_factor * misread)
-
-    def shifts(self) -> tuple[int, ...]:
-        """The shifts in bits, 0 first; negative: the telegram is read too early."""
-        distances = range(1, self.shift_bits_max + 1)
-        return (0, *(-s for s in distances), *distances)
-
-    def shift_probabilities(self) -> Floats:
-        """Probability of each of `shifts`, one row a telegram."""
-        one = [self.shift_probability(p) for p in self.bit_error_rates]
-        count = 2 * self.shift_bits_max
-        return np.array([[1.0 - q, *[q / count] * count] if count else [1.0] for q in one])
-
-    def raised(self, factor: float) -> Channel:
-        """The same channel with all bit-error rates times `factor`, at most one half."""
-        rates = tuple(min(0.5, factor * p) for p in self.bit_error_rates)
-        return Channel(rates, self.head_bits, self.shift_bits_max, self.shift_factor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,15 +108,6 @@ def item_words(crc_offset: int = CRC_OFFSET) -> Ints:
     tag_ids = np.arange(IDS)
     checks = np.array([crc8(i) for i in range(IDS)], dtype=np.int64) ^ CRC_OFFSET ^ crc_offset
     return np.stack([check << 24 | tag_ids << 8 | checks for check in CHECK_STRINGS])
-
-
-def shifted_words(words: tuple[int, int, int, int], shift: int) -> tuple[int, int]:
-    """The two item words as read `shift` bits too late (negative: too early) from a telegram's four words."""
-    bits = 0
-    for word in words:
-        bits = bits << WORD_BITS | word
-    bits = bits << shift if shift >= 0 else bits >> -shift
-    return bits >> 2 * WORD_BITS & WORD_MASK, bits >> WORD_BITS & WORD_MASK
 
 
 def outcome_probabilities(scheme: Scheme, channel: Channel, tag_id: int, serial: int = 0) -> Floats:

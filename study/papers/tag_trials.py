@@ -14,8 +14,17 @@ from typing import Final
 import numpy as np
 from scipy.stats import beta, norm
 
-from onboard.localisation.reader import CHECK_STRINGS, REFUSED, WORD_BITS, Rule, item_id, item_word, judged
-from study.papers.tag_scheme import Channel, Floats, Ints, shifted_words
+from onboard.localisation.reader import REFUSED, WORD_BITS, Rule, item_id, item_word, judged
+from simulation.sensors.tag_air import (
+    CHECKS,
+    Channel,
+    Floats,
+    Ints,
+    drawn,
+    error_pattern,
+    receive,
+    received_words,
+)
 from vehicle.compiled import compiled
 
 # the game of `weighted_trials`
@@ -23,7 +32,6 @@ TURNED: Final = 0.25  # share of items made the wrong id
 SPOILED: Final = 0.25  # share of items given errors at
 SPOILED_RATE: Final = 1.0 / 32.0  # this bit-error rate
 SHIFTED: Final = 0.1  # share of telegrams whose shift is drawn from all alike
-CHECKS: Final = np.array(CHECK_STRINGS, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,32 +65,6 @@ def clopper_pearson(hits: int, trials: int, confidence: float) -> Estimate:
 
 
 @compiled
-def error_pattern(rng: np.random.Generator, bit_error_rate: float) -> int:
-    """Independent errors in 32 bits, drawn by the distance to the next error."""
-    scale = 1.0 / np.log1p(-bit_error_rate)
-    pattern = 0
-    bit = int(np.log(1.0 - rng.random()) * scale)
-    while bit < WORD_BITS:
-        pattern |= 1 << bit
-        bit += 1 + int(np.log(1.0 - rng.random()) * scale)
-    return pattern
-
-
-@compiled
-def drawn(rng: np.random.Generator, cumulative: Floats) -> int:
-    """An index drawn by its cumulative probability."""
-    value = rng.random()
-    low, high = 0, len(cumulative) - 1
-    while low < high:
-        middle = (low + high) // 2
-        if cumulative[middle] > value:
-            high = middle
-        else:
-            low = middle + 1
-    return low
-
-
-@compiled
 def _play(
     rng: np.random.Generator,
     received: Ints,
@@ -94,16 +76,10 @@ def _play(
     count: int,
 ) -> tuple[int, int]:
     """Numbers of wrong and of missing ids among `count` passages; `received` (shifts, items of a telegram)."""
-    telegrams = tags * len(bit_error_rates)
-    items = np.empty(2 * telegrams, dtype=np.int64)
+    items = np.empty(2 * tags * len(bit_error_rates), dtype=np.int64)
     wrong, none = 0, 0
     for _ in range(count):
-        for telegram in range(telegrams):
-            place = telegram % len(bit_error_rates)
-            shift = drawn(rng, shift_cumulative[place])
-            for i in range(2):
-                word = received[shift, i] ^ error_pattern(rng, bit_error_rates[place])
-                items[2 * telegram + i] = item_id(word, CHECKS[i])
+        receive(rng, received, shift_cumulative, bit_error_rates, items)
         found, _ = judged(items, rule[0], rule[1], rule[2])
         if found == REFUSED:
             none += 1
@@ -182,21 +158,13 @@ def _play_weighted(
     return total, squares
 
 
-def _received(channel: Channel, tag_id: int) -> Ints:
-    """Both item words of a telegram as they are read at each of the channel's shifts, without errors."""
-    first, second = (int(item_word(tag_id, check)) for check in CHECK_STRINGS)
-    return np.array(
-        [shifted_words((0, first, second, 0), shift) for shift in channel.shifts()], dtype=np.int64
-    )
-
-
 def trials(
     rng: np.random.Generator, channel: Channel, tag_id: int, tags: int, rule: Rule, count: int
 ) -> Counts:
     """Play `count` passages over `tags` tags with two ids a telegram, as they come."""
     wrong, none = _play(
         rng,
-        _received(channel, tag_id),
+        received_words(channel, tag_id),
         np.cumsum(channel.shift_probabilities(), axis=1),
         np.array(channel.bit_error_rates),
         tag_id,
@@ -227,7 +195,7 @@ def weighted_trials(
     game_shifts = (1.0 - SHIFTED) * shifts + SHIFTED / shifts.shape[1]
     total, squares = _play_weighted(
         rng,
-        _received(channel, tag_id),
+        received_words(channel, tag_id),
         np.cumsum(game_shifts, axis=1),
         shifts / game_shifts,
         np.array(channel.bit_error_rates),

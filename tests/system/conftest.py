@@ -33,11 +33,13 @@ from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan
 from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
+from onboard.localisation.fix import Fix, Refused, Taken, take
 from onboard.motion import Motion, PathData
 from onboard.notes import Claimed
+from onboard.records import UnitRow
 from onboard.unit import Answer, Report, Telegram, Unit
 from radio import envelope as env
-from radio.envelope import DropReason, Envelope, Peer
+from radio.envelope import DropReason, Envelope, Peer, header_of, kind_of
 from radio.keys import MAC_BYTES
 from radio.messages import (
     HoldingReport,
@@ -190,7 +192,7 @@ def commands_what_it_does_not_hold(patch: pytest.MonkeyPatch) -> None:
             return answer
         order = PointsCommand("P7", Position.REVERSE, "7", self._letters.token + 10, bytes(MAC_BYTES))
         data = self._endpoint.seal("B-W", order, now_s)
-        made_up = Telegram("B-W", "PointsCommand", data)
+        made_up = Telegram("B-W", data)
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, made_up))
 
     patch.setattr(Unit, "advance", rogue)
@@ -219,7 +221,7 @@ def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
         if self.unit_id != "K1" or now_s < K2_ON_P7_S or not kept:
             return answer
         destination, order = kept.pop()
-        again = Telegram(destination, "PointsCommand", self._endpoint.seal(destination, order, now_s))
+        again = Telegram(destination, self._endpoint.seal(destination, order, now_s))
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, again))
 
     patch.setattr(Letters, "write", writing)
@@ -305,7 +307,12 @@ def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(motion, "within_window", lambda *_: True)
+    def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
+        row.position_known = 0  # so that nothing is compared
+        return take(row, fix)
+
+    patch.setattr(motion, "missed_by_m", lambda *_: 0.0)
+    patch.setattr(motion, "take", take_any)
 
 
 @switch
@@ -421,6 +428,12 @@ def obeys_an_earlier_boot(patch: pytest.MonkeyPatch) -> None:
     lets_pass(patch, DropReason.OLD_EPOCH)
 
 
+def kind_of_data(data: bytes) -> str | None:
+    """Kind of the message in a telegram that is sound."""
+    envelope = header_of(data)
+    return None if envelope is None else kind_of(envelope)
+
+
 @switch
 def forges_a_report(patch: pytest.MonkeyPatch) -> None:
     """Given: with each request of K2 goes a report in the name of K1, code and all made up: 'I hold 3 alone'."""
@@ -431,7 +444,9 @@ def forges_a_report(patch: pytest.MonkeyPatch) -> None:
         if self.unit_id == "K1":
             token[0] = self._letters.token
             return answer
-        requests = [telegram for telegram in answer.telegrams if telegram.kind == "RouteRequest"]
+        requests = [
+            telegram for telegram in answer.telegrams if kind_of_data(telegram.data) == "RouteRequest"
+        ]
         return msgspec.structs.replace(
             answer, telegrams=(*map(forged, requests, repeat(now_s)), *answer.telegrams)
         )
@@ -441,7 +456,7 @@ def forges_a_report(patch: pytest.MonkeyPatch) -> None:
         report = msgspec.Raw(msgspec.msgpack.encode(HoldingReport(("3",), token[0])))
         false = Envelope("K1", request.destination, 1, 1, sent[0], now_s, None, 0, report)
         data = msgspec.msgpack.encode(false) + bytes(MAC_BYTES)
-        return Telegram(request.destination, "HoldingReport", data)
+        return Telegram(request.destination, data)
 
     patch.setattr(Unit, "advance", forging)
 

@@ -127,7 +127,7 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
 
 
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr("onboard.motion.within_window", lambda *_: True)
+    patch.setattr("onboard.motion.missed_by_m", lambda *_: 0.0)
     patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 

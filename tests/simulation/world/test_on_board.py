@@ -84,7 +84,6 @@ def test_nothing_reaches_a_dead_unit(cab: Cab) -> None:
     before = cab.belief()
     assert cab.on_board.tell(0, 1.0, ()) is None
     assert cab.on_board.tag_read(0, 601, 10.0) == []
-    assert cab.on_board.frame_taken(0, 10.0) == []
     assert cab.on_board.ticked(0, 255) == []
     assert cab.belief() == before
     with pytest.raises(KeyError):

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from simulation.sensors.tag_air import BIT_ERROR_RATES
 from study.papers.reproduction import Options, Reproduction, reproduction
-from study.papers.tag_scheme import BIT_ERROR_RATES
 
 
 @pytest.fixture(scope="module")

@@ -12,17 +12,15 @@ from scipy.stats import binom
 
 from onboard.localisation.reader import CRC_POLYNOMIAL, Rule, decode, encode, judge
 from radio.chance import generator
+from simulation.sensors.tag_air import BIT_ERROR_RATES, Channel, shifted_words
 from study.papers.tag_scheme import (
-    BIT_ERROR_RATES,
     OUTCOMES,
-    Channel,
     Scheme,
     Traffic,
     any_rule_probabilities,
     outcome_probabilities,
     passage_failure,
     settled,
-    shifted_words,
 )
 from study.papers.tag_trials import clopper_pearson, trials, weighted_trials
 
