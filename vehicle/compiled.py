@@ -71,9 +71,10 @@ def _with_names(value: object) -> object:
         return value.view((np.record, value.dtype))
     if type(value) is np.ndarray and value.dtype.names is not None:
         return value.view(np.recarray)
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        parts: list[Any] = [_with_names(part) for part in value]
-        return type(value)(*parts)
+    if isinstance(value, tuple):
+        row = cast("tuple[object, ...]", value)
+        kind: type[Any] = type(row)
+        return kind(*map(_with_names, row)) if hasattr(row, "_fields") else row
     return value
 
 
