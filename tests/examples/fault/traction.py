@@ -28,5 +28,4 @@ class WeakTraction(Fault[float]):
 
     def put(self, world: World, share: float) -> None:
         trains, slot = world.trains, world.slot(self.target)
-        whole = trains.kinds["traction_notch_share"][slot]
-        trains.bodies["traction_notch_share"][slot] = whole * share
+        trains.bodies[slot].traction_notch_share[:] = trains.kinds[slot].traction_notch_share * share
