@@ -72,7 +72,7 @@ def _with_names(value: object) -> object:
     if type(value) is np.ndarray and value.dtype.names is not None:
         return value.view(np.recarray)
     if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return type(value)(*(_with_names(part) for part in value))
+        return value.__class__(*map(_with_names, value))  # type: ignore[arg-type, unused-ignore]
     return value
 
 
