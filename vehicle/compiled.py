@@ -71,10 +71,8 @@ def _with_names(value: object) -> object:
         return value.view((np.record, value.dtype))
     if type(value) is np.ndarray and value.dtype.names is not None:
         return value.view(np.recarray)
-    if isinstance(value, tuple):
-        row = cast("tuple[object, ...]", value)
-        kind: type[Any] = type(row)
-        return kind(*map(_with_names, row)) if hasattr(row, "_fields") else row
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return value.__class__(*map(_with_names, value))  # type: ignore[arg-type, unused-ignore]
     return value
 
 

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
-from network.files.toml_input import Record
 from onboard.board import SensedRow
 from simulation.sensors import load_sensor as load
 from simulation.sensors import sign_camera, slide_protection, tag_reader
@@ -26,19 +25,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """One sensor: its compiled function, the class of its own row, and what fills that row when a run begins.
-
-    `settings`, if any, is its table `[sensors.<name>]` in a scenario; without the table it is None there.
-    """
+    """One sensor: its compiled function, the class of its own row, and what fills that row when a run begins."""
 
     function: Callable[..., None]
     row: type
     fit: Callable[[Any, Setup, str], None]  # own row, setup, stock id
-    settings: type[Record] | None = None
 
     @property
     def name(self) -> str:
-        """Name of its row, its readings and its settings."""
+        """Name of its row."""
         return self.function.__name__
 
 

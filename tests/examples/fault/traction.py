@@ -28,5 +28,4 @@ class WeakTraction(Fault[float]):
 
     def put(self, world: World, share: float) -> None:
         trains, slot = world.trains, world.slot(self.target)
-        whole = trains.setup.trains[self.target].row["traction_notch_share"][0]
-        trains.stock["body"]["traction_notch_share"][slot] = whole * share
+        trains.bodies[slot].traction_notch_share[:] = trains.kinds[slot].traction_notch_share * share

@@ -27,6 +27,10 @@ from simulation.sensors.camera import (
     record_table,
     sighted_distances,
 )
+from vehicle.compiled import INTERPRETED
+
+# Rendering goes pixel by pixel: interpreted, an image takes a minute.
+pytestmark = pytest.mark.skipif(INTERPRETED, reason="the renderer is no law; interpreted it takes hours")
 
 QUARTER = Window(640, 480, 1280, 960)  # below and right of the axis, where the sign always is
 TABLE_2_PX = {0.25: 346.9, 0.30: 315.1, 0.35: 288.5, 0.40: 266.1, 0.45: 247.5, 0.50: 230.0}

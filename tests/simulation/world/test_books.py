@@ -11,11 +11,16 @@ from network.timetable import Call, Stabled, TimetableTrain
 from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
-from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M, Books
+from simulation.world.books import CALLS_BEYOND_M, Books
 from simulation.world.roster import Duty, draw_up
 from simulation.world.trains import Trains
 
 MARK_B_M = 660.0  # km 1.02 on a path that begins at km 0.36; the track of B ends at 690 m
+
+
+REAR_AT_PLATFORM_M = (
+    965.0 + 40.0 - 1020.0
+)  # platform of B, train and mark: where the whole train is alongside
 
 
 class Desk:
@@ -49,8 +54,8 @@ def desk(rtri_setup: Setup, duty: Duty) -> Desk:
 @pytest.mark.parametrize(
     ("away_m", "calls"),
     [
-        (-CALLS_SHORT_M - 0.1, False),
-        (-CALLS_SHORT_M + 0.1, True),
+        (REAR_AT_PLATFORM_M - 0.1, False),  # its rear is not yet at the platform
+        (REAR_AT_PLATFORM_M + 0.1, True),
         (0.0, True),
         (CALLS_BEYOND_M - 0.1, True),
         (CALLS_BEYOND_M + 0.1, False),
@@ -136,3 +141,16 @@ def test_energy_is_booked_to_the_train_that_used_it(desk: Desk, duty: Duty) -> N
     desk.trains.duties[0] = replace(duty, train=replace(duty.train, number="T3"))
     desk.books.close_energy(0)
     assert [(e.number, e.traction_j) for e in desk.books.energy] == [("T1", 5e6), ("T3", 2e6)]
+
+
+def test_a_train_that_draws_up_to_its_mark_calls_once(desk: Desk) -> None:
+    """It stood along the platform, then went on to its mark: that is where it has arrived, and when."""
+    desk.stand_at(MARK_B_M - 10.0, now_s=100.0)
+    desk.trains.plants[0].speed_mps = 1.0
+    desk.books.look_for_departure(0, 105.0)
+    desk.trains.plants[0].speed_mps = 0.0
+    desk.stand_at(MARK_B_M, now_s=115.0)
+    (_, stop) = desk.books.stops
+    assert (stop.arrival_s, stop.departure_s) == (115.0, None)
+    assert stop.error_m == pytest.approx(0.0)
+    assert desk.books.arrived == ["T1"]
