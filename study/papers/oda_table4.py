@@ -21,7 +21,8 @@ from onboard.driving.tasc import Verdict
 from onboard.unit_records import UnitParameters
 from simulation.setup import STEP_S
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
-from study.papers.single_train import COASTING, Bench, Rows, StopResult, new_stops
+from study.papers.single_stop import Rows, StopResult, new_stops
+from study.papers.single_train import COASTING, Bench
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 SPEED_KMH: Final = 70.0

@@ -29,7 +29,8 @@ from onboard.unit_records import UnitParameters
 from radio.chance import generator
 from study.papers.oda_table4 import BEACONS_M, START_M, TAG_ACCURACY_M, oda_train
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
-from study.papers.single_train import COASTING, Bench, Rows, new_stops
+from study.papers.single_stop import Rows, new_stops
+from study.papers.single_train import COASTING, Bench
 from vehicle.train_file import TrainType
 
 TRAINS: Final = 100
