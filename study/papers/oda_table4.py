@@ -295,7 +295,7 @@ def _remarks(options: Options, gain: float) -> tuple[str, ...]:
         "The paper prints the size of the error; ours is positive past the mark.",
         "The stops run through the kernel and the tick of a line run: localisation with bounds and the one rule for "
         "fixes, supervision, TASC. In a loop of its own a fix acted within its step; now it acts in the next one, as "
-        "on the line. With the same pattern of 0.79 m/s^2 that moves the two failing cells from 6.12 to 6.22 m and from "
+        "on the line. With the pattern of 0.79 m/s^2, as before, that moves both failing cells: 6.12 to 6.22 m and "
         "2.86 to 3.01 m, the others by less than 0.03 m (a sign seen one step's run sooner gives the old figures), and "
         "the patterns with which all agree from 0.78 to 0.80 down by 0.01: hence 0.78 in place of 0.79.",
         "Stops that pass end nearer to the mark than the paper's: when a fix moves the estimate, our controller "
