@@ -20,8 +20,7 @@ from network.model import Line
 from onboard import notes
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.driving.stopping import LIMIT_MARGIN_M
-from onboard.driving.supervision import RESERVE_M
+from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
@@ -302,8 +301,7 @@ class Motion:
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        reach_m = self.row.stop_limit_m - self.row.bound_ahead_m - LIMIT_MARGIN_M - RESERVE_M
-        if self._mission is None or target.mark_m < reach_m:
+        if self._mission is None or not limit_is_short(self.row, target.mark_m):
             return False
         return self._mission.span_at(self.row.position_m).section_id == target.section_id
 
@@ -404,7 +402,7 @@ class Motion:
     def _aim(self, mark_m: float, limit_m: float) -> None:
         """The front stops at the next mark, or before the stop limit if that comes first."""
         row = self.row
-        aim_m = mark_m if mark_m < limit_m else limit_m - self._parameters.standoff_m
+        aim_m = aim_within(mark_m, limit_m, self._parameters.standoff_m)
         if aim_m > row.target_stop_m + 0.01:
             row.braking_to_stop = 0
         row.target_stop_m = aim_m

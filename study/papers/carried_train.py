@@ -16,7 +16,8 @@ from simulation.setup import STEP_S
 from simulation.world.kernel import advance, new_sheet
 from simulation.world.records import TRACE, StockRow
 from simulation.world.trains import AGREEMENT_M, CarrierDisagrees
-from study.papers.single_train import STOCK_ID, Bench, Rows, begin, lay_track
+from study.papers.single_stop import Rows, begin, lay_track
+from study.papers.single_train import STOCK_ID, Bench
 
 PIECE: str = "track"
 

@@ -43,7 +43,8 @@ from simulation.settings import Driving
 from simulation.setup import STEP_S
 from study.papers.carried_train import CarriedTrain
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
-from study.papers.single_train import Bench, Rows, new_stops
+from study.papers.single_stop import Rows, new_stops
+from study.papers.single_train import Bench
 from vehicle.train_file import load_train, shipped_train
 
 STEPS_MAX: Final = 300

@@ -29,7 +29,8 @@ from onboard.unit_records import UnitParameters
 from radio.chance import generator
 from study.papers.oda_table4 import BEACONS_M, START_M, TAG_ACCURACY_M, oda_train
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
-from study.papers.single_train import COASTING, Bench, Rows, new_stops
+from study.papers.single_stop import Rows, new_stops
+from study.papers.single_train import COASTING, Bench
 from vehicle.train_file import TrainType
 
 TRAINS: Final = 100
@@ -298,7 +299,9 @@ def reproduce(options: Options) -> Reproduction:
     remarks = [
         "A stop in which the wheels slid before or after tuning is in neither figure of scatter: the tuning keeps "
         "such stops out, and cannot mend them.",
-        "What is learned from is the wave that the tick keeps of each stop, as on the line, not a trace of the bench.",
+        "What is learned from is the wave that the tick keeps of each stop, as on the line, not a trace of the bench. "
+        "Of 100 trains that left both methods agreeing on 96 (99 before), all modes right as before and the scatter "
+        "after tuning at 0.27 m; why three more trains differ by a step of the grid has not been found out.",
         "The paper does not say where its six points lie, nor how it filters: their reach (0.2 s, 0.4 km/h/s) and the "
         "smoothing (1 s) were chosen on seeds 1 to 3 of this fleet.",
         "The paper counts days of adjusting 15 stations; ours counts runs, one at each station a day.",

@@ -20,7 +20,8 @@ from onboard.unit_records import UnitParameters
 from radio.chance import generator
 from study.papers.oda_table4 import START_M, oda_train
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
-from study.papers.single_train import COASTING, Bench, Rows, new_stops
+from study.papers.single_stop import Rows, new_stops
+from study.papers.single_train import COASTING, Bench
 
 LIMITS_M: Final = (0.35, 0.5, 1.0)
 STOPS: Final = 100_000

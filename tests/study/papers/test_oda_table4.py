@@ -15,7 +15,7 @@ from study.papers.oda_table4 import (
     stop_of,
 )
 from study.papers.reproduction import Options, Reproduction, reproduction
-from study.papers.single_train import Rows
+from study.papers.single_stop import Rows
 
 GAIN_PER_S = 0.6
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from onboard.driving.tasc import Verdict
 from study.papers.carried_train import CarriedTrain
-from study.papers.oda_table4 import controller, plain_stop
+from study.papers.oda_table4 import PATTERN_MPS2, controller, plain_stop
 
 GAIN_PER_S = 0.6
 
@@ -16,7 +16,9 @@ GAIN_PER_S = 0.6
 @pytest.mark.parametrize("gradient_permille", [-10.0, 0.0, 10.0])
 def test_without_errors_the_train_stops_at_the_mark(speed_kmh: float, gradient_permille: float) -> None:
     stop = plain_stop(speed_kmh)
-    stop["start_m"] = 40.0 + (speed_kmh / 3.6) ** 2 / (2.0 * 0.79)  # uphill a long run up would end before it
+    stop["start_m"] = 40.0 + (speed_kmh / 3.6) ** 2 / (
+        2.0 * PATTERN_MPS2
+    )  # uphill a long run up would end before it
     stop["gradient_permille"] = gradient_permille
     stop["gradient_believed_permille"] = gradient_permille
     result, _ = controller(GAIN_PER_S).one(stop)
