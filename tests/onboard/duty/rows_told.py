@@ -1,0 +1,222 @@
+"""Rows of the table of the duty for what timers and telegrams tell: state, event, place; next state and actions."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from msgspec.structs import replace
+
+from network.model import Position
+from onboard import notes
+from onboard.authority.records import (
+    Ask,
+    Command,
+    Commit,
+    Granted,
+    Proof,
+    Queried,
+    Renew,
+    SendClaim,
+    SignedOff,
+    SignedOn,
+    StopTimer,
+    Take,
+    Timer,
+    Write,
+)
+from onboard.duty.records import (
+    ASK,
+    LEAVE,
+    RELEASE,
+    Accepted,
+    DutyState,
+    Heard,
+    LeftLine,
+    Limit,
+    Order,
+    Phase,
+    Place,
+    TimerDue,
+)
+from tests.onboard.duty.stage import (
+    AT_A,
+    AT_B,
+    BEFORE_7,
+    GONE,
+    HOLDS_3,
+    HOLDS_ALL,
+    HOLDS_REST,
+    ON_6,
+    ON_THE_LINE,
+    P5,
+    P7,
+    ROUTE_OPEN,
+    RUNNING,
+    SECTIONS,
+    SIGNING_OFF,
+    SIGNING_ON,
+    STANDING,
+    STATES,
+    TO_THE_END,
+    Case,
+    commanded,
+    holds,
+    limit,
+    moved,
+    sent,
+)
+
+TOLD: Final[dict[str, Case]] = {
+    "a route may be asked for": (
+        STANDING,
+        TimerDue(ASK),
+        AT_A,
+        replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
+        (Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+    ),
+    "the time has come, but not the way": (
+        STANDING,
+        TimerDue(LEAVE),
+        AT_A,
+        replace(STANDING, may_leave=True),
+        (),
+    ),
+    "the time has come and the way is free": (
+        replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
+        TimerDue(LEAVE),
+        AT_A,
+        DutyState(Phase.RUNNING, AT_A, replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_leave=True),
+        (Write(notes.Departs(station="A")), Order.DEPART),
+    ),
+    **{
+        f"the driver acknowledges an emergency stop: {at.value}": (
+            replace(STATES[at], released=False),
+            TimerDue(RELEASE),
+            moved(STATES[at].place, emergency=True),
+            STATES[at],
+            (Write(notes.EmergencyReleased()), Order.RELEASE),
+        )
+        for at in ON_THE_LINE
+    },
+    "granted, the departure points are thrown": (
+        replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
+        Heard(Granted("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)),
+        AT_A,
+        replace(
+            STANDING,
+            may_ask=True,
+            authority=replace(HOLDS_ALL, commands=(Command(P5, sent=True),)),
+            wanted=(P5,),
+            limit=Limit(1, "5", "points not proven"),
+        ),
+        (
+            StopTimer(Timer("route")),
+            Take(SECTIONS),
+            Write(notes.RouteHeld(route_id="3>8", token=0)),
+            holds("3", *SECTIONS),
+            Commit(P5),
+            *commanded(P5),
+            limit(1, "5", "points not proven"),
+        ),
+    ),
+    "signed on, who waits outside may enter": (
+        SIGNING_ON,
+        Heard(SignedOn(("3",), (), answers=True, newer=True)),
+        AT_A,
+        STANDING,
+        (
+            StopTimer(Timer("sign on")),
+            Take(("3",)),
+            Write(notes.SignedOn(section_ids=("3",))),
+            holds("3"),
+            Accepted("T1"),
+        ),
+    ),
+    "signed on without a position: on sight, where it stands": (
+        replace(SIGNING_ON, place=Place()),
+        Heard(SignedOn(("3",), (), answers=True, newer=True)),
+        Place(),
+        replace(
+            STANDING,
+            phase=Phase.ON_SIGHT,
+            place=Place(),
+            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+            stands_at=0,
+        ),
+        (
+            StopTimer(Timer("sign on")),
+            Take(("3",)),
+            Write(notes.SignedOn(section_ids=("3",))),
+            holds("3"),
+            Accepted("T1"),
+            Renew(Ask.ROUTE),
+            *sent(ROUTE_OPEN),
+        ),
+    ),
+    "signed off, the train may be taken off the line": (
+        SIGNING_OFF,
+        Heard(SignedOff(answers=True)),
+        AT_B,
+        replace(GONE, limit=TO_THE_END),
+        (StopTimer(Timer("sign off")), Write(notes.SignedOff()), holds(), LeftLine("T1")),
+    ),
+    "proven, the stop limit moves on": (
+        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
+        Heard(Proof("P7", "B-W", "normal", mine=True)),
+        ON_6,
+        replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
+        (
+            StopTimer(Timer("points", "P7")),
+            Write(notes.Proven(points_id="P7", position=Position.NORMAL, token=0)),
+            limit(5, None, "end of the path"),
+        ),
+    ),
+    "a proof withdrawn draws the limit back, and the points are commanded anew": (
+        replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
+        Heard(Proof("P7", "B-W", None, mine=True)),
+        ON_6,
+        replace(
+            RUNNING,
+            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),), unsaid=(P7,)),
+            wanted=(P7,),
+        ),
+        (
+            Commit(P7),
+            Write(notes.ProofDropped(points_id="P7")),
+            Commit(P7),
+            *commanded(P7),
+            limit(3, "7", "points not proven"),
+        ),
+    ),
+    "a proof withdrawn under the train: neither commanded nor holding it back": (
+        replace(
+            RUNNING,
+            authority=replace(HOLDS_REST, proven=(P7,)),
+            wanted=(P7,),
+            limit=TO_THE_END,
+        ),
+        Heard(Proof("P7", "B-W", None, mine=True)),
+        moved(ON_6, here=3, sure=4, perhaps=4),
+        replace(
+            RUNNING,
+            place=moved(ON_6, here=3, sure=4, perhaps=4),
+            authority=replace(HOLDS_REST, unsaid=(P7,)),
+            entered=frozenset({"5", "7"}),
+            limit=TO_THE_END,
+        ),
+        (Commit(P7), Write(notes.ProofDropped(points_id="P7"))),
+    ),
+    **{
+        f"a query is answered: {at.value}": (
+            STATES[at],
+            Heard(Queried()),
+            STATES[at].place,
+            STATES[at],
+            (
+                SendClaim(STATES[at].authority.held),
+                Write(notes.Claimed(section_ids=STATES[at].authority.held, token=0)),
+            ),
+        )
+        for at in Phase
+    },
+}
