@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from network.model import SectionKind
 from onboard.duty.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan, Waiting
 from simulation.world.roster import Duty
@@ -79,8 +80,8 @@ class Books:
             return
         targets = duty.mission.targets
         at = self._at.get(slot, 0)
-        if at > 0 and slot in self._moved and self._calls(slot, duty, at) and slot in self._called:
-            self._arrive(slot, self._called[slot], targets[at], now_s)  # it drew up to its mark
+        if slot in self._moved and slot in self._called and self._drew_up(slot, duty, at):
+            self._arrive(slot, self._called[slot], targets[at], now_s)
             return
         index = next(
             (i for i in range(self.next_target(slot), len(targets)) if self._calls(slot, duty, i)), None
@@ -103,6 +104,14 @@ class Books:
         record.error_m = float(self._trains.truths[slot].position_m) - target.mark_m
         self._open_stop[slot] = record if target.departure_s is not None else None
 
+    def _drew_up(self, slot: int, duty: Duty, at: int) -> bool:
+        """Whether a train that called well short of its mark has come nearer to it."""
+        before_m = self._called[slot].error_m
+        if before_m is None or before_m >= -CALLS_SHORT_M:
+            return False
+        now_m = float(self._trains.truths[slot].position_m) - duty.mission.targets[at].mark_m
+        return abs(now_m) < abs(before_m) and self._calls(slot, duty, at)
+
     def _alongside(self, slot: int, duty: Duty, target: Target) -> bool:
         """Whether the whole train stands along the platform of a target."""
         if target.station_id is None:
@@ -120,9 +129,12 @@ class Books:
         """Whether the front truly is where a train calls at a target, on the way of its own path."""
         mission, truth = duty.mission, self._trains.truths[slot]
         target = mission.targets[index]
-        end_m = mission.spans[mission.span_index(target.section_id)].end_m
+        span = mission.spans[mission.span_index(target.section_id)]
+        furthest_m = target.mark_m + CALLS_BEYOND_M
+        if span.kind is not SectionKind.BETWEEN:  # a halt's section reaches to the next station
+            furthest_m = max(furthest_m, span.end_m)
         front_m = float(truth.position_m)
-        near = target.mark_m - CALLS_SHORT_M <= front_m <= max(target.mark_m + CALLS_BEYOND_M, end_m)
+        near = target.mark_m - CALLS_SHORT_M <= front_m <= furthest_m
         if not near and not self._alongside(slot, duty, target):
             return False
         planned = mission.path.piece_ids
