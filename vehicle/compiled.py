@@ -7,6 +7,7 @@ named by a digest of every source file that holds compiled code. Fastmath stays 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from hashlib import blake2b
@@ -76,13 +77,13 @@ def _with_names(value: object) -> object:
     return value
 
 
-def compiled_lines(lines: Sequence[str], names: Mapping[str, Callable[..., Any]], file: str) -> Any:  # noqa: ANN401
+def compiled_lines(lines: Sequence[str], names: Mapping[str, Callable[..., Any]], module: str) -> Any:  # noqa: ANN401
     """Compile a function written by a table of functions: compiled code cannot choose between them by value.
 
-    `lines` define one function, `names` are the table's functions that it calls, `file` is the table's own.
+    `lines` define one function, `names` are the table's functions that it calls, `module` is the table's own.
     """
-    written: dict[str, Any] = dict(names)
-    exec(compile("\n".join(lines), file, "exec"), written)
+    written: dict[str, Any] = {"__name__": module, **names}  # numba keeps what it compiled under that name
+    exec(compile("\n".join(lines), str(sys.modules[module].__file__), "exec"), written)
     return compiled(written[lines[0].split()[1].partition("(")[0]])
 
 

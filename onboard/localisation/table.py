@@ -82,7 +82,7 @@ def _read_all() -> ReadAll:
         ]
     lines += ["    return events"]
     names = {reader.name: reader.function for reader in READERS}
-    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted}, __file__))
+    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted}, __name__))
 
 
 read_all: Final = _read_all()

@@ -63,7 +63,7 @@ SenseAll = Callable[[SensorsRow, SceneRow, SensedRow], None]
 def _sense_all() -> SenseAll:
     lines = ["def sense_all(sensors, scene, sensed):"]
     lines += [f"    {s.name}(sensors.{s.name}, sensors, scene, sensed)" for s in SENSORS]
-    return cast("SenseAll", compiled_lines(lines, {s.name: s.function for s in SENSORS}, __file__))
+    return cast("SenseAll", compiled_lines(lines, {s.name: s.function for s in SENSORS}, __name__))
 
 
 sense_all: Final = _sense_all()

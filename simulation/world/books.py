@@ -61,7 +61,7 @@ class Books:
         if duty is None or self._trains.plants[slot].speed_mps > 0.0:
             return None
         at = self._at.get(slot, 0)
-        return at if self._calls(slot, duty, at) else None
+        return at if self._near(slot, duty, at) and self._on_its_way(slot, duty) else None
 
     def look_for_departure(self, slot: int, now_s: float) -> None:
         """A train that moves has left the stop that was open."""
@@ -127,6 +127,11 @@ class Books:
 
     def _calls(self, slot: int, duty: Duty, index: int) -> bool:
         """Whether the front truly is where a train calls at a target, on the way of its own path."""
+        alongside = self._alongside(slot, duty, duty.mission.targets[index])
+        return (self._near(slot, duty, index) or alongside) and self._on_its_way(slot, duty)
+
+    def _near(self, slot: int, duty: Duty, index: int) -> bool:
+        """Whether the front is at the mark of a target, or beyond it on its track."""
         mission, truth = duty.mission, self._trains.truths[slot]
         target = mission.targets[index]
         span = mission.spans[mission.span_index(target.section_id)]
@@ -134,10 +139,11 @@ class Books:
         if span.kind is not SectionKind.BETWEEN:  # a halt's section reaches to the next station
             furthest_m = max(furthest_m, span.end_m)
         front_m = float(truth.position_m)
-        near = target.mark_m - CALLS_SHORT_M <= front_m <= furthest_m
-        if not near and not self._alongside(slot, duty, target):
-            return False
-        planned = mission.path.piece_ids
+        return target.mark_m - CALLS_SHORT_M <= front_m <= furthest_m
+
+    def _on_its_way(self, slot: int, duty: Duty) -> bool:
+        """Whether no points have sent the train elsewhere."""
+        planned = duty.mission.path.piece_ids
         return self._trains.true_path(slot).piece_ids[: len(planned)] == planned
 
     def _record(self, slot: int, duty: Duty, index: int) -> StopRecord:

@@ -86,7 +86,7 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
     clone.write(
         "onboard/authority/letters.py",
         (
-            "    radio.Restarted: lambda *_: sym.PeerRestarted(),\n",
+            "    radio.Restarted: lambda _letters, _heard, _message: sym.PeerRestarted(),\n",
             "    radio.HoldAtStation: lambda _self, _heard, message: sym.HeldBack(message.hold),\n",
         ),
     )

@@ -65,7 +65,7 @@ def _ask() -> Ask:
     for number, name in enumerate(LAW_NAMES):
         lines += [f"    if laws.number == {number}:", f"        return {name}(laws.{name}, {given})"]
     lines += ["    return -train.brake_notches"]
-    return cast("Ask", compiled_lines(lines, {law.name: law.function for law in LAWS}, __file__))
+    return cast("Ask", compiled_lines(lines, {law.name: law.function for law in LAWS}, __name__))
 
 
 ask: Final = _ask()

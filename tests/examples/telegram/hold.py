@@ -6,7 +6,7 @@ A telegram that is lost changes nothing; a unit that boots anew is no longer hel
 
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 from types import MappingProxyType
 from typing import Final
 

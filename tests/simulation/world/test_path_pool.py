@@ -59,6 +59,11 @@ def unit_on(rows: int) -> UnitRow:
     return unit
 
 
+def lay(pool: PathPool, slot: int, unit: UnitRow, plan: np.ndarray) -> None:
+    """Lay it, and tell the unit where."""
+    unit.plan_offset, unit.plan_rows = pool.lay_plan(slot, unit.path_rows, plan), plan.size
+
+
 def speeds_of(pool: PathPool, unit: UnitRow) -> list[float]:
     """What compiled code finds where the unit's row says that its plan lies."""
     speeds: list[float] = pool.track.plan["speed_mps"][unit.plan_offset :][: unit.plan_rows].tolist()
@@ -67,30 +72,30 @@ def speeds_of(pool: PathPool, unit: UnitRow) -> list[float]:
 
 def test_each_stock_has_a_plan_of_its_own_where_its_unit_says(pool: PathPool) -> None:
     first, second = unit_on(40), unit_on(30)
-    pool.lay_plan(0, first, plan_of(40, 9.0))
-    pool.lay_plan(1, second, plan_of(30, 12.0))
+    lay(pool, 0, first, plan_of(40, 9.0))
+    lay(pool, 1, second, plan_of(30, 12.0))
     assert speeds_of(pool, first) == [9.0] * 40
     assert speeds_of(pool, second) == [12.0] * 30
 
 
 def test_a_new_plan_takes_the_old_ones_room_and_a_longer_one_new_room(pool: PathPool) -> None:
     first, second = unit_on(40), unit_on(30)
-    pool.lay_plan(0, first, plan_of(40, 9.0))
-    pool.lay_plan(1, second, plan_of(30, 12.0))
+    lay(pool, 0, first, plan_of(40, 9.0))
+    lay(pool, 1, second, plan_of(30, 12.0))
     first.path_rows = 20
-    pool.lay_plan(0, first, plan_of(20, 7.0))
+    lay(pool, 0, first, plan_of(20, 7.0))
     assert (pool.plan.size, speeds_of(pool, first)) == (70, [7.0] * 20)
     first.path_rows = 50
-    pool.lay_plan(0, first, plan_of(50, 5.0))
+    lay(pool, 0, first, plan_of(50, 5.0))
     assert (pool.plan.size, speeds_of(pool, first)) == (120, [5.0] * 50)
     assert speeds_of(pool, second) == [12.0] * 30
 
 
 def test_no_rows_take_the_plan_away_and_a_plan_of_another_length_is_refused(pool: PathPool) -> None:
     unit = unit_on(40)
-    pool.lay_plan(0, unit, plan_of(40, 9.0))
+    lay(pool, 0, unit, plan_of(40, 9.0))
     with pytest.raises(ValueError, match="39 rows for a path of 40"):
-        pool.lay_plan(0, unit, plan_of(39, 3.0))
+        lay(pool, 0, unit, plan_of(39, 3.0))
     assert speeds_of(pool, unit) == [9.0] * 40
-    pool.lay_plan(0, unit, plan_of(0, 0.0))
+    lay(pool, 0, unit, plan_of(0, 0.0))
     assert unit.plan_rows == 0
