@@ -6,9 +6,10 @@ A telegram that is lost changes nothing; a unit that boots anew is no longer hel
 
 from __future__ import annotations
 
-from msgspec.structs import replace
 from types import MappingProxyType
 from typing import Final
+
+from msgspec.structs import replace
 
 from onboard.authority.records import Authority, HeldBack
 from onboard.authority.tables import Result, Standing, Table
