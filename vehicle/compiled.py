@@ -72,8 +72,10 @@ def _with_names(value: object) -> object:
         return value.view((np.record, value.dtype))
     if type(value) is np.ndarray and value.dtype.names is not None:
         return value.view(np.recarray)
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return value.__class__(*map(_with_names, value))  # type: ignore[arg-type, unused-ignore]
+    if isinstance(value, tuple):
+        parts = cast("tuple[object, ...]", value)
+        made: Any = type(parts)  # a named tuple takes its parts one by one
+        return made(*(_with_names(part) for part in parts)) if hasattr(parts, "_fields") else parts
     return value
 
 
