@@ -58,6 +58,7 @@ from onboard.records import (
     UnitRow,
 )
 from onboard.unit_records import UnitParameters
+from vehicle.record import cells_of
 from vehicle.records import TrainRow
 
 SIGN: Final = sign.__name__
@@ -73,7 +74,7 @@ class PathData:
 
 
 class Motion:
-    """The driving part of one unit. `row` is its row of `onboard.records.UNIT`, shared with the compiled tick."""
+    """The driving part of one unit. `row` is its row of UNIT (a numpy record), shared with the compiled tick."""
 
     def __init__(
         self,
@@ -85,7 +86,8 @@ class Motion:
         keeper: StopKeeper,
         readers: ReadersRow | None = None,
     ) -> None:
-        self.row: Final = row
+        self.row: Final = cells_of(UnitRow, row)
+        self._record: Final = row  # the same memory, as compiled code takes it
         self.readers: Final[Any] = (
             np.zeros(1, READERS_ROW).view(np.recarray)[0] if readers is None else readers
         )
@@ -215,14 +217,14 @@ class Motion:
         if known is None:
             return self._lose(f"tag {tag_id} where none can be")
         index, tag = known
-        if missed_by_m(row, tag_fix(row, tag.position_m, odometer_m, tolerance_m)) > 0.0:
+        if missed_by_m(self._record, tag_fix(self._record, tag.position_m, odometer_m, tolerance_m)) > 0.0:
             return self._lose(f"tag {tag_id} where none can be")
         if not self._doubt.believes(tag, odometer_m):
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             return []
         self._doubt.take(tag, odometer_m)
         found = bool(row.position_known != 1)
-        taken = take(row, tag_fix(row, tag.position_m, odometer_m, tolerance_m))
+        taken = take(self._record, tag_fix(self._record, tag.position_m, odometer_m, tolerance_m))
         correction_m = taken.correction_m if isinstance(taken, Taken) else 0.0
         self.notes.append(
             notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3))
@@ -301,7 +303,7 @@ class Motion:
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
-        if self._mission is None or not limit_is_short(self.row, target.mark_m):
+        if self._mission is None or not limit_is_short(self._record, target.mark_m):
             return False
         return self._mission.span_at(self.row.position_m).section_id == target.section_id
 

@@ -18,10 +18,14 @@ A record holds float (f8), int (i8), arrays of them and other records, aligned, 
 
 from __future__ import annotations
 
+import ctypes
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
+from functools import cache
+from typing import Annotated, Any, Final, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
+
+RowT = TypeVar("RowT")
 
 SCALARS: Final[dict[object, str]] = {float: "f8", int: "i8"}
 UNITS: Final = {
@@ -90,6 +94,34 @@ def dtype_of(row: type) -> np.dtype[np.void]:
         kind = SCALARS.get(field.kind) or dtype_of(field.kind)
         columns.append((field.name, kind, (field.length,)) if field.length else (field.name, kind))
     return np.dtype(columns, align=True)
+
+
+CELLS: Final[dict[object, Any]] = {float: ctypes.c_double, int: ctypes.c_int64}
+
+
+@cache
+def structure_of(row: type) -> type[ctypes.Structure]:
+    """The C structure of a record: the same memory as its dtype, both laid out as C does."""
+    columns: list[tuple[str, Any]] = []
+    for field in fields_of(row):
+        kind = CELLS.get(field.kind) or structure_of(field.kind)
+        columns.append((field.name, kind * field.length if field.length else kind))
+    made = type(f"{row.__name__}Cells", (ctypes.Structure,), {"_fields_": columns})
+    if ctypes.sizeof(made) != dtype_of(row).itemsize:
+        raise TypeError(f"{row.__name__} is laid out in two ways")
+    return made
+
+
+def cells_of(row: type, record: RowT) -> RowT:
+    """The memory of a record with plain Python numbers as attributes, for code that is not compiled.
+
+    Reading a numpy record's attribute takes some twenty times as long. `record` is one element of a structured
+    array, which is kept alive.
+    """
+    address, _ = cast("Any", record).__array_interface__["data"]
+    cells: Any = structure_of(row).from_address(address)
+    cells.kept_alive = record
+    return cast("RowT", cells)
 
 
 def _taken_apart(hint: object) -> tuple[Any, tuple[object, ...]]:

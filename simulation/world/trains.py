@@ -29,6 +29,7 @@ from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.records import STOCK, TruthRow
 from simulation.world.roster import Duty
+from vehicle.record import cells_of
 from vehicle.records import PlantRow, TrainRow
 from vehicle.train_file import new_plant
 
@@ -73,8 +74,8 @@ class Trains:
         self.stock["board"]["behaviour"] = behaviour_rows(setup, self.stock_ids)
         board = self.stock["board"]
         # Each stock's parts, for what is not done in every stretch: writing to them writes to `stock`.
-        self.truths: Sequence[TruthRow] = _rows(self.stock["truth"])
-        self.plants: Sequence[PlantRow] = _rows(self.stock["plant"])
+        self.truths: Sequence[TruthRow] = [cells_of(TruthRow, row) for row in _rows(self.stock["truth"])]
+        self.plants: Sequence[PlantRow] = [cells_of(PlantRow, row) for row in _rows(self.stock["plant"])]
         self.sensors = {sensor.name: _rows(self.stock["sensors"][sensor.name]) for sensor in SENSORS}
         self.tachometers: Sequence[TachometerRow] = self.sensors["tachometer"]
         self.tag_readers: Sequence[TagReaderRow] = self.sensors["tag_reader"]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gc
 import re
 from pathlib import Path
 from typing import Annotated, Final, Protocol
@@ -8,8 +9,10 @@ import numpy as np
 import pytest
 from mypy import api
 
+from onboard.records import UnitRow
+from simulation.world.records import STOCK
 from vehicle.compiled import compiled, sources_digest
-from vehicle.record import dtype_of, fields_of, unit_of
+from vehicle.record import cells_of, dtype_of, fields_of, unit_of
 
 STEPS: Final = 3
 
@@ -124,3 +127,25 @@ def test_the_cache_moves_when_compiled_code_changes_and_only_then(tmp_path: Path
     assert sources_digest(tmp_path) == first
     (package / "law.py").write_text("@compiled\ndef f(): return 1\n")
     assert sources_digest(tmp_path) != first
+
+
+def test_cells_are_the_memory_of_the_record_with_plain_numbers() -> None:
+    """Every field of the project's largest record, set from either side, is the same on the other."""
+    stock = np.zeros(2, dtype=STOCK)
+    part = stock["board"]["unit"]
+    record = part.view(np.recarray)[1]
+    cells = cells_of(UnitRow, record)
+    for number, field in enumerate(fields_of(UnitRow), 1):
+        setattr(cells, field.name, field.kind(number))
+        assert part[field.name][1] == number
+        part[field.name][1] = number + 1
+        assert getattr(cells, field.name) == number + 1
+        assert type(getattr(cells, field.name)) is field.kind
+    assert not part[0].tobytes().strip(b"\0")  # and no other's
+
+
+def test_cells_keep_the_memory_that_they_look_at() -> None:
+    cells = cells_of(UnitRow, np.zeros(1, dtype=dtype_of(UnitRow)).view(np.recarray)[0])
+    gc.collect()
+    cells.position_m = 7.0
+    assert cells.position_m == 7.0
