@@ -88,9 +88,8 @@ class Motion:
     ) -> None:
         self.row: Final = cells_of(UnitRow, row)
         self._record: Final = row  # the same memory, as compiled code takes it
-        self.readers: Final[Any] = (
-            np.zeros(1, READERS_ROW).view(np.recarray)[0] if readers is None else readers
-        )
+        fresh: Any = np.zeros(1, READERS_ROW).view(np.recarray)[0] if readers is None else readers
+        self.readers: Final[Any] = cells_of(ReadersRow, fresh)
         self.keeper: Final = keeper
         self.command = Command()
         self.load_share = 0.0
@@ -99,12 +98,13 @@ class Motion:
         self._line: Final = line
         self._parameters: Final = parameters
         self._train: Final = train
+        self._length_m: Final = float(train.length_m)
         self._behaviour: Final = behaviour
         self._mission: Mission | None = None
         self._starts_m: list[float] = []
         self._ends_m: list[float] = []
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
-        self._doubt: Final = TagDoubt(row, parameters)
+        self._doubt: Final = TagDoubt(self.row, parameters)
         self._elevation_m: NDArray[np.float64] = np.zeros(1)
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
@@ -137,7 +137,7 @@ class Motion:
         """The driver has changed ends: what was the rear is the front, on the next mission's path."""
         row = self.row
         if self._mission is not None:
-            rear = self._mission.path.locate(float(row.position_m) - float(self._train.length_m))
+            rear = self._mission.path.locate(float(row.position_m) - self._length_m)
             row.position_m = mission.path.to_path_m(*rear)
             row.bound_ahead_m, row.bound_behind_m = row.bound_behind_m, row.bound_ahead_m
         self._take_up(mission, path)
@@ -184,7 +184,7 @@ class Motion:
         if mission is None or not row.position_known:  # who does not know where it is can only try the radio
             return Place(stands=stands, emergency=emergency)
         position_m = float(row.position_m)
-        rear_m = position_m - float(row.bound_behind_m) - float(self._train.length_m)
+        rear_m = position_m - float(row.bound_behind_m) - self._length_m
         joints_m = [*self._starts_m, self._ends_m[-1]]
         marks_m = [target.mark_m for target in mission.targets]
         # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
@@ -396,7 +396,7 @@ class Motion:
                 self._choose_cruise(mission.targets[command.target], now_s)
             self._aim(mission.targets[command.target].mark_m, limit_m)
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]
-        row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._train.length_m)
+        row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._length_m)
 
     def _joint_m(self, joint: int) -> float:
         return self._starts_m[joint] if joint < len(self._starts_m) else self._ends_m[-1]
