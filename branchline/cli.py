@@ -314,7 +314,9 @@ def reproduce(
     from study.run.run import link_of
 
     if name == "list":
-        _print_json(sorted(REPRODUCTIONS)) if as_json else _tell("\n".join(sorted(REPRODUCTIONS)))
+        _print_json(sorted(REPRODUCTIONS)) if as_json else sys.stdout.write(
+            "\n".join(sorted(REPRODUCTIONS)) + "\n"
+        )
         return
     options = Options(seed=seed, link=link_of(link).value, out=None if out is None else str(out), quick=quick)
     result = reproduction(name)(options)
