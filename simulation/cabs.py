@@ -14,7 +14,7 @@ from onboard.duty.records import Person, Sensed, SetBack, Told
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, PowerOff, PowerOn
 from simulation.journal import Journal
-from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.books import Books
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.on_board import OnBoard
@@ -73,7 +73,7 @@ class Cabs:
             self.told(slot, told, step)
         self._look(slot, step)
         if answer.wake_at_s is not None:
-            wake_step = max(math.ceil(answer.wake_at_s / STEP_S - 1e-6), step + 1)
+            wake_step = max(step_not_before(answer.wake_at_s), step + 1)
             if self._timer_steps.get(slot) != wake_step:
                 self._timer_steps[slot] = wake_step
                 self._agenda.put(wake_step, Due.UNIT_TIMER, stock_id)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -35,6 +36,11 @@ from wayside.config import MANAGER_ID
 
 STEPS_PER_S: Final = 10  # time is step / STEPS_PER_S: exact decimals in every journal
 STEP_S: Final = 0.1
+
+
+def step_not_before(t_s: float) -> int:
+    """The first step at or after a time, s since midnight; a time that is a step's but for rounding is that step."""
+    return math.ceil(t_s / STEP_S - 1e-6)
 
 
 @dataclass(frozen=True, slots=True)

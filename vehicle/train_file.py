@@ -16,11 +16,12 @@ from typing import Annotated, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from network.errors import InputError
 from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
 from network.files.raw import is_list, is_table
+from network.files.toml_input import Record
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 
 TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
@@ -42,11 +43,7 @@ DeadTime = Annotated[float, Field(ge=0, le=DEAD_TIME_S_MAX)]
 Count = Annotated[float, Field(ge=1)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-
-class _Body(_Table):
+class _Body(Record):
     """`[body]`."""
 
     length_m: Annotated[Positive, about("over couplers")]
@@ -59,7 +56,7 @@ class _Body(_Table):
     speed_max_mps: Annotated[Positive, about("greatest speed")]
 
 
-class _Resistance(_Table):
+class _Resistance(Record):
     """`[resistance]`: R = sum of the mass terms and the air term, speeds in km/h."""
 
     resistance_motored_constant_n_per_kn: Annotated[NotNegative, about("motored cars, constant term")] = (
@@ -85,7 +82,7 @@ class _Resistance(_Table):
     ] = Field(alias="curve_coefficient_m")
 
 
-class _Traction(_Table):
+class _Traction(Record):
     """`[traction]`: force and power limits, or a measured curve in their place."""
 
     force_max_n: Annotated[Positive, about("greatest force at the rim")]
@@ -98,10 +95,16 @@ class _Traction(_Table):
         Field(min_length=1, max_length=NOTCHES_MAX - 1),
         about("of the full force, by notch"),
     ]
-    notch_speed_cap_mps: Annotated[list[NotNegative], about("a notch pulls up to this speed; 0: no cap")] = []
+    notch_speed_cap_mps: Annotated[list[NotNegative], about("a notch pulls up to this speed; 0: no cap")] = (
+        Field(default_factory=list[float])
+    )
     load_compensated: Annotated[bool, about("the force limit grows with the load")] = False
-    curve_speed_mps: Annotated[list[NotNegative], about("measured curve: speeds, from 0")] = []
-    curve_force_n: Annotated[list[NotNegative], about("measured curve: full-notch force")] = []
+    curve_speed_mps: Annotated[list[NotNegative], about("measured curve: speeds, from 0")] = Field(
+        default_factory=list[float]
+    )
+    curve_force_n: Annotated[list[NotNegative], about("measured curve: full-notch force")] = Field(
+        default_factory=list[float]
+    )
     dead_time_s: Annotated[DeadTime, about("from command to first force")]
     lag_s: Annotated[NotNegative, about("time constant of the build-up")]
     jerk_max_mps3: Annotated[NotNegative, about("limit of the build-up; 0: none")]
@@ -119,7 +122,7 @@ class _Traction(_Table):
         return self
 
 
-class _Brakes(_Table):
+class _Brakes(Record):
     """`[brakes]`: the service brake, at any load."""
 
     notch_deceleration_mps2: Annotated[
@@ -138,7 +141,7 @@ class _Brakes(_Table):
         return self
 
 
-class _Emergency(_Table):
+class _Emergency(Record):
     """`[emergency]`: the emergency brake."""
 
     deceleration_mps2: Annotated[Positive, about("deceleration")]
@@ -146,7 +149,7 @@ class _Emergency(_Table):
     lag_s: Annotated[NotNegative, about("time constant of the build-up")]
 
 
-class _Regeneration(_Table):
+class _Regeneration(Record):
     """`[regeneration]`: the electric part of the service brake; air supplies the rest."""
 
     force_max_n: Annotated[NotNegative, about("greatest force at the rim")]
@@ -161,7 +164,7 @@ class _Regeneration(_Table):
         return self
 
 
-class _Energy(_Table):
+class _Energy(Record):
     """`[energy]`: at the wire or the battery."""
 
     efficiency_traction: Annotated[SharePositive, about("rim over wire")]
@@ -169,7 +172,7 @@ class _Energy(_Table):
     auxiliary_power_w: Annotated[NotNegative, about("lighting, compressors, heating and cooling")]
 
 
-class _Adhesion(_Table):
+class _Adhesion(Record):
     """`[adhesion]`: dry / (1 + factor times speed)."""
 
     dry: Annotated[SharePositive, about("on dry rail at rest")]
@@ -179,14 +182,14 @@ class _Adhesion(_Table):
     ]
 
 
-class _Sensors(_Table):
+class _Sensors(Record):
     """`[sensors]`: on the axle."""
 
     wheel_diameter_m: Annotated[Positive, about("of the tachometer's axle")]
     pulses_per_revolution: Annotated[Count, about("of the tachometer")]
 
 
-class TrainFile(_Table):
+class TrainFile(Record):
     """A whole train file; keys may end in other units, see `UNITS`."""
 
     id: Annotated[str, Field(min_length=1), about("name of the kind of train")]

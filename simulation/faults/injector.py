@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ from simulation.faults.links import LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
-from simulation.setup import STEPS_PER_S
+from simulation.setup import STEPS_PER_S, step_not_before
 from wayside.config import MANAGER_ID
 from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input
 
@@ -79,7 +78,7 @@ class Injector:
                 self._come_due(key, trigger.at_s + trigger.after_s)
 
     def _come_due(self, key: int, at_s: float) -> None:
-        step = max(math.ceil(at_s * STEPS_PER_S - 1e-6), self._world.step)
+        step = max(step_not_before(at_s), self._world.step)
         self._agenda.put(step, Due.SCRIPT, f"begin {key}")
 
     def due(self, step: int, subject: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from typing import Final
@@ -25,7 +24,7 @@ from simulation.events import (
     PowerOn,
 )
 from simulation.journal import Journal
-from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
 from simulation.world.point_machine import PointMachine, Repaired
 from wayside.config import MANAGER_ID
@@ -156,7 +155,7 @@ class WaysideWorld:
         for destination, data in done.telegrams:
             self.transmit(step, device_id, destination, data)
         if done.wake_at_s is not None:
-            wake_step = max(math.ceil(done.wake_at_s / STEP_S - 1e-6), step + 1)
+            wake_step = max(step_not_before(done.wake_at_s), step + 1)
             if self._wakes.get(device_id) != wake_step:
                 self._wakes[device_id] = wake_step
                 self._agenda.put(wake_step, Due.TO_DEVICE, device_id)
@@ -182,8 +181,7 @@ class WaysideWorld:
             locked = PointsLocked(points_id=points, position=machine.position)
             self._journal.write(step / STEPS_PER_S, WORLD, locked)
         if machine.done_at_s is not None and machine.done_at_s != before.done_at_s:
-            done_step = math.ceil(machine.done_at_s / STEP_S - 1e-6)
-            self._agenda.put(done_step, Due.POINTS, points)
+            self._agenda.put(step_not_before(machine.done_at_s), Due.POINTS, points)
         shown = point_machine.detection(machine)
         if shown != point_machine.detection(before):
             self.input(step, self._terminal_of[points], shown)
@@ -192,9 +190,7 @@ class WaysideWorld:
         """Change a machine: a fault comes or goes. A motor that was held on its way may arrive now."""
         self._moved(step, machine)
         if machine.done_at_s is not None:
-            self._agenda.put(
-                max(math.ceil(machine.done_at_s / STEP_S - 1e-6), step), Due.POINTS, machine.points_id
-            )
+            self._agenda.put(max(step_not_before(machine.done_at_s), step), Due.POINTS, machine.points_id)
 
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""
