@@ -24,7 +24,7 @@ from onboard.authority.records import (
     SignedOn,
 )
 from onboard.authority.records import Event as AuthorityEvent
-from onboard.duty.machine import command_of, step
+from onboard.duty.machine import step
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Span, Stop, Tag
 from onboard.duty.records import (
     ASK,
@@ -39,6 +39,7 @@ from onboard.duty.records import (
     How,
     Leave,
     Looked,
+    NotAtMark,
     Order,
     Phase,
     Place,
@@ -52,6 +53,7 @@ from onboard.duty.records import (
     TagPassed,
     TimerDue,
 )
+from onboard.duty.shown import command_of
 from onboard.duty.turn import Action, DutyParameters
 
 X: Final = PointsNeeded("PX", Position.NORMAL, "X", "terminal")
@@ -77,8 +79,8 @@ def _plan(number: str, section_ids: tuple[str, ...], tags: tuple[Tag, ...]) -> P
 
 
 PLANS: Final = (
-    _plan("out", ("A", "O", "X", "B"), (Tag(1, TagPurpose.APPROACH, 2), Tag(2, TagPurpose.ARRIVAL, 4))),
-    _plan("back", ("B", "X", "O", "A"), (Tag(3, TagPurpose.DEPARTED, 3), Tag(4, TagPurpose.ARRIVAL, 4))),
+    _plan("out", ("A", "O", "X", "B"), (Tag(1, TagPurpose.APPROACH, 2), Tag(2, TagPurpose.ARRIVAL, 4, 3))),
+    _plan("back", ("B", "X", "O", "A"), (Tag(3, TagPurpose.DEPARTED, 3), Tag(4, TagPurpose.ARRIVAL, 4, 3))),
 )
 _TAGS: Final = ({3: 0, 9: 1}, {6: 0, 9: 1})  # by plan: where a tag lies, and its index
 END: Final = 9
@@ -141,8 +143,9 @@ def steps(run: Run) -> Iterator[Step]:
 def taken(event: Event, run: Run) -> Step:
     """The real machine takes the event where the train then is."""
     state, actions = step(PLANS[run.plan], _TIMES, run.state, event, run.place, _NOW_S)
-    emergency = run.emergency and Order.RELEASE not in actions
-    return Step(event, run._replace(state=state, emergency=emergency), actions)
+    lost = Order.LOSE in actions
+    emergency = (run.emergency or lost or Order.STOP in actions) and Order.RELEASE not in actions
+    return Step(event, run._replace(state=state, emergency=emergency, known=run.known and not lost), actions)
 
 
 def event_name(event: Event) -> str:
@@ -200,6 +203,8 @@ def _people(run: Run) -> Iterator[_Happening]:
             yield Begin(PLANS[other], signs_on=False), run._replace(plan=other, spot=0, moves=False, read=-1)
     if phase is Phase.STANDING:
         yield SetBack(60.0), run
+    if command_of(PLANS[run.plan], run.state).confirm:
+        yield (AtMark(run.state.at) if run.spot == END else NotAtMark()), run
     if phase is Phase.ON_SIGHT and not run.moves:
         if not run.known and PLANS[run.plan].spans[run.spot // _PLACES_A_SPAN + (run.spot < END)].points:
             yield PointsSeen(X), run

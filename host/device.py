@@ -42,8 +42,8 @@ class _Machine(Protocol):
 
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
-        ledger = _ledger(durable.spare)
-        self.register = start_register(config, durable.epoch, keys.capabilities, ledger)
+        ledger, unswept = _remembered(durable.spare)
+        self.register = start_register(config, durable.epoch, keys.capabilities, ledger, unswept)
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
@@ -65,8 +65,8 @@ class _Manager:
         return block_manager.wake_at_s(self.register)
 
     def kept(self, before: Durable) -> Durable:
-        kept = msgspec.msgpack.encode(tuple(sorted(self.register.ledger)))
-        return msgspec.structs.replace(before, spare=kept)
+        kept = tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept))
+        return msgspec.structs.replace(before, spare=msgspec.msgpack.encode(kept))
 
 
 class _Terminal:
@@ -109,14 +109,14 @@ def _memory(kept: bytes) -> Memory:
         ) from None
 
 
-def _ledger(kept: bytes | None) -> tuple[str, ...] | None:
-    """The units that were on the line; a manager that never ran has none. None: lost, so any may be."""
+def _remembered(kept: bytes | None) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
+    """The units that were on the line and the sections not swept; a manager that never ran has none. None: lost."""
     if not kept:
-        return None if kept is None else ()
+        return (None if kept is None else ()), ()
     try:
-        return msgspec.msgpack.decode(kept, type=tuple[str, ...])
+        return msgspec.msgpack.decode(kept, type=tuple[tuple[str, ...], tuple[str, ...]])
     except msgspec.MsgspecError:
-        return None
+        return None, ()
 
 
 def _not_for_device(given: Input) -> Sequence[Action]:

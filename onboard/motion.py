@@ -62,6 +62,7 @@ from vehicle.record import cells_of
 from vehicle.records import TrainRow
 
 SIGN: Final = sign.__name__
+STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 
@@ -109,6 +110,9 @@ class Motion:
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
+        self._stood_m: float | None = (
+            None  # what the tachometer showed when it last came to a stand, if it stands
+        )
         self._look_for_sign(None)
 
     # the path that the train is on ------------------------------------------------------------------------------
@@ -212,6 +216,8 @@ class Motion:
 
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
+        if self._stood_m is not None and abs(odometer_m - self._stood_m) < STANDS_WITHIN_M:
+            return self._lose("a tag was passed while the tachometer shows a stand")
         known = self._tags.get(tag_id)
         row, tolerance_m = self.row, self._parameters.tag_accuracy_m
         if known is None:
@@ -251,8 +257,10 @@ class Motion:
         if bits & EVENT_INTERVENTION:
             self.notes.append(notes.Intervention(level=int(row.intervention)))
         if bits & EVENT_MOVING:
+            self._stood_m = None
             happened.append(Started())
         if bits & EVENT_STOPPED:
+            self._stood_m = float(row.odometer_m)
             happened += self._stopped()
         if bits & (EVENT_POSITION | EVENT_SAFE_REAR):
             happened.append(Looked())
@@ -354,7 +362,11 @@ class Motion:
         self._look_for_sign(None if command.target is None else self._next_target())
         if Order.RELEASE in command.orders:
             row.intervention = NO_INTERVENTION
-        restricted = command.on_sight or not row.position_known
+        if Order.STOP in command.orders:
+            row.intervention = EMERGENCY_INTERVENTION
+        if Order.LOSE in command.orders:
+            self._lose("the bounds leave no room to go on")
+        restricted = command.on_sight or command.sweeps or not row.position_known
         row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
         if command.on_sight:
             self._run_on_sight(command)

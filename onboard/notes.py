@@ -169,6 +169,16 @@ class SignOffDenied(Noted, frozen=True, kw_only=True, tag="sign_off_refused"):
     why: str
 
 
+class Mismatch(Noted, frozen=True, kw_only=True, tag="mismatch"):
+    """Register and unit contradict each other: the train is stopped until they agree."""
+
+    why: str
+
+
+class Agreed(Noted, frozen=True, kw_only=True, tag="agreed"):
+    """Register and unit have the same again."""
+
+
 class Holds(Noted, frozen=True, kw_only=True, tag="holds"):
     """All that the unit counts as held from now on."""
 
@@ -290,6 +300,8 @@ Note = (
     | SignOnDenied
     | SignedOff
     | SignOffDenied
+    | Mismatch
+    | Agreed
     | Holds
     | Claimed
     | Reported

@@ -16,7 +16,7 @@ import msgspec
 from onboard import notes
 from onboard.authority import records as auth
 from onboard.authority.letters import Letters
-from onboard.duty.machine import command_of, step
+from onboard.duty.machine import step
 from onboard.duty.plan import NO_PLAN, Plan
 from onboard.duty.records import (
     Begin,
@@ -33,6 +33,7 @@ from onboard.duty.records import (
     TimerDue,
     Told,
 )
+from onboard.duty.shown import command_of
 from onboard.duty.turn import Action, DutyParameters
 from radio.envelope import Dropped, Endpoint
 

@@ -81,6 +81,8 @@ class Cabs:
     def _look(self, slot: int, step: int) -> None:
         """Stops are booked by the truth; the crew looks at the unit's display and at the line."""
         self._books.look_for_arrival(slot, step / STEPS_PER_S)
+        shown = self._on_board.shown(slot)
+        (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
         self._keep_looking(slot, step)
         self.looked_ahead(slot)
@@ -103,6 +105,19 @@ class Cabs:
         for happened, telegrams in self._frozen.pop(slot, []):
             self.tell(slot, step, happened, telegrams)
 
+    def watch_out(self) -> bool:
+        """While trains run on sight, every driver looks out for others; whether two are so near that it matters."""
+        if not self._crew.on_sight:
+            return False
+        near = [self._crew.watch_out(slot) for slot in self._trains.active()]
+        return any(near)
+
+    def waits_for(self, slot: int) -> str:
+        """What a train waits for, as its unit shows it and its driver sees it."""
+        if self._trains.truths[slot].active and self._crew.sees_train(slot):
+            return "the track ahead: the driver sees a train on it"
+        return self._on_board.shown(slot).waits_for
+
     # crews ----------------------------------------------------------------------------------------------------------
 
     def crew_looks(self, slot: int, step: int) -> None:
@@ -118,7 +133,8 @@ class Cabs:
             self.tell(slot, step, happened)
 
     def _keep_looking(self, slot: int, step: int) -> None:
-        if slot in self._looking or not self._on_board.drives_on_sight(slot):
+        asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm
+        if slot in self._looking or not asked:
             return
         self._looking.add(slot)
         again = step + round(LOOKS_AGAIN_S * STEPS_PER_S)

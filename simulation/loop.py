@@ -43,6 +43,7 @@ from simulation.world.trains import SIGN, Trains
 from sumo_cfg.truth_map import NetMap
 
 TRACE_ROWS_FIRST: Final = 200_000
+WATCHING_STEPS: Final = 5  # while drivers on sight look out for another train
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 
 Progress = Callable[[float, float, int], None]  # now s, end s, trains arrived
@@ -92,7 +93,7 @@ class Simulation:
         self._books = Books(
             self.trains,
             lambda slot: self._duties.finished(slot),  # noqa: PLW0108 - made below
-            lambda slot: self.on_board.shown(slot).waits_for,
+            lambda slot: self._cabs.waits_for(slot),  # noqa: PLW0108 - made below
         )
         self._cabs = Cabs(self.trains, self.on_board, self.wayside, self._books, self._agenda, self.journal)
         self._duties = Duties(
@@ -200,6 +201,8 @@ class Simulation:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
         trains, sheet = self.trains, self._sheet
         steps = min(STANDING_STEPS_MAX, self._limit_step - self._step)
+        if self._cabs.watch_out():
+            steps = min(steps, WATCHING_STEPS)
         next_due = self._agenda.next_step()
         if next_due is not None:
             steps = min(steps, next_due - self._step)

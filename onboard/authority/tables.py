@@ -91,6 +91,23 @@ def report_now(state: Authority) -> Result:
     return opened(state, Request(Ask.REPORT))
 
 
+def disagrees(state: Authority, why: str) -> Result:
+    """Register and unit contradict each other: that is remembered, and reported until it is over."""
+    actions: tuple[Action, ...] = ()
+    if state.on_line and state.open(Ask.REPORT) is None:
+        state, actions = report_now(state)
+    if why == state.mismatch:
+        return state, actions
+    return replace(state, mismatch=why), (*actions, Write(notes.Mismatch(why=why)))
+
+
+def agrees(state: Authority) -> Result:
+    """They have the same again."""
+    if not state.mismatch:
+        return state, ()
+    return replace(state, mismatch=""), (Write(notes.Agreed()),)
+
+
 def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
     """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
     known = tuple(s for s in state.held if s in commandable or s in state.commandable)

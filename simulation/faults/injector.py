@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from network.model import Position
 from radio.air import Delivery
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
-from simulation.events import WORLD, Acted, FaultBegan, FaultOver
+from simulation.events import WORLD, Acted, Entry, FaultBegan, FaultOver
 from simulation.faults.devices import PowerFault
 from simulation.faults.fault import InForce, World, fold
 from simulation.faults.links import LinkFault
@@ -18,13 +18,24 @@ from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trig
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from wayside.config import MANAGER_ID
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input
+from wayside.register import Stage
+from wayside.said import (
+    AcceptPicture,
+    ConfirmHolding,
+    ConfirmOutside,
+    EnterSection,
+    Input,
+    PictureChanged,
+    Started,
+    TakeBack,
+)
 
 if TYPE_CHECKING:
     from simulation.world.on_board import OnBoard
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
+LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 
@@ -62,7 +73,9 @@ class Injector:
         triggers |= {first_act + i: act.trigger for i, act in enumerate(script.acts)}
         self._triggers: dict[int, Trigger] = triggers
         self._watch = Watch(triggers, self._come_due)
+        self._stage = Stage.DEFINED  # of the re-entry, as the controller's screen shows it
         journal.watch(self._watch.see)
+        journal.watch(self._see)
         wayside.disturb = self._disturb
 
     @property
@@ -86,7 +99,9 @@ class Injector:
         self._world.step = step
         what, number = subject.split()
         key = int(number)
-        if what == "word":
+        if what == "look":
+            self._accept_when_complete(self._script.acts[key], key)
+        elif what == "word":
             self._wayside.input(step, MANAGER_ID, self._words[key])
         elif what == "end":
             self._end(key)
@@ -144,7 +159,10 @@ class Injector:
         self._journal.write(self._world.step / STEPS_PER_S, act.person, acted)
         match act.kind:
             case ActKind.CONFIRM_OUTSIDE:
-                self._wayside.input(self._world.step, MANAGER_ID, ConfirmOutside(act.target, act.person))
+                outside = ConfirmOutside(act.target, act.person, act.place)
+                self._wayside.input(self._world.step, MANAGER_ID, outside)
+            case ActKind.TAKE_BACK:
+                self._wayside.input(self._world.step, MANAGER_ID, TakeBack(act.target, act.person))
             case ActKind.CONFIRM_HOLDING:
                 entry = ConfirmHolding(act.target, act.sections, act.person)
                 self._wayside.input(self._world.step, MANAGER_ID, entry)
@@ -155,14 +173,34 @@ class Injector:
                 self._wayside.repair(self._world.step, act.target, Position(act.position))
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
-            case ActKind.ACCEPT_PICTURE | ActKind.REENTER_ASSISTED:
+            case ActKind.ACCEPT_PICTURE:
                 self._enter([AcceptPicture(act.person)], act.pace_s)
+            case ActKind.REENTER_ASSISTED:
+                self._accept_when_complete(act, self._script.acts.index(act))
             case ActKind.ENTER_SECTION:
                 for section_id in act.sections:
                     word = EnterSection(section_id, act.target or None, act.person)
                     self._wayside.input(self._world.step, MANAGER_ID, word)
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
+
+    def _see(self, entry: Entry) -> None:
+        """What the block manager shows its controller of a re-entry."""
+        match entry.event:
+            case PictureChanged(stage=stage):
+                self._stage = Stage(stage)
+            case Started(epoch=epoch) if entry.who == MANAGER_ID and epoch > 1:
+                self._stage = Stage.INCOMPLETE
+            case _:
+                pass
+
+    def _accept_when_complete(self, act: Act, number: int) -> None:
+        """The controller looks at the picture again and again, and accepts it when nothing is missing."""
+        if self._stage is Stage.INCOMPLETE:
+            again = self._world.step + round(LOOKS_AGAIN_S * STEPS_PER_S)
+            self._agenda.put(again, Due.SCRIPT, f"look {number}")
+        else:
+            self._enter([AcceptPicture(act.person)], act.pace_s)
 
     def _reenter(self, act: Act) -> None:
         """Every section of the line by what the crews say they hold, then the whole picture (手動入力)."""

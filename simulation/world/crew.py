@@ -13,8 +13,9 @@ from collections.abc import Callable
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.plan import Plan, PointsNeeded
-from onboard.duty.records import AtMark, Command, Person, PointsSeen, PointsWrong
+from onboard.duty.mission import Mission
+from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M, Plan, PointsNeeded
+from onboard.duty.records import AtMark, Command, NotAtMark, Person, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M
@@ -25,6 +26,11 @@ from simulation.world.trains import Trains
 LOOKS_AGAIN_S: Final = 20.0
 SEES_M: Final = 12.0  # stood this near, the crew sees how the points lie
 STOPS_SHORT_M: Final = 5.0  # of the end of a track
+SEES_TRAIN_M: Final = (
+    200.0  # assumed: a train on straight track by day; on sight one stops from 15 km/h in 20 m
+)
+STOPS_SHORT_OF_TRAIN_M: Final = 20.0
+WATCHES_M: Final = 600.0  # nearer than this, drivers look out in every short stretch
 SEES_MARK_BEYOND_M: Final = 2.0  # a driver on sight stops with the mark under the cab
 
 
@@ -42,12 +48,13 @@ class Crew:
         self._on_board = on_board
         self._machine_of = machine_of
         self._journal = journal
+        self.on_sight: set[int] = set()  # slots of trains that run on sight, or sweep
 
     def look_ahead(self, slot: int) -> None:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
         truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
+        truth.sight_m = self._obstacle_m(slot)
         if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
-            truth.sight_m = math.inf
             return
         front_m, shown = float(truth.position_m), self._on_board.shown(slot)
         spans = duty.mission.spans
@@ -55,22 +62,63 @@ class Crew:
         marks_m = [target.mark_m for target in duty.mission.targets[shown.at + 1 :]]
         stops += [mark_m + SEES_MARK_BEYOND_M for mark_m in marks_m if mark_m > front_m + 1.0]
         stops.append(self._held_end_m(slot, shown))
-        truth.sight_m = min(stops)
+        truth.sight_m = min(truth.sight_m, *stops)
+
+    def sees_train(self, slot: int) -> bool:
+        """Whether the driver sees a train on what the unit has for its own."""
+        return math.isfinite(self._obstacle_m(slot))
+
+    def _obstacle_m(self, slot: int) -> float:
+        """Where to stop before a train that the driver sees on what the unit has for its own; infinite without one.
+
+        No train can be there unless somebody was wrong, so nobody looks out while no train runs on sight.
+        """
+        duty = self._trains.duties[slot]
+        if duty is None or not self.on_sight or not self._trains.truths[slot].active:
+            return math.inf
+        ahead_m, shown = self._trains.train_ahead_m(slot), self._on_board.shown(slot)
+        if ahead_m - float(self._trains.truths[slot].position_m) > SEES_TRAIN_M:
+            return math.inf
+        held = shown.on_sight or duty.mission.span_at(ahead_m).section_id in shown.held
+        return ahead_m - STOPS_SHORT_OF_TRAIN_M if held else math.inf
+
+    def watch_out(self, slot: int) -> bool:
+        """Set again where the driver will stop, as other trains move; whether one is so near that it matters."""
+        self.look_ahead(slot)
+        front_m = float(self._trains.truths[slot].position_m)
+        return self._trains.train_ahead_m(slot) - front_m < WATCHES_M
 
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
         plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
-        stands = self._trains.plants[slot].speed_mps == 0.0 and self._on_board.drives_on_sight(slot)
+        shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
+        stands = self._trains.plants[slot].speed_mps == 0.0 and (on_sight or shown.confirm)
         if not stands or plan is None or duty is None:
             return []
-        shown, mission = self._on_board.shown(slot), duty.mission
         front_m = float(self._trains.truths[slot].position_m)
+        if not on_sight:
+            there = front_m >= duty.mission.targets[shown.at].mark_m - ARRIVED_ON_SIGHT_WITHIN_M
+            return [AtMark(shown.at) if there else NotAtMark()]
+        reached = self._mark_reached(duty.mission, shown, front_m)
+        return self._look_at_points(slot, plan, now_s) if reached is None else [AtMark(reached)]
+
+    @staticmethod
+    def _mark_reached(mission: Mission, shown: Command, front_m: float) -> int | None:
+        """The next stop at whose mark the front stands."""
         for index, target in enumerate(mission.targets):
             end_m = mission.spans[mission.span_index(target.section_id)].end_m
             beyond_m = min(target.mark_m + CALLS_BEYOND_M, end_m)
             at_mark = target.mark_m - CALLS_SHORT_M < front_m < beyond_m
             if index > shown.at and shown.stands_at != index and at_mark:
-                return [AtMark(index)]
+                return index
+        return None
+
+    def _look_at_points(self, slot: int, plan: Plan, now_s: float) -> list[Person]:
+        """Standing before points that are not proven to its unit, the crew sees how they lie."""
+        duty, shown = self._trains.duties[slot], self._on_board.shown(slot)
+        if duty is None:
+            return []
+        mission, front_m = duty.mission, float(self._trains.truths[slot].position_m)
         for index, needed in self._unproven(slot, plan, shown):
             start_m = mission.spans[index].start_m
             # Not held: it may yet learn that it is.

@@ -115,7 +115,7 @@ def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: floa
 
 @compiled
 def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRow) -> None:
-    """The driver, who sees the line, brakes a train without a position to a stand before `sight_m`."""
+    """The driver of a train on sight, who sees the line, brakes it to a stand before `sight_m`."""
     if unit.mode != MODE_DRIVE or unit.emergency != 0:
         return
     room_m = truth.sight_m - truth.position_m - SIGHT_RESERVE_M
@@ -170,7 +170,7 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     if dead:
         return found, 0
     events = tick(row.board, row.sensed, track.pattern, track.plan)
-    if unit.position_known == 0:
+    if truth.sight_m < np.inf:
         brake_on_sight(truth, plant, unit, row.board.kind)
     return found, events
 

@@ -11,7 +11,7 @@ from onboard.authority.records import (
     Command,
     PeerRestarted,
 )
-from onboard.duty.machine import TABLE, command_of, step, waits_for
+from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     DutyState,
     Event,
@@ -19,6 +19,7 @@ from onboard.duty.records import (
     Phase,
     TimerDue,
 )
+from onboard.duty.shown import command_of, waits_for
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
@@ -122,4 +123,4 @@ def test_the_rear_that_is_watched_is_that_of_the_first_section_held() -> None:
     ],
 )
 def test_a_train_says_what_it_waits_for(state: DutyState, words: str) -> None:
-    assert waits_for(state) == words
+    assert waits_for(PLAN, state) == words

@@ -7,7 +7,6 @@ answer well or ill, people, tags and timers.
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
 
 import pytest
 from hypothesis import given
@@ -29,7 +28,6 @@ from documents.explored_unit import (
     steps,
 )
 from onboard.authority.records import (
-    Ask,
     Granted,
     SendCommand,
     SetTimer,
@@ -39,7 +37,6 @@ from onboard.authority.records import (
     Timer,
 )
 from onboard.duty import machine
-from onboard.duty.machine import command_of
 from onboard.duty.records import (
     ASK,
     LEAVE,
@@ -55,6 +52,7 @@ from onboard.duty.records import (
     SwitchedOn,
     TimerDue,
 )
+from onboard.duty.shown import command_of
 
 SMALL_BYTES = 4096  # of a state, written out
 
@@ -134,24 +132,6 @@ def timers_after(running: frozenset[Timer], step: Step) -> frozenset[Timer]:
     return frozenset(left)
 
 
-# Dead states that are known, and mended with the issue on interlocking when things go wrong twice.
-KNOWN_DEAD: dict[str, Callable[[Run], bool]] = {
-    "the sign-off refused once": lambda run: (
-        run.state.phase is Phase.SIGNING_OFF and run.state.authority.open(Ask.SIGN_OFF) is None
-    ),
-    "bounds wider than the way to the points": lambda run: (
-        run.state.phase is Phase.RUNNING
-        and run.state.limit.why == "points not proven"
-        and run.place.perhaps > run.state.limit.joint
-    ),
-    "the route ahead not held where no route begins": lambda run: (
-        run.state.phase is Phase.RUNNING
-        and run.state.limit.why == "not held"
-        and PLANS[run.plan].leg_beyond(PLANS[run.plan].spans[run.place.here].section_id) is None
-    ),
-}
-
-
 def waits_for_nothing(run: Run) -> bool:
     """Neither anything outstanding nor a timer, and the train does not move; its duty not over."""
     state = run.state
@@ -164,8 +144,7 @@ def waits_for_nothing(run: Run) -> bool:
 
 
 def check_waits_for_something(run: Run) -> None:
-    known = [name for name, dead in KNOWN_DEAD.items() if dead(run)]
-    assert known or not waits_for_nothing(run), run
+    assert not waits_for_nothing(run), run
 
 
 def check(before: Run, step: Step) -> None:
