@@ -357,6 +357,7 @@ def check(
 ) -> None:
     """Read a scenario with all that it names and say whether its trains can meet; runs nothing."""
     from network.meets import meet_text, planned_meets, unresolvable_meets
+    from study.evaluate.release import RELEASED_BY_ODOMETER, released_by_odometer
     from study.scenario.scenario import load_scenario
 
     loaded = load_scenario(scenario)
@@ -369,15 +370,18 @@ def check(
         "stocks": len(timetable.diagrams),
         "meets": len(planned_meets(line, timetable)),
         "impossible_meets": impossible,
+        "released_by_odometer": released_by_odometer(loaded.setup),
     }
     if as_json:
         _print_json(figures)
     else:
         for key, value in figures.items():
-            if key != "impossible_meets":
+            if key not in ("impossible_meets", "released_by_odometer"):
                 sys.stdout.write(f"{key}: {value}\n")
         for text in impossible:
             sys.stdout.write(f"impossible: {text}\n")
+        for place, trains in figures["released_by_odometer"].items():
+            sys.stdout.write(f"weaker: {place}: {RELEASED_BY_ODOMETER} ({', '.join(trains)})\n")
     raise typer.Exit(BROKEN if impossible else 0)
 
 

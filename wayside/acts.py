@@ -117,7 +117,8 @@ def _set_outside(register: Register, event: ConfirmOutside) -> Step:
     unit_id, before = event.unit_id, register.unit(event.unit_id)
     freed = register.held_by(unit_id)
     barred = before.barred or before.standing is Standing.REPORTED
-    unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=barred)
+    silent = unit_id in register.ledger
+    unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=barred, silent=silent)
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, freed)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, by=event.person))] if freed else []
@@ -150,7 +151,8 @@ def _set_by_hand(register: Register, event: ConfirmHolding, freed: tuple[str, ..
     register, token = reentry.without_words(register, unit_id).next_token()
     register = register.with_held(unit_id, event.section_ids)
     barred = before.barred or before.standing is Standing.REPORTED
-    register = register.with_unit(unit_id, Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=barred))
+    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=barred, silent=True)
+    register = register.with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, freed)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
     held = register.held_by(unit_id)

@@ -84,8 +84,8 @@ def step(register: Register, event: Event, now_s: float) -> Step:
 
 
 def wake_at_s(register: Register) -> float | None:
-    """When the manager wants to ask again; None while the line is defined and nobody is in doubt."""
-    return register.ask_at_s if register.undefined_because_of() or register.doubted else None
+    """When the manager wants to ask again; None while the line is defined and every unit speaks for itself."""
+    return register.ask_at_s if register.asked() else None
 
 
 def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
@@ -104,7 +104,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
 
 
 def _ask(register: Register, now_s: float) -> Step:
-    asked = (*register.undefined_because_of(), *register.doubted)
+    asked = register.asked()
     if not asked or now_s < register.ask_at_s:
         return register, ()
     in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}

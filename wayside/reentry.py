@@ -265,7 +265,9 @@ def _define(register: Register, now_s: float) -> Step:
         unit, entered = register.unit(unit_id), entered_for(register, unit_id)
         said_by = ", ".join(words_for(register, unit_id)) or register.reentry.accepted_by
         if unit.standing is Standing.UNKNOWN and not entered:
-            register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, by=said_by))
+            register = register.with_unit(
+                unit_id, Unit(Standing.OUTSIDE, unit.epoch, by=said_by, silent=unit_id in silent)
+            )
             actions.append(Show(Outside(unit_id=unit_id, by=said_by)))
             continue
         before = register.held_by(unit_id)
@@ -273,7 +275,7 @@ def _define(register: Register, now_s: float) -> Step:
             continue
         if unit.standing is Standing.UNKNOWN:
             register, token = register.next_token()
-            unit = Unit(Standing.BY_HAND, unit.epoch, token, by=said_by)
+            unit = Unit(Standing.BY_HAND, unit.epoch, token, by=said_by, silent=True)
         register = register.with_held(unit_id, (*before, *entered.difference(before)))
         register = register.with_unit(unit_id, unit)
         held = register.held_by(unit_id)

@@ -34,7 +34,8 @@ class Unit:
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
-    for itself before they did, so of that boot only a fresh claim counts; `taken_back`: they were wrong.
+    for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
+    asked all the same; `taken_back`: they were wrong.
     """
 
     standing: Standing
@@ -45,6 +46,7 @@ class Unit:
     claim: tuple[str, ...] | None = None
     by: str = ""
     barred: bool = False
+    silent: bool = False
     taken_back: bool = False
 
 
@@ -151,6 +153,11 @@ class Register:
         """Units for which nothing may be granted, and which are asked: unknown or disputed."""
         blocking = (Standing.UNKNOWN, Standing.DISPUTED)
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
+
+    def asked(self) -> tuple[str, ...]:
+        """Units that are asked what they hold: those that block, and those that count by persons' word alone."""
+        silent = (unit_id for unit_id, unit in self.units.items() if unit.silent)
+        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent)))
 
     def contested(self, unit_id: str) -> tuple[str, ...]:
         """What it holds that another claims too, or that a unit may be in of which persons were wrong."""

@@ -89,10 +89,6 @@ class Authority(msgspec.Struct, frozen=True):
         """Whether the unit holds a section."""
         return section_id in self.held
 
-    def holds_all(self, section_ids: tuple[str, ...]) -> bool:
-        """Whether it holds all of them."""
-        return all(section_id in self.held for section_id in section_ids)
-
     def open(self, ask: Ask) -> Request | None:
         """The open request of a kind."""
         return next((request for request in self.requests if request.ask is ask), None)

@@ -32,8 +32,13 @@ def clear_behind(turn: Turn) -> None:
 
 
 def arrived(turn: Turn) -> None:
-    """At a mark on a track, what tags prove to be behind may be given back, whichever tags they are."""
+    """At a mark on a track, what tags prove to be behind may be given back, whichever tags they are.
+
+    So it is where the train is stopped because another claims what it holds.
+    """
     state = turn.state
+    if state.halted:
+        turn.set(freed=max(state.freed, state.proved))
     if state.phase in AT_A_MARK:
         stop = turn.stop(state.at)
         proved = stop.clear if stop.by_odometer else min(state.proved, stop.clear)

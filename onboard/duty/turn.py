@@ -80,9 +80,12 @@ class Turn:
         self.set(wanted=tuple(dict.fromkeys((*self.state.wanted, *points))))
 
     def ask(self, leg: Leg | None) -> None:
-        """Ask for a route that is not wholly held, one at a time."""
-        state = self.state.authority
-        if leg is not None and state.open(Ask.ROUTE) is None and not state.holds_all(leg.section_ids):
+        """Ask for a route of which something ahead is not held, one at a time."""
+        state, place = self.state.authority, self.state.place
+        if leg is None or state.open(Ask.ROUTE) is not None:
+            return
+        behind = {span.section_id for span in self.plan.spans[: place.here]} if place.known else set[str]()
+        if not all(state.holds(section_id) or section_id in behind for section_id in leg.section_ids):
             self.authority(AskRoute(leg.route_id, leg.section_ids))
 
     def stop(self, index: int) -> Stop:
