@@ -363,6 +363,7 @@ def check(
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
     impossible = [meet_text(meet, line) for meet in unresolvable_meets(line, timetable)]
+    weaker = released_by_odometer(loaded.setup)
     figures = {
         "scenario": loaded.id,
         "line": line.id,
@@ -370,7 +371,7 @@ def check(
         "stocks": len(timetable.diagrams),
         "meets": len(planned_meets(line, timetable)),
         "impossible_meets": impossible,
-        "released_by_odometer": released_by_odometer(loaded.setup),
+        "released_by_odometer": weaker,
     }
     if as_json:
         _print_json(figures)
@@ -380,7 +381,7 @@ def check(
                 sys.stdout.write(f"{key}: {value}\n")
         for text in impossible:
             sys.stdout.write(f"impossible: {text}\n")
-        for place, trains in figures["released_by_odometer"].items():
+        for place, trains in weaker.items():
             sys.stdout.write(f"weaker: {place}: {RELEASED_BY_ODOMETER} ({', '.join(trains)})\n")
     raise typer.Exit(BROKEN if impossible else 0)
 

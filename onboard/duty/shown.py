@@ -27,7 +27,8 @@ def command_of(plan: Plan, state: DutyState) -> Command:
     """What the driving part is to do in a state."""
     on_sight_now = state.phase is Phase.ON_SIGHT
     running = state.phase is Phase.RUNNING
-    may_run = state.released and (state.stands_at is None or state.may_leave)
+    at_end = state.stands_at == len(plan.stops) - 1
+    may_run = state.released and not at_end and (state.stands_at is None or state.may_leave)
     return Command(
         drive=(running or (on_sight_now and may_run)) and not state.halted,
         on_sight=on_sight_now,
