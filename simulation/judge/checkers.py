@@ -5,9 +5,11 @@ be held against the truth. Call `observe` for every train before the journal ent
 is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
 
 A train may occupy a section if the block manager gave it to its unit and the unit counts it as held. Two
-exceptions: where a train is put on the line, until its sign-on is accepted and its unit says what it holds; and
-a portal it stands in after the manager has it as outside, until it leaves. A unit that has restarted knows
-nothing: until it says anew what it holds, the manager's word alone counts.
+exceptions, each over for a section once the train has left it: where a train is put on the line, until the manager
+has it there and its unit says what it holds; and a portal that it stands in when the manager takes it as outside,
+until the manager takes a sign-on or a claim of its unit. What persons enter for that unit does not end the second:
+the unit has signed off, and says nothing any more. A unit that has restarted knows nothing: until it says anew what
+it holds, the manager's word alone counts.
 """
 
 from __future__ import annotations
@@ -165,8 +167,8 @@ class Checkers:
         if not self._track.follow(body, edge_id, front_m):
             text = f"{body.unit_id} was on {was} and is at {front_m:.3f} m of {edge_id}: no train runs so"
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
-        if body.excepted is None:
-            body.excepted = body.sections
+        body.excepted = body.sections if body.excepted is None else body.excepted & body.sections
+        body.portals &= body.sections
         for piece_id in self._track.touched(body):
             self._check_entry(t_s, body.unit_id, piece_id)
         if body.pieces != pieces:
@@ -198,7 +200,7 @@ class Checkers:
     def _check_held(self, t_s: float, body: Body) -> None:
         """`inside-holding`: manager and unit both have the unit as holder of all that its train occupies."""
         unit_id, own = body.unit_id, self._own.get(body.unit_id, frozenset())
-        for section_id in sorted(body.sections.difference(body.excepted or ())):
+        for section_id in sorted(body.sections - body.exceptions):
             missing = (
                 [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
             )
@@ -231,16 +233,15 @@ class Checkers:
             case Freed(unit_id=unit_id, section_ids=section_ids):
                 self._register.freed(unit_id, section_ids)
                 self._note_change(t_s, unit_id)
-            case (
-                Accepted(unit_id=unit_id, section_ids=section_ids)
-                | ConfirmedByHand(unit_id=unit_id, section_ids=section_ids)
-            ):
+            case Accepted(unit_id=unit_id, section_ids=section_ids):
                 self._register.accepted(t_s, unit_id, section_ids)
-                if unit_id in self._own or unit_id in self._forgetful:
-                    self._except(t_s, unit_id, frozenset())
+                self._taken(t_s, unit_id, own_word=True)
+            case ConfirmedByHand(unit_id=unit_id, section_ids=section_ids):
+                self._register.accepted(t_s, unit_id, section_ids)
+                self._taken(t_s, unit_id, own_word=False)
             case Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
-                self._except(t_s, unit_id, self._portals)
+                self._outside(t_s, unit_id)
             case Started():
                 self._register.restarted(self._unit_ids)
             case _:
@@ -284,8 +285,9 @@ class Checkers:
         before = self._own.get(unit_id, sections)
         self._own[unit_id] = sections
         self._forgetful.discard(unit_id)
-        if self._register.knows(unit_id):
-            self._except(t_s, unit_id, frozenset())
+        body = self._bodies.get(unit_id)
+        if body is not None and self._register.knows(unit_id):
+            body.excepted = frozenset()
         proofs = self._proofs.get(unit_id, {})
         for points_id in [p for p in proofs if self._points.section_of(p) not in sections]:
             del proofs[points_id]
@@ -302,7 +304,7 @@ class Checkers:
         body = self._bodies.get(unit_id)
         if body is None:
             return
-        for section_id in sorted(body.sections.difference(body.excepted or ()).intersection(gone)):
+        for section_id in sorted((body.sections - body.exceptions).intersection(gone)):
             text = f"{unit_id} {verb} section {section_id} while its train is in it"
             self._log.note(t_s, Checker.RELEASE_BEHIND_REAR, f"{section_id} {unit_id}", text)
 
@@ -315,10 +317,26 @@ class Checkers:
             self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{who} {source} {epoch} {sequence}", text)
         done.add(sequence)
 
-    def _except(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
+    def _taken(self, t_s: float, unit_id: str, *, own_word: bool) -> None:
+        """The manager has the unit on the line, by the unit's own word or by that of persons.
+
+        What it stands in until its unit says what it holds goes by the first exception, a portal too.
+        """
+        body = self._bodies.get(unit_id)
+        if body is None:
+            return
+        if own_word:
+            body.excepted = (body.excepted or frozenset()) | body.portals
+            body.portals = frozenset()
+        if unit_id in self._forgetful or self._own.get(unit_id):
+            body.excepted = frozenset()
+        self._note_change(t_s, unit_id)
+
+    def _outside(self, t_s: float, unit_id: str) -> None:
+        """The manager has the unit as off the line: its train may still stand in a portal, and nowhere else."""
         body = self._bodies.get(unit_id)
         if body is not None:
-            body.excepted = body.sections & sections
+            body.excepted, body.portals = frozenset(), body.sections & self._portals
             self._note_change(t_s, unit_id)
 
     def _note_change(self, t_s: float, unit_id: str) -> None:
