@@ -25,7 +25,7 @@ from simulation.events import WORLD, Collision, TagPassed, Unsafe
 from simulation.faults.injector import Injector
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
-from simulation.result import RunResult
+from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
@@ -111,7 +111,7 @@ class Simulation:
         self._trace_used = 0
         self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
-        self._broken = ""
+        self._broken: Ending | None = None
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
         self._injector = Injector(
@@ -146,19 +146,19 @@ class Simulation:
 
     # the course of the run ---------------------------------------------------------------------------------------
 
-    def _loop(self, progress: Progress | None) -> str:
+    def _loop(self, progress: Progress | None) -> Ending:
         end_s = self._limit_step / STEPS_PER_S
         while True:
             while (item := self._agenda.pop_due(self._step)) is not None:
                 self._handle(item)
             if self._duties.all_done():
-                return "all trains have finished"
-            if self._broken:
+                return Ending.FINISHED
+            if self._broken is not None:
                 return self._broken
             if self._step >= self._limit_step:
-                return "the time limit of the run"
+                return Ending.TIME_LIMIT
             if self._stalled():
-                return "no train can move any more"
+                return Ending.STALLED
             self._advance()
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
@@ -194,7 +194,7 @@ class Simulation:
             self._duties.take_up(slot, self._step)
         except WrongEnd:
             self._unsafe(slot, "overran its track and cannot turn back")
-            self._broken = "a train overran its track and cannot turn back"
+            self._broken = Ending.CANNOT_TURN
 
     def _advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
@@ -214,7 +214,7 @@ class Simulation:
         for slot, passed, _ in bits:
             if passed & PASSED_FRONT and trains.at_end_of_track(slot):
                 self._unsafe(slot, "ran off the end of the track")
-                self._broken = "a train ran off the end of the track"
+                self._broken = Ending.END_OF_TRACK
                 return
             if passed & PASSED_FRONT:
                 self._cross_points(slot)
@@ -255,7 +255,7 @@ class Simulation:
     def _collided(self) -> None:
         for text in self._carrier.collisions():
             self.journal.write(self.now_s, WORLD, Collision(text=text))
-        self._broken = "a collision"
+        self._broken = Ending.COLLISION
 
     def _cross_points(self, slot: int) -> None:
         """The front is about to leave its piece: over points it goes where the blades really lie."""
@@ -326,7 +326,7 @@ class Simulation:
             return False
         return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
 
-    def _result(self, because: str, collisions: tuple[str, ...]) -> RunResult:
+    def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
         self._books.close()
         arrived = self._books.arrived
         trains = self.setup.timetable.trains.values()
