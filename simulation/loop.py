@@ -14,6 +14,7 @@ import numpy as np
 from host.parties import Parties
 from host.units import Units
 from network.model import Leg
+from onboard.duty.records import TagPassed as TagBelieved
 from onboard.records import EVENT_STOPPED
 from radio.air import Air
 from radio.noted import LostWhere
@@ -249,7 +250,7 @@ class Simulation:
         trains = self.trains
         trains.compare(slots, seen)
         for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
-            if out_m != -math.inf and not trains.misled(slot):
+            if not trains.premises.broken(slot) and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
@@ -293,8 +294,9 @@ class Simulation:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(self.now_s, WORLD, TagPassed(unit_id=trains.stock_ids[slot], tag_id=tag_id))
             if read_id is not None and slot not in self.on_board.unpowered:
-                cabs.tell(slot, step, self.on_board.tag_read(slot, read_id, odometer_m))
-                if trains.units[slot].position_known:
+                sensed = self.on_board.tag_read(slot, read_id, odometer_m)
+                cabs.tell(slot, step, sensed)
+                if any(isinstance(what, TagBelieved) for what in sensed):
                     trains.position_fixed(slot)
         if events:
             cabs.tell(slot, step, self.on_board.ticked(slot, events))
