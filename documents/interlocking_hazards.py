@@ -186,12 +186,16 @@ HAZARDS: Final = (
     ),
     Hazard(
         "Everything stands for ever",
-        "safe, and of no use: refusals without end, lost telegrams that nobody repeats",
-        "whatever is open is repeated until it is answered; what a failure left behind heals with the next report",
+        "safe, and of no use: refusals without end, lost telegrams that nobody repeats, a phase that waits for nothing",
+        "whatever is open is repeated by a timer until it is answered; a train that stands says what it waits for",
         ("onboard.authority.machine", "wayside.block_manager"),
-        (Checker.EVERYONE_ARRIVES,),
+        (Checker.EVERYONE_ARRIVES, Checker.NO_DEAD_STATE),
         ("karasuyama/34_links_loss", "rtri/02_turn_back"),
-        ("the block manager refuses everything",),
+        (
+            "the block manager refuses everything",
+            "what was refused is never asked for again",
+            "a unit's timers are dropped",
+        ),
     ),
     Hazard(
         "The run itself is false",

@@ -28,6 +28,7 @@ from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.vigil import Vigil
 from simulation.world.books import Books
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
@@ -90,11 +91,7 @@ class Simulation:
         self.journal.watch(self.checkers.journal)
         self._link = link
         self.on_board = OnBoard(setup, self.trains, units)
-        self._books = Books(
-            self.trains,
-            lambda slot: self._duties.finished(slot),  # noqa: PLW0108 - made below
-            lambda slot: self.on_board.shown(slot).waits_for,
-        )
+        self._books = Books(self.trains, lambda slot: self._duties.finished(slot))  # noqa: PLW0108 - made below
         self._cabs = Cabs(self.trains, self.on_board, self.wayside, self._books, self._agenda, self.journal)
         self._duties = Duties(
             setup,
@@ -113,6 +110,9 @@ class Simulation:
         self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
         self._broken: Ending | None = None
+        self._vigil = Vigil(
+            self.trains, self._cabs, self._duties, self._agenda, self.checkers, self._begin_step
+        )
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
         self._injector = Injector(
@@ -161,6 +161,7 @@ class Simulation:
             if self._stalled():
                 return Ending.STALLED
             self._advance()
+            self._vigil.look(self._step)
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
 
@@ -350,7 +351,7 @@ class Simulation:
             empty_arrived=tuple(n for n in arrived if n in empty),
             stops=self._books.stops,
             energy=self._books.energy,
-            waiting=self._books.waiting(),
+            waiting=self._duties.waiting(),
             violations=self.checkers.violations,
             collisions=collisions,
             telegrams=self.wayside.telegrams,

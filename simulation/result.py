@@ -61,12 +61,13 @@ class EnergyRecord:
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """A train that did not finish: where it stands and what it waits for."""
+    """A train that did not finish: where it is, whether it stands there, and what it waits for."""
 
     stock_id: str
     number: str
     place: str
     waits_for: str
+    stands: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
 """The independent checkers: they see the truth and the journal, and share nothing with what they check.
 
-`observe` is SUMO's truth, `journal` what the parties did; the one estimate let in is what `bounds` is told, to
-be held against the truth. Call `observe` for every train before the journal entries of the same moment: a release
-is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
+`observe` is SUMO's truth, `journal` what the parties did, `alive` what units show; the one estimate let in is what
+`bounds` is told, to be held against the truth. Call `observe` for every train before the journal entries of the same
+moment: a release is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
 
 A train may occupy a section if the block manager gave it to its unit and the unit counts it as held. Two
 exceptions, each over for a section once the train has left it: where a train is put on the line, until the manager
@@ -40,6 +40,7 @@ from simulation.events import (
     UnitRestarted,
 )
 from simulation.judge.body import RESOLUTION_M, Body, Track
+from simulation.judge.liveness import LivenessWatch, Seen
 from simulation.judge.log import Checker, Log, Violation
 from simulation.judge.points import PointsFacts, PointsWatch, Proof
 from simulation.judge.register import RegisterWatch
@@ -62,6 +63,7 @@ class Checkers:
         self._track = Track(net)
         self._points = PointsWatch(points, self._log)
         self._register = RegisterWatch(self._log)
+        self._liveness = LivenessWatch(self._log)
         self._portals = frozenset(portals)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
@@ -149,6 +151,10 @@ class Checkers:
                 f" stated bounds -{bound_behind_m:.3f} to +{bound_ahead_m:.3f} m"
             )
             self._log.note(t_s, Checker.WITHIN_BOUNDS, unit_id, text)
+
+    def alive(self, t_s: float, trains: Iterable[Seen]) -> None:
+        """`no-dead-state`: all trains at one moment, every `liveness.LOOKS_EVERY_S` or so."""
+        self._liveness.look(t_s, trains)
 
     def finish(self, t_s: float, arrived: Mapping[str, bool]) -> None:
         """`everyone-arrives`: `arrived` has every train expected to arrive, and whether it has."""

@@ -232,7 +232,7 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
 
 def _waiting_text(waiting: Waiting) -> str:
     who = f"{waiting.number} ({waiting.stock_id})"
-    if waiting.waits_for == "nothing":
+    if not waiting.stands:
         return f"{who} was on its way in {waiting.place}"
     return f"{who} stands in {waiting.place} and waits for {waiting.waits_for}"
 

@@ -21,6 +21,7 @@ from simulation.events import (
     TookEffect,
 )
 from simulation.judge.checkers import Checkers, PointsFacts
+from simulation.judge.liveness import LOOKS_EVERY_S, Seen
 from sumo_cfg.truth_map import NetEdge, NetMap
 
 # W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
@@ -132,6 +133,15 @@ class Stage:
 
     def leave(self, unit: str) -> Stage:
         self.checkers.left(unit)
+        return self
+
+    def stand(self, for_s: float, *, timer: bool) -> Stage:
+        """A stands and waits for its route; a timer of its unit runs, or none."""
+        until_s = self.t_s + for_s
+        while self.t_s < until_s:
+            self.t_s += LOOKS_EVERY_S
+            seen = Seen("A", "section W", True, 0.0, timer, pulls=False, awaits=False, waits_for="route W>T1")
+            self.checkers.alive(self.t_s, [seen])
         return self
 
     def finish(self, **arrived: bool) -> Stage:

@@ -21,6 +21,7 @@ from simulation.events import (
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
+from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
 from tests.simulation.judge.stage import Stage, authorised, in_track, on_points, restarted, second
 
 Act = Callable[[Stage], Stage]
@@ -284,6 +285,13 @@ CASES = (
         Stage,
         lambda s: s.finish(first=True, second=False),
         lambda s: s.finish(first=True, second=True),
+    ),
+    Case(
+        "nothing to come",
+        Checker.NO_DEAD_STATE,
+        authorised,
+        lambda s: s.stand(STANDS_S + LOOKS_EVERY_S, timer=False),
+        lambda s: s.stand(STANDS_S + LOOKS_EVERY_S, timer=True).stand(STANDS_S / 2.0, timer=False),
     ),
     Case(
         "same token again",

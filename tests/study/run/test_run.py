@@ -111,11 +111,12 @@ def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> No
     setup = load_scenario("rtri_test_line").setup
     late = Violation(9.0, "everyone-arrives", "T1 has not arrived")
     place = "section 6 at km 0.700"
-    for waits_for, end in (
-        ("route 3>8: held", f"stands in {place} and waits for route 3>8: held"),
-        ("nothing", f"was on its way in {place}"),
+    for stands, waits_for, end in (
+        (True, "route 3>8: held", f"stands in {place} and waits for route 3>8: held"),
+        (True, "nothing", f"stands in {place} and waits for nothing"),
+        (False, "nothing", f"was on its way in {place}"),
     ):
-        waiting = [Waiting("K1", "T1", place, waits_for)]
+        waiting = [Waiting("K1", "T1", place, waits_for, stands)]
         broken = broken_by(result(arrived=(), waiting=waiting, violations=(late,)), setup)
         assert broken == ("1 trains did not arrive: T1", f"T1 (K1) {end}")
 
