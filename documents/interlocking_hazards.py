@@ -129,8 +129,9 @@ HAZARDS: Final = (
     Hazard(
         "Points lose their position after they were proven",
         "turned by hand, forced open, detection lost",
-        "the terminal withdraws the proof unasked, the unit takes its stop limit back",
-        ("wayside.point_terminal", "onboard.authority.machine"),
+        "the terminal withdraws the proof unasked, the unit takes its stop limit back; too late to stop, it brakes, and"
+        " the points stay locked for it (judged by the guaranteed brake)",
+        ("wayside.point_terminal", "onboard.authority.machine", "simulation.judge.locking"),
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
         (),
         ("a withdrawn proof still counts",),

@@ -23,9 +23,9 @@ from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
+from simulation.facts import checkers_of
 from simulation.faults.injector import Injector
 from simulation.journal import Journal
-from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
@@ -82,12 +82,7 @@ class Simulation:
             self.journal,
             self.trains.covered,
         )
-        facts = {
-            p.id: PointsFacts(p.section_id, p.stem_piece, p.normal_piece, p.reverse_piece, p.initial)
-            for p in setup.line.points.values()
-        }
-        portals = [s.id for s in setup.line.sections.values() if s.kind.value == "portal"]
-        self.checkers = Checkers(net, facts, portals, self.trains.stock_ids)
+        self.checkers = checkers_of(setup, net, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
         self._link = link
         self.on_board = OnBoard(setup, self.trains, units)
