@@ -129,8 +129,9 @@ HAZARDS: Final = (
     Hazard(
         "Points lose their position after they were proven",
         "turned by hand, forced open, detection lost",
-        "the terminal withdraws the proof unasked, the unit takes its stop limit back",
-        ("wayside.point_terminal", "onboard.authority.machine"),
+        "the terminal withdraws the proof unasked, the unit takes its stop limit back; too late to stop, it brakes, and"
+        " the points stay locked for it (judged by the guaranteed brake)",
+        ("wayside.point_terminal", "onboard.authority.machine", "simulation.judge.locking"),
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
         (),
         ("a withdrawn proof still counts",),
@@ -186,12 +187,16 @@ HAZARDS: Final = (
     ),
     Hazard(
         "Everything stands for ever",
-        "safe, and of no use: refusals without end, lost telegrams that nobody repeats",
-        "whatever is open is repeated until it is answered; what a failure left behind heals with the next report",
+        "safe, and of no use: refusals without end, lost telegrams that nobody repeats, a phase that waits for nothing",
+        "whatever is open is repeated by a timer until it is answered; a train that stands says what it waits for",
         ("onboard.authority.machine", "wayside.block_manager"),
-        (Checker.EVERYONE_ARRIVES,),
+        (Checker.EVERYONE_ARRIVES, Checker.NO_DEAD_STATE),
         ("karasuyama/34_links_loss", "rtri/02_turn_back"),
-        ("the block manager refuses everything",),
+        (
+            "the block manager refuses everything",
+            "what was refused is never asked for again",
+            "a unit's timers are dropped",
+        ),
     ),
     Hazard(
         "The run itself is false",

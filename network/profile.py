@@ -50,6 +50,18 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
     return rows
 
 
+def heights_of(line: Line) -> dict[str, tuple[tuple[float, float], ...]]:
+    """How high each piece lies: from its low end, distances along it where its gradient changes, and elevations, m."""
+    heights: dict[str, tuple[tuple[float, float], ...]] = {}
+    for piece in line.pieces.values():
+        alignment = line.alignments[piece.alignment_id]
+        changes_m = [g.to_m for g in alignment.gradients if piece.from_m < g.to_m < piece.to_m]
+        at_m = np.array([piece.from_m, *changes_m, piece.to_m])
+        along_m = (at_m - piece.from_m).tolist()
+        heights[piece.id] = tuple(zip(along_m, _elevation_m(alignment, at_m).tolist(), strict=True))
+    return heights
+
+
 def gradient_permille_at(line: Line, path: Path, path_m: float) -> float:
     """Gradient (permille) at a path coordinate (m), positive where the train climbs."""
     step = path.step_at(path_m)

@@ -45,6 +45,10 @@ class Agenda:
         """Step of the earliest item; None when nothing is due ever again."""
         return self._heap[0].step if self._heap else None
 
+    def subjects(self, kind: Due) -> frozenset[str]:
+        """Who has an item of a kind."""
+        return frozenset(item.subject for item in self._heap if item.kind is kind)
+
     def pop_due(self, step: int) -> Item | None:
         """The earliest item if it is due at `step`; None otherwise."""
         if self._heap and self._heap[0].step <= step:

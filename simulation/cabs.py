@@ -45,6 +45,7 @@ class Cabs:
         self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._timer_steps: dict[int, int] = {}
+        self._wakes: set[int] = set()  # slots whose unit has a timer running
         self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
         self.told: Callable[[int, Told, int], None] = lambda _slot, _told, _step: None
         self.looked_ahead: Callable[[int], None] = lambda _slot: None  # signs, which cameras see
@@ -72,7 +73,9 @@ class Cabs:
         for told in answer.told:
             self.told(slot, told, step)
         self._look(slot, step)
+        self._wakes.discard(slot)
         if answer.wake_at_s is not None:
+            self._wakes.add(slot)
             wake_step = max(step_not_before(answer.wake_at_s), step + 1)
             if self._timer_steps.get(slot) != wake_step:
                 self._timer_steps[slot] = wake_step
@@ -112,9 +115,23 @@ class Cabs:
         near = [self._crew.watch_out(slot) for slot in self._trains.active()]
         return any(near)
 
+    # what is seen of a unit ----------------------------------------------------------------------------------------
+
+    def answers(self, slot: int) -> bool:
+        """Whether the unit has power and is not frozen."""
+        return slot not in self._on_board.unpowered and slot not in self._frozen
+
+    def wakes(self, slot: int) -> bool:
+        """Whether a timer of the unit runs."""
+        return slot in self._wakes
+
     def waits_for(self, slot: int) -> str:
-        """What a train waits for, as its unit shows it and its driver sees it."""
-        if self._trains.truths[slot].active and self._crew.sees_train(slot):
+        """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
+        if slot in self._on_board.unpowered:
+            return "its unit to be switched on"
+        if slot in self._frozen:
+            return "its unit, which is frozen"
+        if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
         return self._on_board.shown(slot).waits_for
 
@@ -131,6 +148,10 @@ class Cabs:
         happened = [] if slot in self._frozen else self._crew.stand(slot, step / STEPS_PER_S)
         if happened:
             self.tell(slot, step, happened)
+
+    def crew_watches(self, slot: int) -> bool:
+        """Whether the crew stands before points and looks again until they lie right."""
+        return slot in self._looking and self._crew.watches(slot)
 
     def _keep_looking(self, slot: int, step: int) -> None:
         asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm
@@ -155,6 +176,7 @@ class Cabs:
         if slot in self._frozen:
             self._frozen[slot].clear()
         self._timer_steps.pop(slot, None)
+        self._wakes.discard(slot)
         self._trains.truths[slot].sight_m = math.inf
 
     def power_on(self, slot: int, step: int) -> bool:

@@ -17,6 +17,7 @@ from simulation.cabs import Cabs
 from simulation.events import WORLD, Entered, Left, Reversed
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers
+from simulation.result import Waiting
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
 from simulation.world.on_board import OnBoard
@@ -102,6 +103,30 @@ class Duties:
         if duty is None or not self._trains.truths[slot].active:
             return True
         return self._trains.plants[slot].speed_mps <= 0.0 and duty.train.number in self._books.arrived
+
+    def bound(self, slot: int) -> bool:
+        """Whether the stock has something to do: it is on the line, or outside its portal and wants in."""
+        return self._stage[slot] in (Stage.WAITING, Stage.ON_LINE)
+
+    def place(self, slot: int) -> str:
+        """Where the front truly is, in words."""
+        trains = self._trains
+        if not trains.truths[slot].active:
+            return "no section, outside its portal"
+        piece_id, at_m = trains.true_path(slot).locate(float(trains.truths[slot].position_m))
+        return f"section {self._setup.line.pieces[piece_id].section_id} at km {at_m / 1000.0:.3f}"
+
+    def waiting(self) -> list[Waiting]:
+        """Trains that have not finished: where they are, and what they wait for."""
+        waiting: list[Waiting] = []
+        for slot, stock_id in enumerate(self._trains.stock_ids):
+            if not self.bound(slot):
+                continue
+            number = self._duties[stock_id][self._next[stock_id] - 1].train.number
+            stands = bool(self._trains.plants[slot].speed_mps == 0.0)
+            why = self._cabs.waits_for(slot)
+            waiting.append(Waiting(stock_id, number, self.place(slot), why, stands))
+        return waiting
 
     def overdue_s(self, now_s: float) -> float:
         """For how long the train that is most behind its plan should have gone on, s; 0 where none is."""

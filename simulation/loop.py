@@ -14,6 +14,7 @@ import numpy as np
 from host.parties import Parties
 from host.units import Units
 from network.model import Leg
+from onboard.duty.records import TagPassed as TagBelieved
 from onboard.records import EVENT_STOPPED
 from radio.air import Air
 from radio.noted import LostWhere
@@ -22,11 +23,12 @@ from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
+from simulation.facts import checkers_of
 from simulation.faults.injector import Injector
 from simulation.journal import Journal
-from simulation.judge.checkers import Checkers, PointsFacts
-from simulation.result import RunResult
+from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.vigil import Vigil
 from simulation.world.books import Books
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
@@ -81,20 +83,11 @@ class Simulation:
             self.journal,
             self.trains.covered,
         )
-        facts = {
-            p.id: PointsFacts(p.section_id, p.stem_piece, p.normal_piece, p.reverse_piece, p.initial)
-            for p in setup.line.points.values()
-        }
-        portals = [s.id for s in setup.line.sections.values() if s.kind.value == "portal"]
-        self.checkers = Checkers(net, facts, portals, self.trains.stock_ids)
+        self.checkers = checkers_of(setup, net, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
         self._link = link
         self.on_board = OnBoard(setup, self.trains, units)
-        self._books = Books(
-            self.trains,
-            lambda slot: self._duties.finished(slot),  # noqa: PLW0108 - made below
-            lambda slot: self._cabs.waits_for(slot),  # noqa: PLW0108 - made below
-        )
+        self._books = Books(self.trains, lambda slot: self._duties.finished(slot))  # noqa: PLW0108 - made below
         self._cabs = Cabs(self.trains, self.on_board, self.wayside, self._books, self._agenda, self.journal)
         self._duties = Duties(
             setup,
@@ -112,7 +105,10 @@ class Simulation:
         self._trace_used = 0
         self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
-        self._broken = ""
+        self._broken: Ending | None = None
+        self._vigil = Vigil(
+            self.trains, self._cabs, self._duties, self._agenda, self.checkers, self._begin_step
+        )
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
         self._injector = Injector(
@@ -147,20 +143,21 @@ class Simulation:
 
     # the course of the run ---------------------------------------------------------------------------------------
 
-    def _loop(self, progress: Progress | None) -> str:
+    def _loop(self, progress: Progress | None) -> Ending:
         end_s = self._limit_step / STEPS_PER_S
         while True:
             while (item := self._agenda.pop_due(self._step)) is not None:
                 self._handle(item)
             if self._duties.all_done():
-                return "all trains have finished"
-            if self._broken:
+                return Ending.FINISHED
+            if self._broken is not None:
                 return self._broken
             if self._step >= self._limit_step:
-                return "the time limit of the run"
+                return Ending.TIME_LIMIT
             if self._stalled():
-                return "no train can move any more"
+                return Ending.STALLED
             self._advance()
+            self._vigil.look(self._step)
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
 
@@ -195,7 +192,7 @@ class Simulation:
             self._duties.take_up(slot, self._step)
         except WrongEnd:
             self._unsafe(slot, "overran its track and cannot turn back")
-            self._broken = "a train overran its track and cannot turn back"
+            self._broken = Ending.CANNOT_TURN
 
     def _advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
@@ -217,7 +214,7 @@ class Simulation:
         for slot, passed, _ in bits:
             if passed & PASSED_FRONT and trains.at_end_of_track(slot):
                 self._unsafe(slot, "ran off the end of the track")
-                self._broken = "a train ran off the end of the track"
+                self._broken = Ending.END_OF_TRACK
                 return
             if passed & PASSED_FRONT:
                 self._cross_points(slot)
@@ -252,13 +249,13 @@ class Simulation:
         trains = self.trains
         trains.compare(slots, seen)
         for slot, (out_m, step, *stated) in zip(slots, self._sheet.worst[: len(slots)].tolist(), strict=True):
-            if out_m != -math.inf and not trains.misled(slot):
+            if not trains.premises.broken(slot) and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)
 
     def _collided(self) -> None:
         for text in self._carrier.collisions():
             self.journal.write(self.now_s, WORLD, Collision(text=text))
-        self._broken = "a collision"
+        self._broken = Ending.COLLISION
 
     def _cross_points(self, slot: int) -> None:
         """The front is about to leave its piece: over points it goes where the blades really lie."""
@@ -296,8 +293,9 @@ class Simulation:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(self.now_s, WORLD, TagPassed(unit_id=trains.stock_ids[slot], tag_id=tag_id))
             if read_id is not None and slot not in self.on_board.unpowered:
-                cabs.tell(slot, step, self.on_board.tag_read(slot, read_id, odometer_m))
-                if trains.units[slot].position_known:
+                sensed = self.on_board.tag_read(slot, read_id, odometer_m)
+                cabs.tell(slot, step, sensed)
+                if any(isinstance(what, TagBelieved) for what in sensed):
                     trains.position_fixed(slot)
         if events:
             cabs.tell(slot, step, self.on_board.ticked(slot, events))
@@ -329,7 +327,7 @@ class Simulation:
             return False
         return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
 
-    def _result(self, because: str, collisions: tuple[str, ...]) -> RunResult:
+    def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
         self._books.close()
         arrived = self._books.arrived
         trains = self.setup.timetable.trains.values()
@@ -351,7 +349,7 @@ class Simulation:
             empty_arrived=tuple(n for n in arrived if n in empty),
             stops=self._books.stops,
             energy=self._books.energy,
-            waiting=self._books.waiting(),
+            waiting=self._duties.waiting(),
             violations=self.checkers.violations,
             collisions=collisions,
             telegrams=self.wayside.telegrams,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,17 @@ from simulation.journal import Journal
 from simulation.judge.checkers import Violation
 from simulation.motion_digest import motion_digest
 from simulation.world.records import TRACE_EVERY_STEPS
+
+
+class Ending(StrEnum):
+    """Why a run ended; all but the first cut it short, so that it is no success whatever it reached."""
+
+    FINISHED = "all trains have finished"
+    TIME_LIMIT = "the time limit of the run"
+    STALLED = "no train can move any more"
+    COLLISION = "a collision"
+    END_OF_TRACK = "a train ran off the end of the track"
+    CANNOT_TURN = "a train overran its track and cannot turn back"
 
 
 @dataclass(slots=True)
@@ -49,12 +61,13 @@ class EnergyRecord:
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """A train that did not finish: where it stands and what it waits for."""
+    """A train that did not finish: where it is, whether it stands there, and what it waits for."""
 
     stock_id: str
     number: str
     place: str
     waits_for: str
+    stands: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +106,7 @@ class RunResult:
     trace: NDArray[np.void]
     spans: list[TraceSpan]
     journal: Journal
-    ended_because: str
+    ended_because: Ending
     unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
     courses: tuple[Course, ...] = ()  # what became of the script's faults and acts
     # By stock id, empty where no train learned; then the waves of the last stop that counted.

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from itertools import pairwise
+from typing import Final, TypeAlias
 
 from sumo_cfg.truth_map import NetMap
 
 RESOLUTION_M: Final = 1e-3  # less than this over a joint is not yet, or no longer, beyond it
+Heights: TypeAlias = Mapping[str, Sequence[tuple[float, float]]]  # by edge: where along it, how high; m
+
 MISSED_EDGES_MAX: Final = 4  # edges a front may have crossed between two observations
 
 
@@ -17,8 +22,8 @@ class Body:
     """One train. `path` runs in the direction of travel from the edge under the rear to that under the front.
 
     Nothing changes while the front stays on `edge_id` between `front_m` and `still_to_m`: the fast case.
-    `fresh` are edges run onto but not yet touched; `excepted` the sections it may occupy without holding
-    them, None until it is first seen.
+    `fresh` are edges run onto but not yet touched. `excepted` and `portals` are sections it may occupy without holding
+    them: where it was put on the line (None until it is first seen), and where it stands signed off.
     """
 
     unit_id: str
@@ -26,20 +31,31 @@ class Body:
     path: list[str]
     front_m: float = math.nan
     speed_mps: float = 0.0
+    seen_s: float = -math.inf
+    acceleration_mps2: float = 0.0  # between the last two looks
+    behind_m: float = 0.0  # run before the edge under the front, and what it lay lower than that edge begins
+    below_m: float = 0.0
     edge_id: str = ""
     still_to_m: float = -math.inf
     turned_from: str | None = None
     pieces: tuple[str, ...] = ()
     sections: frozenset[str] = frozenset()
     excepted: frozenset[str] | None = None
+    portals: frozenset[str] = frozenset()
     fresh: list[str] = field(default_factory=list)
+
+    @property
+    def exceptions(self) -> frozenset[str]:
+        """Sections that it may occupy without holding them."""
+        return self.portals if self.excepted is None else self.excepted | self.portals
 
 
 class Track:
     """The net, for following bodies along it."""
 
-    def __init__(self, net: NetMap) -> None:
+    def __init__(self, net: NetMap, heights: Heights) -> None:
         self._edges = net.edges
+        self._heights = heights
 
     def has(self, edge_id: str) -> bool:
         """Whether the net has this edge."""
@@ -64,6 +80,10 @@ class Track:
         else:
             way = self._way(body.path[-1], edge_id)
             continuous = bool(way)
+            for left_id, onto_id in pairwise((body.path[-1], *(way or (edge_id,)))):
+                left_m = self._edges[left_id].length_m
+                body.behind_m += left_m
+                body.below_m += self._height_m(left_id, left_m) - self._height_m(onto_id, 0.0)
             if way:
                 body.path.extend(way)
             else:
@@ -73,6 +93,23 @@ class Track:
         body.front_m = front_m
         self._spread(body)
         return continuous
+
+    def run_m(self, body: Body) -> float:
+        """How far the front has run, m; from where it was first seen, but for a constant."""
+        return body.behind_m + body.front_m
+
+    def height_m(self, body: Body) -> float:
+        """How high the track under the front lies, m; from where it was first seen, but for a constant."""
+        return body.below_m + self._height_m(body.path[-1], body.front_m)
+
+    def _height_m(self, edge_id: str, at_m: float) -> float:
+        """Height at a place on an edge; level where nothing is told of it."""
+        row = self._heights.get(edge_id)
+        if row is None:
+            return 0.0
+        high = min(max(bisect_right(row, (at_m, math.inf)), 1), len(row) - 1)
+        (from_m, below_m), (to_m, above_m) = row[high - 1], row[high]
+        return below_m + (above_m - below_m) * (at_m - from_m) / (to_m - from_m)
 
     def touched(self, body: Body) -> tuple[str, ...]:
         """Pieces that the front has come onto since the last call, in order of travel."""

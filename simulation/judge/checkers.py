@@ -1,13 +1,15 @@
 """The independent checkers: they see the truth and the journal, and share nothing with what they check.
 
-`observe` is SUMO's truth, `journal` what the parties did; the one estimate let in is what `bounds` is told, to
-be held against the truth. Call `observe` for every train before the journal entries of the same moment: a release
-is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
+`observe` is SUMO's truth, `journal` what the parties did, `alive` what units show; the one estimate let in is what
+`bounds` is told, to be held against the truth. Call `observe` for every train before the journal entries of the same
+moment: a release is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
 
 A train may occupy a section if the block manager gave it to its unit and the unit counts it as held. Two
-exceptions: where a train is put on the line, until its sign-on is accepted and its unit says what it holds; and
-a portal it stands in after the manager has it as outside, until it leaves. A unit that has restarted knows
-nothing: until it says anew what it holds, the manager's word alone counts.
+exceptions, each over for a section once the train has left it: where a train is put on the line, until the manager
+has it there and its unit says what it holds; and a portal that it stands in when the manager takes it as outside,
+until the manager takes a sign-on or a claim of its unit. What persons enter for that unit does not end the second:
+the unit has signed off, and says nothing any more. A unit that has restarted knows nothing: until it says anew what
+it holds, the manager's word alone counts.
 """
 
 from __future__ import annotations
@@ -37,13 +39,15 @@ from simulation.events import (
     TookEffect,
     UnitRestarted,
 )
-from simulation.judge.body import RESOLUTION_M, Body, Track
+from simulation.judge.body import RESOLUTION_M, Body, Heights, Track
+from simulation.judge.liveness import LivenessWatch, Seen
+from simulation.judge.locking import Brake, RouteLocking
 from simulation.judge.log import Checker, Log, Violation
 from simulation.judge.points import PointsFacts, PointsWatch, Proof
 from simulation.judge.register import RegisterWatch
 from sumo_cfg.truth_map import NetMap
 
-__all__ = ["Checker", "Checkers", "PointsFacts", "Violation"]
+__all__ = ["Brake", "Checker", "Checkers", "PointsFacts", "Violation"]
 
 
 class Checkers:
@@ -55,11 +59,15 @@ class Checkers:
         points: Mapping[str, PointsFacts],
         portals: Collection[str],
         unit_ids: Collection[str],
+        brakes: Mapping[str, Brake],
+        heights: Heights,
     ) -> None:
         self._log = Log()
-        self._track = Track(net)
+        self._track = Track(net, heights)
+        self._locking = RouteLocking(brakes, self._track)
         self._points = PointsWatch(points, self._log)
         self._register = RegisterWatch(self._log)
+        self._liveness = LivenessWatch(self._log)
         self._portals = frozenset(portals)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
@@ -104,6 +112,7 @@ class Checkers:
             self._occupants[section_id].discard(unit_id)
         self._own.pop(unit_id, None)
         self._proofs.pop(unit_id, None)
+        self._locking.over(unit_id)
         self._forgetful.discard(unit_id)
 
     def reversed(self, t_s: float, unit_id: str) -> None:
@@ -113,6 +122,7 @@ class Checkers:
         """
         body = self._bodies[unit_id]
         self._proofs.pop(unit_id, None)
+        self._locking.over(unit_id)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
             self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
@@ -123,12 +133,15 @@ class Checkers:
     ) -> None:
         """Where SUMO has a train's front now. Raises KeyError for a train that has not entered."""
         body = self._bodies[unit_id]
-        body.speed_mps = speed_mps
+        if t_s > body.seen_s:
+            body.acceleration_mps2 = (speed_mps - body.speed_mps) / (t_s - body.seen_s)
+        body.seen_s, body.speed_mps = t_s, speed_mps
         if edge_id == body.edge_id and body.front_m <= lane_position_m < body.still_to_m:
             body.front_m = lane_position_m
-            return
-        if edge_id != body.turned_from:
+        elif edge_id != body.turned_from:
             self._settle(t_s, body, edge_id, lane_position_m)
+        for points_id in self._locking.observe(body):
+            self._points.lock_failed(t_s, unit_id, points_id, "did not brake as it is guaranteed to")
 
     def bounds(
         self,
@@ -148,6 +161,10 @@ class Checkers:
             )
             self._log.note(t_s, Checker.WITHIN_BOUNDS, unit_id, text)
 
+    def alive(self, t_s: float, trains: Iterable[Seen]) -> None:
+        """`no-dead-state`: all trains at one moment, every `liveness.LOOKS_EVERY_S` or so."""
+        self._liveness.look(t_s, trains)
+
     def finish(self, t_s: float, arrived: Mapping[str, bool]) -> None:
         """`everyone-arrives`: `arrived` has every train expected to arrive, and whether it has."""
         self._judge_changes()
@@ -162,24 +179,33 @@ class Checkers:
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
             return
         was, pieces, sections = body.path[-1], body.pieces, body.sections
+        on_points = self._points.under(body)
         if not self._track.follow(body, edge_id, front_m):
             text = f"{body.unit_id} was on {was} and is at {front_m:.3f} m of {edge_id}: no train runs so"
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
-        if body.excepted is None:
-            body.excepted = body.sections
+        body.excepted = body.sections if body.excepted is None else body.excepted & body.sections
+        body.portals &= body.sections
         for piece_id in self._track.touched(body):
-            self._check_entry(t_s, body.unit_id, piece_id)
+            self._check_entry(t_s, body, piece_id)
         if body.pieces != pieces:
             self._points.check(t_s, body)
+            for points_id in on_points - self._points.under(body):
+                self._locking.off(body, points_id)
         if body.sections != sections:
             self._check_alone(t_s, body, sections)
         self._check_held(t_s, body)
 
-    def _check_entry(self, t_s: float, unit_id: str, piece_id: str) -> None:
-        """`proven-before-entry`: the unit has a proof, no older than its grant, for the position."""
+    def _check_entry(self, t_s: float, body: Body, piece_id: str) -> None:
+        """`proven-before-entry`: the unit has a proof, no older than its grant, for the position.
+
+        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`.
+        """
+        unit_id = body.unit_id
         need = self._points.needs(piece_id)
         if need is not None:
-            proof = self._proofs.get(unit_id, {}).get(need[0])
+            proof: Proof | str | None = self._proofs.get(unit_id, {}).get(need[0])
+            if proof is None:
+                proof = self._locking.enters(body, piece_id, need[0])
             token = self._register.token_of(unit_id, self._points.section_of(need[0]))
             self._points.check_entry(t_s, unit_id, piece_id, proof, token)
 
@@ -198,7 +224,7 @@ class Checkers:
     def _check_held(self, t_s: float, body: Body) -> None:
         """`inside-holding`: manager and unit both have the unit as holder of all that its train occupies."""
         unit_id, own = body.unit_id, self._own.get(body.unit_id, frozenset())
-        for section_id in sorted(body.sections.difference(body.excepted or ())):
+        for section_id in sorted(body.sections - body.exceptions):
             missing = (
                 [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
             )
@@ -231,16 +257,15 @@ class Checkers:
             case Freed(unit_id=unit_id, section_ids=section_ids):
                 self._register.freed(unit_id, section_ids)
                 self._note_change(t_s, unit_id)
-            case (
-                Accepted(unit_id=unit_id, section_ids=section_ids)
-                | ConfirmedByHand(unit_id=unit_id, section_ids=section_ids)
-            ):
+            case Accepted(unit_id=unit_id, section_ids=section_ids):
                 self._register.accepted(t_s, unit_id, section_ids)
-                if unit_id in self._own or unit_id in self._forgetful:
-                    self._except(t_s, unit_id, frozenset())
+                self._taken(t_s, unit_id, own_word=True)
+            case ConfirmedByHand(unit_id=unit_id, section_ids=section_ids):
+                self._register.accepted(t_s, unit_id, section_ids)
+                self._taken(t_s, unit_id, own_word=False)
             case Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
-                self._except(t_s, unit_id, self._portals)
+                self._outside(t_s, unit_id)
             case Started():
                 self._register.restarted(self._unit_ids)
             case _:
@@ -248,6 +273,16 @@ class Checkers:
 
     def _of_world(self, t_s: float, event: Event) -> None:
         bodies = self._bodies.values()
+        match event:
+            case (
+                PointsMoving(points_id=points_id)
+                | PointsUnlocked(points_id=points_id)
+                | PointsForced(points_id=points_id)
+            ):
+                for unit_id in self._locking.stirred(points_id):
+                    self._points.lock_failed(t_s, unit_id, points_id, "they did not stay locked")
+            case _:
+                pass
         match event:
             case PointsMoving(points_id=points_id):
                 self._points.moving(t_s, points_id, bodies)
@@ -270,12 +305,13 @@ class Checkers:
                 self._reported(t_s, unit_id, frozenset(section_ids))
             case Proven(points_id=points_id, position=position, token=token):
                 self._proofs.setdefault(unit_id, {})[points_id] = Proof(position, token)
+                self._locking.over(unit_id, (points_id,))
             case ProofDropped(points_id=points_id):
-                self._proofs.get(unit_id, {}).pop(points_id, None)
+                self._lost(unit_id, (points_id,))
             case UnitRestarted():
                 self._forgetful.add(unit_id)
                 self._own.pop(unit_id, None)
-                self._proofs.pop(unit_id, None)
+                self._lost(unit_id, tuple(self._proofs.get(unit_id, ())))
             case _:
                 pass
 
@@ -284,13 +320,24 @@ class Checkers:
         before = self._own.get(unit_id, sections)
         self._own[unit_id] = sections
         self._forgetful.discard(unit_id)
-        if self._register.knows(unit_id):
-            self._except(t_s, unit_id, frozenset())
+        body = self._bodies.get(unit_id)
+        if body is not None and self._register.knows(unit_id):
+            body.excepted = frozenset()
         proofs = self._proofs.get(unit_id, {})
         for points_id in [p for p in proofs if self._points.section_of(p) not in sections]:
             del proofs[points_id]
+        gone = [p for p in self._points.ids if self._points.section_of(p) not in sections]
+        self._locking.over(unit_id, gone)
         self._check_release(t_s, unit_id, before - sections, "drops")
         self._note_change(t_s, unit_id)
+
+    def _lost(self, unit_id: str, points_ids: Iterable[str]) -> None:
+        """The unit has no proofs any more of these points."""
+        proofs = self._proofs.get(unit_id, {})
+        lost = {points_id: proofs.pop(points_id) for points_id in points_ids if points_id in proofs}
+        body = self._bodies.get(unit_id)
+        if body is not None:
+            self._locking.lost(body, lost)
 
     def _reported(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
         """`release-behind-rear`, second half: a report lists every section that the train still occupies."""
@@ -302,7 +349,7 @@ class Checkers:
         body = self._bodies.get(unit_id)
         if body is None:
             return
-        for section_id in sorted(body.sections.difference(body.excepted or ()).intersection(gone)):
+        for section_id in sorted((body.sections - body.exceptions).intersection(gone)):
             text = f"{unit_id} {verb} section {section_id} while its train is in it"
             self._log.note(t_s, Checker.RELEASE_BEHIND_REAR, f"{section_id} {unit_id}", text)
 
@@ -315,10 +362,26 @@ class Checkers:
             self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{who} {source} {epoch} {sequence}", text)
         done.add(sequence)
 
-    def _except(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
+    def _taken(self, t_s: float, unit_id: str, *, own_word: bool) -> None:
+        """The manager has the unit on the line, by the unit's own word or by that of persons.
+
+        What it stands in until its unit says what it holds goes by the first exception, a portal too.
+        """
+        body = self._bodies.get(unit_id)
+        if body is None:
+            return
+        if own_word:
+            body.excepted = (body.excepted or frozenset()) | body.portals
+            body.portals = frozenset()
+        if unit_id in self._forgetful or self._own.get(unit_id):
+            body.excepted = frozenset()
+        self._note_change(t_s, unit_id)
+
+    def _outside(self, t_s: float, unit_id: str) -> None:
+        """The manager has the unit as off the line: its train may still stand in a portal, and nowhere else."""
         body = self._bodies.get(unit_id)
         if body is not None:
-            body.excepted = body.sections & sections
+            body.excepted, body.portals = frozenset(), body.sections & self._portals
             self._note_change(t_s, unit_id)
 
     def _note_change(self, t_s: float, unit_id: str) -> None:

@@ -25,6 +25,7 @@ class Checker(StrEnum):
     EVERYONE_ARRIVES = "everyone-arrives"
     TOKENS_GROW = "tokens-grow"
     NO_JUMP = "no-jump"
+    NO_DEAD_STATE = "no-dead-state"
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,6 +53,11 @@ class PointsWatch:
             self._needs[facts.normal_piece] = (points_id, Position.NORMAL)
             self._needs[facts.reverse_piece] = (points_id, Position.REVERSE)
 
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """All points."""
+        return tuple(self._machines)
+
     def section_of(self, points_id: str) -> str:
         """Section of a set of points; KeyError for unknown ones."""
         return self._sections[points_id]
@@ -97,12 +102,15 @@ class PointsWatch:
                 text = f"{body.unit_id} is on {piece_id} while points {points_id} are {lock} in {at}"
                 self._log.note(t_s, Checker.POINTS_UNDER_TRAIN, f"{points_id} {body.unit_id}", text)
 
-    def check_entry(self, t_s: float, unit_id: str, piece_id: str, proof: Proof | None, token: int) -> None:
-        """The front of a train came onto a piece of points; `token` is that of the grant of their section."""
+    def check_entry(self, t_s: float, unit_id: str, piece_id: str, proof: Proof | str, token: int) -> None:
+        """The front of a train came onto a piece of points: by a proof, or in words by none.
+
+        `token` is that of the grant of their section.
+        """
         need = self._needs[piece_id]
         points_id, position = need
-        if proof is None:
-            why = "without a proof"
+        if isinstance(proof, str):
+            why = proof
         elif proof.token < token:
             why = f"with the proof of token {proof.token}, older than its grant {token}"
         elif position is not None and proof.position is not position:
@@ -111,6 +119,17 @@ class PointsWatch:
             return
         text = f"{unit_id} came onto {piece_id} of points {points_id} {why}"
         self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text)
+
+    def lock_failed(self, t_s: float, unit_id: str, points_id: str, why: str) -> None:
+        """Something fails under a train that came onto points without a proof, which it had lost too late to stop."""
+        text = (
+            f"{unit_id} came onto points {points_id} without a proof, lost too late to stop, and then {why}"
+        )
+        self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text)
+
+    def under(self, body: Body) -> set[str]:
+        """The points that a train is on."""
+        return {need[0] for piece in body.pieces if (need := self._needs.get(piece)) is not None}
 
     def _set(self, points_id: str, position: Position | None, locked: bool) -> None:
         machine = self._machines[points_id]

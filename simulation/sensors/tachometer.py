@@ -83,7 +83,7 @@ class TachometerFault(Fault[Reading]):
         tachometer = world.trains.tachometers[slot]
         tachometer.gain = reading.gain
         tachometer.frozen_mps = IN_ORDER if reading.stuck_mps is None else reading.stuck_mps
-        world.trains.tachometer_faults[slot] = reading != Reading()
+        world.trains.premises.fault(slot, in_force=reading != Reading())
 
 
 class Scale(TachometerFault):

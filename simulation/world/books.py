@@ -10,7 +10,7 @@ from typing import Final
 
 from network.model import SectionKind
 from onboard.duty.mission import Target
-from simulation.result import EnergyRecord, StopRecord, TraceSpan, Waiting
+from simulation.result import EnergyRecord, StopRecord, TraceSpan
 from simulation.world.roster import Duty
 from simulation.world.trains import EnergyMark, Trains
 
@@ -22,16 +22,13 @@ CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no trai
 class Books:
     """The records of one run."""
 
-    def __init__(
-        self, trains: Trains, finished: Callable[[int], bool], waits_for: Callable[[int], str]
-    ) -> None:
+    def __init__(self, trains: Trains, finished: Callable[[int], bool]) -> None:
         self.stops: list[StopRecord] = []
         self.energy: list[EnergyRecord] = []
         self.spans: list[TraceSpan] = []
         self.arrived: list[str] = []  # numbers of trains at their last call
         self._trains = trains
         self._finished = finished
-        self._waits_for = waits_for
         self._open_stop: dict[int, StopRecord | None] = {}
         self._at: dict[int, int] = {}  # slot: the target where the train truly called last
         self._called: dict[int, StopRecord] = {}  # its record
@@ -194,16 +191,3 @@ class Books:
         for slot in self._trains.active():
             if not self._finished(slot):
                 self.close_energy(slot)
-
-    def waiting(self) -> list[Waiting]:
-        """Trains that have not finished, where they stand and what they wait for."""
-        trains, line = self._trains, self._trains.setup.line
-        waiting: list[Waiting] = []
-        for slot, stock_id in enumerate(trains.stock_ids):
-            duty = trains.duties[slot]
-            if not trains.truths[slot].active or duty is None or self._finished(slot):
-                continue
-            piece_id, at_m = trains.true_path(slot).locate(float(trains.truths[slot].position_m))
-            place = f"section {line.pieces[piece_id].section_id} at km {at_m / 1000.0:.3f}"
-            waiting.append(Waiting(stock_id, duty.train.number, place, self._waits_for(slot)))
-        return waiting

@@ -115,24 +115,42 @@ class Crew:
 
     def _look_at_points(self, slot: int, plan: Plan, now_s: float) -> list[Person]:
         """Standing before points that are not proven to its unit, the crew sees how they lie."""
-        duty, shown = self._trains.duties[slot], self._on_board.shown(slot)
-        if duty is None:
+        front_m = float(self._trains.truths[slot].position_m)
+        found = self._at_points(slot, plan, self._on_board.shown(slot))
+        if found is None:
             return []
-        mission, front_m = duty.mission, float(self._trains.truths[slot].position_m)
-        for index, needed in self._unproven(slot, plan, shown):
-            start_m = mission.spans[index].start_m
-            # Not held: it may yet learn that it is.
-            if start_m - front_m > SEES_M or needed.section_id not in shown.held:
-                return []
-            machine = self._machine_of(needed.points_id)
-            right = machine.locked and machine.position is needed.position
-            seen = CrewCheckedPoints if right else CrewWaitsAtPoints
-            note = seen(points_id=needed.points_id, lies=machine.position)
-            self._journal.write(now_s, self._trains.stock_ids[slot], note)
-            if right:
-                return [PointsSeen(needed)]
-            return [PointsWrong(needed)] if start_m > front_m else []  # never under the train
-        return []
+        start_m, needed = found
+        machine = self._machine_of(needed.points_id)
+        right = machine.locked and machine.position is needed.position
+        seen = CrewCheckedPoints if right else CrewWaitsAtPoints
+        note = seen(points_id=needed.points_id, lies=machine.position)
+        self._journal.write(now_s, self._trains.stock_ids[slot], note)
+        if right:
+            return [PointsSeen(needed)]
+        return [PointsWrong(needed)] if start_m > front_m else []  # never under the train
+
+    def watches(self, slot: int) -> bool:
+        """Whether a crew that stands on sight looks at points that may yet come to lie as its way needs them."""
+        plan = self._on_board.plan(slot)
+        if plan is None or not self._on_board.drives_on_sight(slot):
+            return False
+        found = self._at_points(slot, plan, self._on_board.shown(slot))
+        if found is None:
+            return False
+        machine = self._machine_of(found[1].points_id)
+        return not (machine.locked and machine.position is found[1].position)
+
+    def _at_points(self, slot: int, plan: Plan, shown: Command) -> tuple[float, PointsNeeded] | None:
+        """The first points not proven, where they begin (m), if they are near enough to be seen and held."""
+        duty = self._trains.duties[slot]
+        following = self._unproven(slot, plan, shown)
+        if duty is None or not following:
+            return None
+        index, needed = following[0]
+        start_m = duty.mission.spans[index].start_m
+        # Not held: it may yet learn that it is.
+        near = start_m - float(self._trains.truths[slot].position_m) <= SEES_M
+        return (start_m, needed) if near and needed.section_id in shown.held else None
 
     def _unproven(self, slot: int, plan: Plan, shown: Command) -> list[tuple[int, PointsNeeded]]:
         """Points from the front on that the unit does not show as proven, each with the index of its span."""

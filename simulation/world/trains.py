@@ -27,6 +27,7 @@ from simulation.sensors.tag_air import channel_at, read_bits
 from simulation.sensors.tag_reader import TagReaderRow
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
+from simulation.world.premises import Premises
 from simulation.world.records import STOCK, TruthRow
 from simulation.world.roster import Duty
 from vehicle.record import cells_of
@@ -95,9 +96,7 @@ class Trains:
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
         self.energy_marks = [EnergyMark() for _ in range(n)]
-        self.tachometer_faults: dict[
-            int, bool
-        ] = {}  # slot: whether it still lies, until the position is sound
+        self.premises = Premises(self.tachometers, self.units)
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self._brake_factors = np.ones(n)
         self._adhesion = np.ones(n)  # as the weather has it
@@ -119,18 +118,11 @@ class Trains:
         truth.powered = 1
         truth.sight_m = truth.sign_m = math.inf
 
-    def misled(self, slot: int) -> bool:
-        """Whether a false tachometer has falsified the position: its bounds then rest on what does not hold."""
-        if slot not in self.tachometer_faults:
-            return False
-        if not self.tachometer_faults[slot] and not self.units[slot].position_known:
-            del self.tachometer_faults[slot]
-        return True
-
     def position_fixed(self, slot: int) -> None:
-        """A tag has fixed the position; a tachometer that is sound again has falsified nothing since."""
-        if self.tachometer_faults.get(slot) is False:
-            del self.tachometer_faults[slot]
+        """A fix has told the unit's position anew."""
+        unit = self.units[slot]
+        beyond_m = float(self.truths[slot].position_m - unit.position_m)
+        self.premises.fixed(slot, holds=bool(-unit.bound_behind_m <= beyond_m <= unit.bound_ahead_m))
 
     # where trains are ------------------------------------------------------------------------------------------
 
@@ -178,6 +170,7 @@ class Trains:
         stock_id = self.stock_ids[slot]
         position_m = mission.targets[0].mark_m
         self.truths[slot].active = 1
+        self.premises.placed(slot)
         self._enter_path(slot, duty, position_m)
         pieces = self.true_path(slot).piece_ids
         step = mission.path.step_at(position_m)

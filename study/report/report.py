@@ -82,7 +82,8 @@ def write_report(
 
     `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
-    "broken_expectations" (text), "changes" (objects with file, key, old and new). Figures of
+    "broken_expectations" (text), "changes" (objects with file, key, old and new), "ended_because" (text) and
+    "unfinished" (texts: what was missing then). Figures of
     `study.run.summary.summarise` found in it are used as they are.
     `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of.
     Raises OSError when the file cannot be written.
@@ -127,6 +128,7 @@ def _headline(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     return (
         Fact("Trains arrived", f"{arrived} of {planned} planned", arrived < planned),
         Fact("Invariants broken", str(violations) if violations else "none", violations > 0),
+        *_ending(facts),
         Fact("Worst lateness", f"{facts['late_s_max']:.0f} s"),
         Fact(
             "Earliest departure",
@@ -145,6 +147,13 @@ def _headline(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
         Fact("Journal digest", str(facts.get("digest", "not recorded"))),
         Fact("Motion digest", str(facts.get("motion_digest", "not recorded"))),
     )
+
+
+def _ending(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+    """Why the run ended, and that something was missing then."""
+    if "ended_because" not in facts:
+        return ()
+    return (Fact("Ended because", str(facts["ended_because"]), bool(facts.get("unfinished"))),)
 
 
 def _drill_facts(drill: DrillShown | None) -> tuple[Fact, ...]:

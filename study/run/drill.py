@@ -20,10 +20,11 @@ from simulation.faults.script import DEFAULTS, Act, Course, Failure
 from simulation.loop import Progress
 from simulation.setup import STEPS_PER_S
 from study.report.drill import DrillShown, Mark, MarkKind
+from study.run.outcome import unfinished
 from study.run.run import Link, Run, UnitsAt, execute, write_run
 from study.run.scores import Scores, score
 from study.run.tables import RunTables, make_table
-from study.run.verdict import Verdict, judge, not_arrived
+from study.run.verdict import Verdict, judge
 from study.scenario.scenario import load_scenario
 
 
@@ -97,7 +98,7 @@ def run_drill(
         run.result.courses,
         run.tables.stops,
         run.summary["late_s_max"],
-        all_arrived=not not_arrived(run.result),
+        all_arrived=not unfinished(run.result),
     )
     end_s = run.result.end_step / STEPS_PER_S
     told = {

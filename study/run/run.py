@@ -25,7 +25,6 @@ from network.meets import meet_text, unresolvable_meets
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
-from simulation.events import Unsafe
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
@@ -33,6 +32,7 @@ from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
+from study.run.outcome import broken_rules, unfinished
 from study.run.summary import summarise
 from study.run.tables import SCHEMAS, RunTables
 from study.scenario.fleet_file import learned_json
@@ -143,7 +143,8 @@ def execute(
         "collisions": len(result.collisions),
         "changes": [change.as_dict() for change in scenario.changes],
         "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
-        "ended_because": result.ended_because,
+        "ended_because": result.ended_because.value,
+        "unfinished": list(unfinished(result)),
         "broken": list(broken),
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,
         "wall_s": round(wall_s, 3),
@@ -219,23 +220,11 @@ def _write_files(run: Run, out: Path, folder: Path, drill: DrillShown | None) ->
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
-    """What makes a run a failure: collisions, broken invariants, who did not arrive or finish, and why."""
-    broken = [*result.collisions]
-    happened = (entry.event for entry in result.journal.entries)
-    broken += [f"{event.unit_id} {event.text}" for event in happened if isinstance(event, Unsafe)]
-    broken += [f"{v.checker}: {v.text}" for v in result.violations if v.checker != "everyone-arrives"]
-    missing = [
-        n
-        for n in (*result.trains_planned, *result.empty_planned)
-        if n not in (*result.trains_arrived, *result.empty_arrived)
-    ]
+    """What makes a run a failure: broken rules, what is missing to its end, and who waits for what."""
+    broken = [text for _, text in broken_rules(result)]
+    missing = unfinished(result)
+    broken += missing
     if missing:
-        broken.append(f"{len(missing)} trains did not arrive: {', '.join(missing)}")
-    broken += [
-        f"{stock} has neither left the line nor stands where its last duty ends"
-        for stock in result.unfinished
-    ]
-    if missing or result.unfinished:
         broken += [_waiting_text(waiting) for waiting in result.waiting]
         broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
     return tuple(broken)
@@ -243,7 +232,7 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
 
 def _waiting_text(waiting: Waiting) -> str:
     who = f"{waiting.number} ({waiting.stock_id})"
-    if waiting.waits_for == "nothing":
+    if not waiting.stands:
         return f"{who} was on its way in {waiting.place}"
     return f"{who} stands in {waiting.place} and waits for {waiting.waits_for}"
 

@@ -10,10 +10,11 @@ import polars as pl
 
 from network.timetable import clock
 from onboard.notes import MissionBegun
-from simulation.events import Entry, Unsafe
+from simulation.events import Entry
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
+from study.run.outcome import broken_rules, unfinished
 from study.run.tables import RunTables
 
 KMH_PER_MPS: Final = 3.6
@@ -108,7 +109,7 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
     if expectation.holds is Property.NO_INVARIANT_BROKEN:
         return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
-        happened = not_arrived(result)
+        happened = "; ".join(unfinished(result))
         return Verdict(expectation.text, (not happened) is not expectation.absent, happened or "all arrived")
     window = _window(expectation, seen)
     if isinstance(window, str):
@@ -120,27 +121,9 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
 
 def _judge_safety(expectation: Expectation, result: RunResult) -> Verdict:
     """No broken invariant, no collision, nothing that the world calls unsafe."""
-    broken = [(v.t_s, f"{v.checker}: {v.text}") for v in result.violations if v.checker != "everyone-arrives"]
-    broken += [
-        (entry.t_s, f"{entry.event.unit_id} {entry.event.text}")
-        for entry in result.journal.entries
-        if isinstance(entry.event, Unsafe)
-    ]
-    broken += [(result.end_step / STEPS_PER_S, text) for text in result.collisions]
+    broken = broken_rules(result)
     at_s, happened = min(broken, default=(None, "none broken"))
     return Verdict(expectation.text, (not broken) is not expectation.absent, happened, at_s)
-
-
-def not_arrived(result: RunResult) -> str:
-    """Trains that did not arrive and stocks that did not finish their last duty; empty where all did."""
-    planned = {*result.trains_planned, *result.empty_planned}
-    missing = sorted(planned - {*result.trains_arrived, *result.empty_arrived})
-    texts = [f"not arrived: {', '.join(missing)}"] if missing else []
-    texts += [
-        f"{stock_id} has neither left the line nor stands where its last duty ends"
-        for stock_id in result.unfinished
-    ]
-    return "; ".join(texts)
 
 
 def _judge_speed(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from network.files.line_file import parse_line
 from network.model import Direction, Line
 from network.path import Path, path_of
-from network.profile import PROFILE, curvature_at, gradient_permille_at, profile_of
+from network.profile import PROFILE, curvature_at, gradient_permille_at, heights_of, profile_of
 
 SAMPLE = FilePath(__file__).with_name("sample_line.toml").read_text(encoding="utf-8")
 LINE = parse_line(SAMPLE, "sample.toml")
@@ -51,6 +51,17 @@ def test_elevation_follows_the_gradients() -> None:
     assert rows[[0, 500, 1000, 1500, 3200]] == pytest.approx([100.0, 100.0, 105.0, 110.0, 101.5])
     back = profile_of(LINE, UP_PATH)["elevation_m"]
     assert back == pytest.approx(rows[::-1])
+
+
+def test_heights_of_the_pieces_are_those_of_the_path_over_them() -> None:
+    rows = profile_of(LINE, DOWN_PATH)["elevation_m"]
+    heights = heights_of(LINE)
+    for step in DOWN_PATH.steps:
+        for along_m, height_m in heights[step.piece_id]:
+            assert height_m == pytest.approx(
+                np.interp(step.start_m + along_m, np.arange(rows.size), rows), abs=0.02
+            )
+    assert len(heights["A-B"]) > 2  # its gradient changes on the way
 
 
 def test_turn_of_a_curve_is_plateau_and_half_of_each_transition() -> None:

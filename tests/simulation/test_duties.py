@@ -61,7 +61,7 @@ class Yard:
         checkers: Any = SimpleNamespace(
             entered=lambda *_: None, left=lambda *_: None, observe=lambda *_: None, reversed=lambda *_: None
         )
-        self.books = Books(self.trains, lambda slot: self.duties.finished(slot), lambda _slot: "")  # noqa: PLW0108
+        self.books = Books(self.trains, lambda slot: self.duties.finished(slot))  # noqa: PLW0108
         self.cabs = Cabs(self.trains, self.on_board, wayside, self.books, self.agenda, self.journal)
         lengths = dict.fromkeys(self.trains.stock_ids, 40.0)
         drawn = draw_up(setup.line, setup.timetable, lengths, LEAD_S)
@@ -225,3 +225,29 @@ def test_a_timer_wakes_a_unit_at_its_step_and_never_before(yard: Yard) -> None:
     assert len(yard.sent) == sent
     yard.cabs.timer(0, wake.step)
     assert len(yard.sent) == sent + 1
+
+
+def test_each_that_has_not_finished_says_where_it_is_and_what_it_waits_for(yard: Yard) -> None:
+    assert yard.duties.waiting() == []
+    for slot in (0, 1):
+        yard.duties.take_up(slot, AT)
+    yard.accept(0, AT)
+    yard.cabs.power_off(0, AT)
+    inside, outside = yard.duties.waiting()
+    assert (inside.stock_id, inside.number, inside.stands) == ("K1", "T1", True)
+    assert inside.place.startswith("section PW at km ")
+    assert inside.waits_for == "its unit to be switched on"
+    assert (outside.stock_id, outside.place) == ("K2", "no section, outside its portal")
+    assert outside.waits_for.startswith("signing on: ")
+
+
+def test_what_is_seen_of_a_unit_that_is_frozen_off_or_has_a_timer(yard: Yard) -> None:
+    yard.duties.take_up(0, AT)
+    assert yard.cabs.answers(0) and yard.cabs.wakes(0)  # it will sign on again
+    yard.cabs.freeze(0, AT, frozen=True)
+    assert not yard.cabs.answers(0)
+    assert yard.cabs.waits_for(0) == "its unit, which is frozen"
+    yard.cabs.freeze(0, AT, frozen=False)
+    assert yard.cabs.answers(0)
+    yard.cabs.power_off(0, AT)
+    assert not yard.cabs.answers(0) and not yard.cabs.wakes(0)

@@ -177,6 +177,35 @@ def refuses_everything(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(block_manager, "_against", lambda *_: (RefusalReason.HELD, None, None))
 
 
+# duty and timers ----------------------------------------------------------------------------------------------
+
+
+@switch
+def never_asks_again(patch: pytest.MonkeyPatch) -> None:
+    def once(handler: Handler) -> Handler:
+        def heard(state: Authority, event: sym.Event) -> Result:
+            state, actions = handler(state, event)
+            return state, tuple(sym.StopTimer(a.timer) if isinstance(a, sym.SetTimer) else a for a in actions)
+
+        return heard
+
+    with_handlers(patch, {sym.Refused: once})
+
+
+@switch
+def drops_its_timers(patch: pytest.MonkeyPatch) -> None:
+    advance = Unit.advance
+
+    def forgetful(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if self.state.authority.on_line:
+            self._timers.clear()
+            answer = msgspec.structs.replace(answer, wake_at_s=None)
+        return answer
+
+    patch.setattr(Unit, "advance", forgetful)
+
+
 # point terminal -----------------------------------------------------------------------------------------------
 
 

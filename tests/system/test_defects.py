@@ -77,6 +77,18 @@ DEFECTS: Final = (
         (Checker.EVERYONE_ARRIVES,),
     ),
     Defect(
+        "what was refused is never asked for again",
+        "two_trains",
+        "never_asks_again",
+        (Checker.NO_DEAD_STATE, Checker.EVERYONE_ARRIVES),
+    ),
+    Defect(
+        "a unit's timers are dropped",
+        "rtri_test_line",
+        "drops_its_timers",
+        (Checker.NO_DEAD_STATE, Checker.EVERYONE_ARRIVES),
+    ),
+    Defect(
         "points thrown without the token",
         "two_trains",
         "throws_for_anyone",

@@ -24,6 +24,7 @@ from simulation.journal import Journal
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 from simulation.world.point_machine import Forced, PointMachine, Repaired, step
+from simulation.world.premises import Premises
 
 WHEEL_MPS: Final = 10.0
 THROW_S: Final = 5.0
@@ -42,12 +43,13 @@ class World:
     def __post_init__(self) -> None:
         self.tachometer = SimpleNamespace(gain=1.0, frozen_mps=-1.0, wheel_factor=1.0)
         self.plant = SimpleNamespace(wheel_speed_mps=WHEEL_MPS)
+        self.unit = SimpleNamespace(odometer_scale=1.0, bound_growth=0.02, position_known=1)
         self.rail_share = 1.0
         self.trains: Any = SimpleNamespace(
             slot_of={"K1": 0},
             tachometers=[self.tachometer],
             plants=[self.plant],
-            tachometer_faults={},
+            premises=Premises([self.tachometer], [self.unit]),  # type: ignore[list-item]
             tag_faults={},
             set_rail=lambda _slot, share: setattr(self, "rail_share", share),
         )
@@ -97,15 +99,18 @@ def test_a_short_fault_inside_a_long_one_takes_only_itself_away() -> None:
         world.run_to(second * 10)
         gains.append(world.tachometer.gain)
     assert gains == [1.0, 0.8, 0.0, 0.8, 1.0]
-    assert world.trains.tachometer_faults == {0: False}
 
 
-def test_a_train_is_misled_until_the_last_of_its_tachometers_faults_is_over() -> None:
+def test_bounds_are_not_judged_until_the_last_of_a_tachometers_faults_is_over() -> None:
     world = World(
         (failure(Scale(target="K1", factor=0.8), 2.0, 60.0), failure(NoOutput(target="K1"), 8.0, 6.0))
     )
-    world.run_to(200)
-    assert world.trains.tachometer_faults == {0: True}
+    rests = []
+    for second in (1, 5, 20, 70):
+        world.run_to(second * 10)
+        world.trains.premises.fixed(0, holds=True)
+        rests.append(world.trains.premises.broken(0))
+    assert rests == [False, True, True, False]
 
 
 def test_power_comes_back_with_the_last_of_its_cuts() -> None:

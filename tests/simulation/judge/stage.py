@@ -20,7 +20,8 @@ from simulation.events import (
     Started,
     TookEffect,
 )
-from simulation.judge.checkers import Checkers, PointsFacts
+from simulation.judge.checkers import Brake, Checkers, PointsFacts
+from simulation.judge.liveness import LOOKS_EVERY_S, Seen
 from sumo_cfg.truth_map import NetEdge, NetMap
 
 # W | stem1 -< normal1 - T1 - normal2 >- stem2 | B | E, and reverse1 - T2 - reverse2
@@ -36,6 +37,7 @@ POINTS = {
     "2": PointsFacts("P2", "stem2", "normal2", "reverse2", Position.NORMAL),
 }
 TRAIN_M = 40.0
+BRAKE = Brake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
 
 
 def net() -> NetMap:
@@ -53,7 +55,7 @@ class Stage:
     """Checkers and a clock; each act takes one second."""
 
     def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
-        self.checkers = Checkers(net(), POINTS, ("W", "E"), unit_ids)
+        self.checkers = Checkers(net(), POINTS, ("W", "E"), unit_ids, dict.fromkeys(unit_ids, BRAKE), {})
         self.t_s = 0.0
         self.token = 0
 
@@ -132,6 +134,15 @@ class Stage:
 
     def leave(self, unit: str) -> Stage:
         self.checkers.left(unit)
+        return self
+
+    def stand(self, for_s: float, *, timer: bool) -> Stage:
+        """A stands and waits for its route; a timer of its unit runs, or none."""
+        until_s = self.t_s + for_s
+        while self.t_s < until_s:
+            self.t_s += LOOKS_EVERY_S
+            seen = Seen("A", "section W", True, 0.0, timer, pulls=False, awaits=False, waits_for="route W>T1")
+            self.checkers.alive(self.t_s, [seen])
         return self
 
     def finish(self, **arrived: bool) -> Stage:

@@ -21,6 +21,7 @@ from simulation.events import (
     UnitRestarted,
 )
 from simulation.judge.checkers import Checker
+from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
 from tests.simulation.judge.stage import Stage, authorised, in_track, on_points, restarted, second
 
 Act = Callable[[Stage], Stage]
@@ -35,6 +36,12 @@ class Case:
     start: Callable[[], Stage]
     bad: Act
     good: Act
+
+
+def away_and_back(*held: str) -> Stage:
+    """B, outside by the manager's word, has run out of its portal E by that of persons, and stands facing it."""
+    stage = second(Stage()).outside("B").by_hand("B", *held).holds("B", *held)
+    return stage.see("B", ("B-", 5.0)).see("B", ("B-", 100.0), speed_mps=0.0).turn("B")
 
 
 CASES = (
@@ -101,6 +108,20 @@ CASES = (
         lambda: second(Stage()),
         lambda s: s.grant("B", "B").holds("B", "B", "E").outside("B").see("B", ("B-", 9.0)),
         lambda s: s.outside("B").holds("B").see("B", ("E-", 290.0)).leave("B"),
+    ),
+    Case(
+        "signed on again in the portal where it was signed off",
+        Checker.INSIDE_HOLDING,
+        lambda: second(Stage()).outside("B").holds("B"),
+        lambda s: s.accept("B", "B").holds("B", "B").finish(),
+        lambda s: s.by_hand("B", "B").holds("B").by_hand("A", "W").finish(),  # persons speak of other places
+    ),
+    Case(
+        "back in the portal that it had left signed off",
+        Checker.INSIDE_HOLDING,
+        lambda: away_and_back("B"),
+        lambda s: s.see("B", ("E+", 1.0)),
+        lambda s: s.by_hand("B", "B", "E").holds("B", "B", "E").see("B", ("E+", 1.0)),
     ),
     Case(
         "unit restarted",
@@ -264,6 +285,13 @@ CASES = (
         Stage,
         lambda s: s.finish(first=True, second=False),
         lambda s: s.finish(first=True, second=True),
+    ),
+    Case(
+        "nothing to come",
+        Checker.NO_DEAD_STATE,
+        authorised,
+        lambda s: s.stand(STANDS_S + LOOKS_EVERY_S, timer=False),
+        lambda s: s.stand(STANDS_S + LOOKS_EVERY_S, timer=True).stand(STANDS_S / 2.0, timer=False),
     ),
     Case(
         "same token again",

@@ -29,7 +29,7 @@ class Desk:
     def __init__(self, setup: Setup, duty: Duty) -> None:
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
         self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
-        self.books = Books(self.trains, lambda _slot: False, lambda _slot: "departure time")
+        self.books = Books(self.trains, lambda _slot: False)
         self.trains.place(0, duty)
         self.books.begin_train(0, duty, 0)
 

@@ -162,3 +162,20 @@ def test_it_tells_the_unit_of_a_mark_once(mission: Mission) -> None:
     assert cab.crew.stand(0, 10.0) == []
     cab.shown = msgspec.structs.replace(cab.shown, stands_at=None, at=last)
     assert cab.crew.stand(0, 10.0) == []
+
+
+def test_it_watches_points_that_may_yet_come_to_lie_right(mission: Mission) -> None:
+    cab = Cab(mission, 0.0, "6", "7", "8")
+    cab.truth.position_m = cab.start_m("7") - SEES_M + 1.0
+    cab.machine = PointMachine("P7", 6.0, Position.REVERSE)
+    assert cab.crew.watches(0)
+    cab.machine = PointMachine("P7", 6.0, Position.NORMAL)  # it goes on at its next look
+    assert not cab.crew.watches(0)
+
+
+def test_it_watches_nothing_that_is_not_held_or_too_far_away_to_be_seen(mission: Mission) -> None:
+    for away_m, held in ((SEES_M - 1.0, ("6",)), (SEES_M + 1.0, ("6", "7", "8"))):
+        cab = Cab(mission, 0.0, *held)
+        cab.truth.position_m = cab.start_m("7") - away_m
+        cab.machine = PointMachine("P7", 6.0, Position.REVERSE)
+        assert not cab.crew.watches(0)

@@ -148,6 +148,16 @@ def test_broken_invariants_are_red_and_told(tmp_path: Path, make_day: Callable[[
     assert "<li>Expected: late_s_max below 5</li>" in text
 
 
+@pytest.mark.parametrize(("missing", "mark"), [([], ""), (["the run was cut short"], ' class="bad"')])
+def test_why_the_run_ended_is_red_where_something_was_missing(
+    tmp_path: Path, make_day: Callable[[str, str], Run], missing: list[str], mark: str
+) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    facts = {**FACTS, "ended_because": "the time limit of the run", "unfinished": missing}
+    text = write_report(tmp_path, day.line, day.timetable, day.tables, facts).read_text(encoding="utf-8")
+    assert f"<dt>Ended because</dt><dd{mark}>the time limit of the run</dd>" in text
+
+
 def test_a_run_in_which_nothing_happened_is_reported(tmp_path: Path, weekday: Run) -> None:
     tables = RunTables(**{name: make_table(name) for name in SCHEMAS})
     text = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")

@@ -20,7 +20,7 @@ from onboard.notes import Intervention, Moving
 from radio.noted import TelegramDropped
 from simulation.events import MANAGER, WORLD, Collision, Left
 from simulation.journal import Journal
-from simulation.result import EnergyRecord, RunResult, StopRecord, TraceSpan
+from simulation.result import Ending, EnergyRecord, RunResult, StopRecord, TraceSpan
 from simulation.world.records import TRACE
 from study.run.collect import tables_of
 from study.run.tables import RunTables
@@ -87,7 +87,7 @@ def result(
         trace=np.array(sorted(trace), dtype=TRACE),
         spans=list(spans),
         journal=journal or Journal(),
-        ended_because="made up",
+        ended_because=Ending.FINISHED,
     )
 
 

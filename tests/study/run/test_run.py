@@ -14,9 +14,10 @@ import study.run.run
 from host.party import PartySpec
 from network.errors import InputError
 from radio.noted import TelegramDropped
+from simulation.events import WORLD, Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
-from simulation.result import RunResult, Waiting
+from simulation.result import Ending, RunResult, Waiting
 from simulation.setup import Setup
 from simulation.world.records import TRACE
 from study.run.run import (
@@ -49,7 +50,13 @@ def result(
     waiting: list[Waiting] | None = None,
     violations: tuple[Violation, ...] = (),
     collisions: tuple[str, ...] = (),
+    unsafe: str = "",
+    unfinished: tuple[str, ...] = (),
+    ended_because: Ending = Ending.FINISHED,
 ) -> RunResult:
+    journal = Journal()
+    if unsafe:
+        journal.write(5.0, WORLD, Unsafe(unit_id="K1", text=unsafe))
     return RunResult(
         name="made up",
         seed=1,
@@ -69,8 +76,9 @@ def result(
         telegrams={("K1", "B-W", "PointsCommand"): Counter()},
         trace=np.zeros(0, dtype=TRACE),
         spans=[],
-        journal=Journal(),
-        ended_because="made up",
+        journal=journal,
+        ended_because=ended_because,
+        unfinished=unfinished,
     )
 
 
@@ -86,17 +94,29 @@ def test_what_makes_a_run_a_failure() -> None:
     assert broken_by(result(collisions=("a frontal collision",)), setup) == ("a frontal collision",)
     seen = Violation(1.0, "points-under-train", "P5 moves under K1")
     assert broken_by(result(violations=(seen,)), setup) == ("points-under-train: P5 moves under K1",)
+    forced = "ran through points P5 set against it"
+    assert broken_by(result(unsafe=forced), setup) == (f"K1 {forced}",)
+    stays = "K1 has neither left the line nor stands where its last duty ends"
+    assert broken_by(result(unfinished=("K1",)), setup) == (stays,)
+
+
+@pytest.mark.parametrize("because", [ending for ending in Ending if ending is not Ending.FINISHED])
+def test_a_run_that_was_cut_short_is_a_failure_though_all_have_arrived(because: Ending) -> None:
+    setup = load_scenario("rtri_test_line").setup
+    told = broken_by(result(ended_because=because), setup)
+    assert told == (f"the run was cut short: {because.value}",)
 
 
 def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> None:
     setup = load_scenario("rtri_test_line").setup
     late = Violation(9.0, "everyone-arrives", "T1 has not arrived")
     place = "section 6 at km 0.700"
-    for waits_for, end in (
-        ("route 3>8: held", f"stands in {place} and waits for route 3>8: held"),
-        ("nothing", f"was on its way in {place}"),
+    for stands, waits_for, end in (
+        (True, "route 3>8: held", f"stands in {place} and waits for route 3>8: held"),
+        (True, "nothing", f"stands in {place} and waits for nothing"),
+        (False, "nothing", f"was on its way in {place}"),
     ):
-        waiting = [Waiting("K1", "T1", place, waits_for)]
+        waiting = [Waiting("K1", "T1", place, waits_for, stands)]
         broken = broken_by(result(arrived=(), waiting=waiting, violations=(late,)), setup)
         assert broken == ("1 trains did not arrive: T1", f"T1 (K1) {end}")
 

@@ -10,11 +10,11 @@ import pytest
 
 from network.model import Position
 from onboard.notes import Departs, MissionBegun, Overran, Proven, Resumed, UnitRestarted
-from simulation.events import Event
+from simulation.events import Event, Unsafe
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
-from simulation.result import RunResult
+from simulation.result import Ending, RunResult
 from simulation.world.records import TRACE
 from study.run.tables import SCHEMAS, RunTables, make_table
 from study.run.verdict import judge
@@ -46,7 +46,7 @@ def result_of(*entries: tuple[float, str, Event], **changes: object) -> RunResul
         "trace": np.zeros(0, dtype=TRACE),
         "spans": [],
         "journal": journal,
-        "ended_because": "all trains have finished",
+        "ended_because": Ending.FINISHED,
         **changes,
     }
     return RunResult(**fields)
@@ -126,6 +126,8 @@ def test_broken_invariants_and_collisions_are_not_passed_over() -> None:
     violation = Violation(5.0, "inside-holding", "K1 is in section 5")
     assert verdict(sound, result_of(violations=(violation,))) == (False, "inside-holding: K1 is in section 5")
     assert not verdict(sound, result_of(collisions=("K1 and K2",)))[0]
+    unsafe = result_of((5.0, "world", Unsafe(unit_id="K1", text="ran through points P7 set against it")))
+    assert verdict(sound, unsafe) == (False, "K1 ran through points P7 set against it")
     late = Violation(5.0, "everyone-arrives", "T1 has not arrived")
     assert verdict(sound, result_of(violations=(late,)))[0]
 
@@ -133,7 +135,17 @@ def test_broken_invariants_and_collisions_are_not_passed_over() -> None:
 def test_every_train_must_arrive_empty_ones_too() -> None:
     all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
     assert verdict(all_arrive)[0]
-    assert verdict(all_arrive, result_of(empty_planned=("E2",))) == (False, "not arrived: E2")
+    assert verdict(all_arrive, result_of(empty_planned=("E2",))) == (False, "1 trains did not arrive: E2")
+
+
+def test_who_should_have_left_must_have_left_and_the_run_must_have_reached_its_end() -> None:
+    all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
+    stays = "K1 has neither left the line nor stands where its last duty ends"
+    assert verdict(all_arrive, result_of(unfinished=("K1",))) == (False, stays)
+    for because in (Ending.TIME_LIMIT, Ending.STALLED):
+        passed, happened = verdict(all_arrive, result_of(ended_because=because))
+        assert not passed
+        assert because.value in happened
 
 
 def trajectory(*points: tuple[float, float]) -> list[tuple[Any, ...]]:

@@ -1,0 +1,49 @@
+"""What the independent checkers are told of line and trains, besides the net: plain figures, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from network.model import Direction, Line, SectionKind
+from network.profile import heights_of
+from simulation.judge.body import Heights
+from simulation.judge.checkers import Brake, Checkers, PointsFacts
+from simulation.setup import Setup, behaviour_row
+from simulation.world.trains import SIGN
+from sumo_cfg.truth_map import NetMap
+from vehicle.mass import GRAVITY_MPS2
+
+
+def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checkers:
+    """The checkers of a run, with the facts of its line and trains as they are, not as units believe them."""
+    line = setup.line
+    points = {
+        p.id: PointsFacts(p.section_id, p.stem_piece, p.normal_piece, p.reverse_piece, p.initial)
+        for p in line.points.values()
+    }
+    portals = [section.id for section in line.sections.values() if section.kind is SectionKind.PORTAL]
+    brakes = {stock_id: brake_of(setup, stock_id) for stock_id in stock_ids}
+    return Checkers(net, points, portals, stock_ids, brakes, edge_heights(line))
+
+
+def brake_of(setup: Setup, stock_id: str) -> Brake:
+    """The emergency brake of a stock as it is guaranteed to be."""
+    train = setup.trains[stock_id].row[0]
+    guaranteed = behaviour_row(setup.driving, train)
+    return Brake(
+        float(guaranteed["emergency_guaranteed_mps2"]),
+        float(guaranteed["emergency_reaction_s"]),
+        GRAVITY_MPS2 / (1.0 + float(train["rotating_mass_factor"])),
+    )
+
+
+def edge_heights(line: Line) -> Heights:
+    """Where along each of SUMO's edges the gradient changes, and how high the track lies there, m."""
+    heights: dict[str, tuple[tuple[float, float], ...]] = {}
+    for piece_id, row in heights_of(line).items():
+        end_m = row[-1][0]
+        heights[piece_id + SIGN[Direction.DOWN]] = row
+        heights[piece_id + SIGN[Direction.UP]] = tuple(
+            (end_m - at_m, height_m) for at_m, height_m in reversed(row)
+        )
+    return heights

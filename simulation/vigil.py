@@ -1,0 +1,52 @@
+"""Looks at all trains now and then, so that one that waits for nothing is found; it moves nothing."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from simulation.agenda import Agenda, Due
+from simulation.cabs import Cabs
+from simulation.duties import Duties
+from simulation.judge.checkers import Checkers
+from simulation.judge.liveness import LOOKS_EVERY_S, Seen
+from simulation.setup import STEPS_PER_S
+from simulation.world.trains import Trains
+
+LOOKS_EVERY_STEPS: Final = round(LOOKS_EVERY_S * STEPS_PER_S)
+
+
+class Vigil:
+    """What the liveness checker is shown of each train: the truth, and what its unit shows its driver."""
+
+    def __init__(
+        self, trains: Trains, cabs: Cabs, duties: Duties, agenda: Agenda, checkers: Checkers, step: int
+    ) -> None:
+        self._trains = trains
+        self._cabs = cabs
+        self._duties = duties
+        self._agenda = agenda
+        self._checkers = checkers
+        self._next_step = step
+
+    def look(self, step: int) -> None:
+        """Look at all trains, if it is time. Stretches are not cut for it, so it may be late by one of them."""
+        if step < self._next_step:
+            return
+        self._next_step = step + LOOKS_EVERY_STEPS
+        awaited = self._agenda.subjects(Due.DUTY)
+        slots = range(len(self._trains.stock_ids))
+        self._checkers.alive(step / STEPS_PER_S, [self._seen(slot, awaited) for slot in slots])
+
+    def _seen(self, slot: int, awaited: frozenset[str]) -> Seen:
+        trains, cabs = self._trains, self._cabs
+        stock_id = trains.stock_ids[slot]
+        return Seen(
+            unit_id=stock_id,
+            place=self._duties.place(slot),
+            bound=self._duties.bound(slot) and cabs.answers(slot),
+            run_m=float(trains.plants[slot].travelled_m),
+            timer=cabs.wakes(slot),
+            pulls=bool(trains.units[slot].notch > 0.0),
+            awaits=stock_id in awaited or cabs.crew_watches(slot),
+            waits_for=cabs.waits_for(slot),
+        )
