@@ -23,6 +23,7 @@ from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
 from simulation.faults.injector import Injector
+from simulation.faults.script import Script
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import RunResult
@@ -49,7 +50,7 @@ Progress = Callable[[float, float, int], None]  # now s, end s, trains arrived
 
 
 class Simulation:
-    """One run. `run` may be called once."""
+    """One run. `run` may be called once, or its parts, in their order."""
 
     def __init__(
         self,
@@ -112,6 +113,8 @@ class Simulation:
         self._sheet = new_sheet(len(self.trains.stock_ids))
         self._moved_step = self._begin_step
         self._broken = ""
+        self._closed = False
+        self._collisions: tuple[str, ...] = ()
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
         self._injector = Injector(
@@ -128,6 +131,11 @@ class Simulation:
         )
 
     @property
+    def step(self) -> int:
+        """The present step."""
+        return self._step
+
+    @property
     def now_s(self) -> float:
         """Simulated time, s since midnight."""
         return self._step / STEPS_PER_S
@@ -135,33 +143,62 @@ class Simulation:
     def run(self, progress: Progress | None = None) -> RunResult:
         """Run to the end: all trains done, the time limit, a stall, or a collision."""
         try:
-            self.wayside.start(self._step)
-            self._injector.start(self._step)
-            self._duties.open(self._step)
-            because = self._loop(progress)
+            self.begin()
+            return self.finish(progress)
         finally:
-            collisions = self._carrier.collisions()
+            self.close()
+
+    def close(self) -> None:
+        """Release the carrier. May be called more than once."""
+        if not self._closed:
+            self._closed = True
+            self._collisions = self._carrier.collisions()
             self._carrier.close()
-        return self._result(because, collisions)
 
-    # the course of the run ---------------------------------------------------------------------------------------
+    # the course of the run: `begin`, then `settle` and `advance` in turn, then `finish` ---------------------------
 
-    def _loop(self, progress: Progress | None) -> str:
+    def begin(self) -> None:
+        """Let everything begin that has a time of its own."""
+        self.wayside.start(self._step)
+        self._injector.start(self._step)
+        self._duties.open(self._step)
+
+    def finish(self, progress: Progress | None = None) -> RunResult:
+        """Run on to the end."""
         end_s = self._limit_step / STEPS_PER_S
-        while True:
-            while (item := self._agenda.pop_due(self._step)) is not None:
-                self._handle(item)
-            if self._duties.all_done():
-                return "all trains have finished"
-            if self._broken:
-                return self._broken
-            if self._step >= self._limit_step:
-                return "the time limit of the run"
-            if self._stalled():
-                return "no train can move any more"
-            self._advance()
+        while not (because := self.settle()):
+            self.advance()
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
+        self.close()
+        return self._result(because, self._collisions)
+
+    def settle(self) -> str:
+        """Do what is due now. Returns why the run is over; empty while it goes on."""
+        while (item := self._agenda.pop_due(self._step)) is not None:
+            self._handle(item)
+        if self._duties.all_done():
+            return "all trains have finished"
+        if self._broken:
+            return self._broken
+        if self._step >= self._limit_step:
+            return "the time limit of the run"
+        return "no train can move any more" if self._stalled() else ""
+
+    @property
+    def horizon_step(self) -> int:
+        """No stretch that begins now goes beyond this step."""
+        horizon = min(self._step + STANDING_STEPS_MAX, self._limit_step)
+        next_due = self._agenda.next_step()
+        return horizon if next_due is None else min(horizon, next_due)
+
+    def done(self, stock_id: str) -> bool:
+        """Whether nothing follows for a stock."""
+        return self._duties.finished(self.trains.slot_of[stock_id])
+
+    def happens(self, script: Script) -> None:
+        """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
+        self._injector.take_up(script, self._step)
 
     def _handle(self, item: Item) -> None:
         step, subject = self._step, item.subject
@@ -196,13 +233,10 @@ class Simulation:
             self._unsafe(slot, "overran its track and cannot turn back")
             self._broken = "a train overran its track and cannot turn back"
 
-    def _advance(self) -> None:
+    def advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
         trains, sheet = self.trains, self._sheet
-        steps = min(STANDING_STEPS_MAX, self._limit_step - self._step)
-        next_due = self._agenda.next_step()
-        if next_due is not None:
-            steps = min(steps, next_due - self._step)
+        steps = self.horizon_step - self._step
         if self._trace_used + steps * len(trains.stock_ids) > self._trace.size:
             self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
         done, self._trace_used, count = advance(
