@@ -25,6 +25,7 @@ from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
 from simulation.facts import checkers_of
 from simulation.faults.injector import Injector
+from simulation.faults.script import Script
 from simulation.journal import Journal
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
@@ -52,7 +53,7 @@ Progress = Callable[[float, float, int], None]  # now s, end s, trains arrived
 
 
 class Simulation:
-    """One run. `run` may be called once."""
+    """One run. `run` may be called once, or its parts, in their order."""
 
     def __init__(
         self,
@@ -109,6 +110,8 @@ class Simulation:
         self._vigil = Vigil(
             self.trains, self._cabs, self._duties, self._agenda, self.checkers, self._begin_step
         )
+        self._closed = False
+        self._collisions: tuple[str, ...] = ()
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
         self._injector = Injector(
@@ -125,6 +128,11 @@ class Simulation:
         )
 
     @property
+    def step(self) -> int:
+        """The present step."""
+        return self._step
+
+    @property
     def now_s(self) -> float:
         """Simulated time, s since midnight."""
         return self._step / STEPS_PER_S
@@ -132,34 +140,63 @@ class Simulation:
     def run(self, progress: Progress | None = None) -> RunResult:
         """Run to the end: all trains done, the time limit, a stall, or a collision."""
         try:
-            self.wayside.start(self._step)
-            self._injector.start(self._step)
-            self._duties.open(self._step)
-            because = self._loop(progress)
+            self.begin()
+            return self.finish(progress)
         finally:
-            collisions = self._carrier.collisions()
+            self.close()
+
+    def close(self) -> None:
+        """Release the carrier. May be called more than once."""
+        if not self._closed:
+            self._closed = True
+            self._collisions = self._carrier.collisions()
             self._carrier.close()
-        return self._result(because, collisions)
 
-    # the course of the run ---------------------------------------------------------------------------------------
+    # the course of the run: `begin`, then `settle` and `advance` in turn, then `finish` ---------------------------
 
-    def _loop(self, progress: Progress | None) -> Ending:
+    def begin(self) -> None:
+        """Let everything begin that has a time of its own."""
+        self.wayside.start(self._step)
+        self._injector.start(self._step)
+        self._duties.open(self._step)
+
+    def finish(self, progress: Progress | None = None) -> RunResult:
+        """Run on to the end."""
         end_s = self._limit_step / STEPS_PER_S
-        while True:
-            while (item := self._agenda.pop_due(self._step)) is not None:
-                self._handle(item)
-            if self._duties.all_done():
-                return Ending.FINISHED
-            if self._broken is not None:
-                return self._broken
-            if self._step >= self._limit_step:
-                return Ending.TIME_LIMIT
-            if self._stalled():
-                return Ending.STALLED
-            self._advance()
+        while (because := self.settle()) is None:
+            self.advance()
             self._vigil.look(self._step)
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
+        self.close()
+        return self._result(because, self._collisions)
+
+    def settle(self) -> Ending | None:
+        """Do what is due now. Returns why the run is over; None while it goes on."""
+        while (item := self._agenda.pop_due(self._step)) is not None:
+            self._handle(item)
+        if self._duties.all_done():
+            return Ending.FINISHED
+        if self._broken is not None:
+            return self._broken
+        if self._step >= self._limit_step:
+            return Ending.TIME_LIMIT
+        return Ending.STALLED if self._stalled() else None
+
+    @property
+    def horizon_step(self) -> int:
+        """No stretch that begins now goes beyond this step."""
+        horizon = min(self._step + STANDING_STEPS_MAX, self._limit_step)
+        next_due = self._agenda.next_step()
+        return horizon if next_due is None else min(horizon, next_due)
+
+    def done(self, stock_id: str) -> bool:
+        """Whether nothing follows for a stock."""
+        return self._duties.finished(self.trains.slot_of[stock_id])
+
+    def happens(self, script: Script) -> None:
+        """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
+        self._injector.take_up(script, self._step)
 
     def _handle(self, item: Item) -> None:
         step, subject = self._step, item.subject
@@ -194,15 +231,13 @@ class Simulation:
             self._unsafe(slot, "overran its track and cannot turn back")
             self._broken = Ending.CANNOT_TURN
 
-    def _advance(self) -> None:
+    def advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
         trains, sheet = self.trains, self._sheet
-        steps = min(STANDING_STEPS_MAX, self._limit_step - self._step)
+        horizon = self.horizon_step
         if self._cabs.watch_out():
-            steps = min(steps, WATCHING_STEPS)
-        next_due = self._agenda.next_step()
-        if next_due is not None:
-            steps = min(steps, next_due - self._step)
+            horizon = min(horizon, self._step + WATCHING_STEPS)
+        steps = horizon - self._step
         if self._trace_used + steps * len(trains.stock_ids) > self._trace.size:
             self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
         done, self._trace_used, count = advance(

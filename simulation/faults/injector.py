@@ -68,11 +68,8 @@ class Injector:
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter
-        triggers = {i: failure.trigger for i, failure in enumerate(script.faults)}
-        first_act = len(script.faults)
-        triggers |= {first_act + i: act.trigger for i, act in enumerate(script.acts)}
-        self._triggers: dict[int, Trigger] = triggers
-        self._watch = Watch(triggers, self._come_due)
+        self._triggers = _triggers_of(script)
+        self._watch = Watch(self._triggers, self._come_due)
         self._stage = Stage.DEFINED  # of the re-entry, as the controller's screen shows it
         journal.watch(self._watch.see)
         journal.watch(self._see)
@@ -89,6 +86,17 @@ class Injector:
         for key, trigger in self._triggers.items():
             if trigger.at_s is not None:
                 self._come_due(key, trigger.at_s + trigger.after_s)
+
+    def take_up(self, script: Script, step: int) -> None:
+        """A script that has times alone, from now on: ValueError if there is another, or one that waits for events."""
+        triggers = _triggers_of(script)
+        if self._triggers or any(trigger.at_s is None for trigger in triggers.values()):
+            raise ValueError("a script is taken up by time, where there is none")
+        self._script, self._triggers = script, triggers
+        self._world.step = step
+        for key, trigger in triggers.items():
+            at_step = max(step_not_before((trigger.at_s or 0.0) + trigger.after_s), step)
+            self._agenda.put_first(at_step, Due.SCRIPT, f"begin {key}")
 
     def _come_due(self, key: int, at_s: float) -> None:
         step = max(step_not_before(at_s), self._world.step)
@@ -219,3 +227,9 @@ class Injector:
             step = self._world.step + round(count * pace_s * STEPS_PER_S)
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
+
+
+def _triggers_of(script: Script) -> dict[int, Trigger]:
+    """By number: the faults, then the acts."""
+    items: tuple[Failure | Act, ...] = (*script.faults, *script.acts)
+    return {i: item.trigger for i, item in enumerate(items)}

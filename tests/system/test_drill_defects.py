@@ -186,6 +186,10 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "24_manager_frozen": (obeys_only_while_it_hears_the_manager, "T1 runs on within what it holds"),
         "25_wrong_tag_id": ("believes_any_tag", "the unit does not believe it"),
         "26_tags_swapped": (believes_any_tag_at_once, "no invariant is broken"),
+        "28_unit_restart_at_departure": (
+            "restarts_at_full_speed",
+            "low speed until position and holdings are known",
+        ),
     }
 )
 
