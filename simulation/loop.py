@@ -28,6 +28,7 @@ from simulation.judge.checkers import Checkers, PointsFacts
 from simulation.result import RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
+from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
@@ -125,6 +126,7 @@ class Simulation:
             self._unit_power,
             self._unit_freeze,
             self._give_back,
+            self._unit_clock,
         )
 
     @property
@@ -312,6 +314,10 @@ class Simulation:
     def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up."""
         self._cabs.freeze(self.trains.slot_of[stock_id], self._step, frozen=frozen)
+
+    def _unit_clock(self, stock_id: str, clock: Clock) -> None:
+        """The clock of an on-board unit is set, or goes wrong."""
+        self._cabs.set_clock(self.trains.slot_of[stock_id], self._step, clock)
 
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""

@@ -196,10 +196,11 @@ Event = Person | Sensed | TimerDue | Heard
 
 
 class SetTimerAt(msgspec.Struct, frozen=True, tag=True):
-    """Start a timer anew, to run out at a time."""
+    """Start a timer anew: it runs out when the unit's clock shows `at_s`, and not before `after_s` have passed."""
 
     timer: Timer
     at_s: float
+    after_s: float = 0.0
 
 
 class Finished(msgspec.Struct, frozen=True, tag=True):

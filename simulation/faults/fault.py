@@ -17,6 +17,7 @@ import numpy as np
 from network.files.toml_input import Record, one_of
 
 if TYPE_CHECKING:  # the world is built from scripts, so it cannot be imported here
+    from simulation.world.clock import Clock
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
@@ -45,6 +46,7 @@ class World:
     wayside: WaysideWorld
     unit_power: Callable[[str, bool], None]  # stock id, on
     unit_freeze: Callable[[str, bool], None]  # stock id, frozen
+    unit_clock: Callable[[str, Clock], None]  # stock id, its clock from now on
     step: int = 0
     chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
 

@@ -17,6 +17,7 @@ from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
+from simulation.world.clock import Clock
 from wayside.config import MANAGER_ID
 from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
+SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
 
 
 class Injector:
@@ -44,6 +46,7 @@ class Injector:
         unit_power: Switch,
         unit_freeze: Switch,
         give_back: GiveBack,
+        unit_clock: SetClock,
     ) -> None:
         self._script = script
         self._seed = seed
@@ -53,7 +56,7 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
-        self._world = World(trains, wayside, unit_power, unit_freeze)
+        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock)
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
+from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff, Restart
 from simulation.faults.fault import Fault
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
@@ -17,6 +18,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,
     Restart,
     Frozen,
+    WrongClock,
     Cut,
     Loss,
     Delay,

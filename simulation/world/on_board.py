@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+import msgspec
+
 from host.units import Units
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
@@ -20,6 +22,7 @@ from onboard.motion import Motion, PathData
 from onboard.notes import Note
 from onboard.unit import Answer, Report
 from simulation.setup import Setup
+from simulation.world.clock import Clock
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -29,6 +32,7 @@ class OnBoard:
 
     def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
         self.unpowered: Final[set[int]] = set()
+        self.clocks: Final = [Clock()] * len(trains.stock_ids)
         self._setup: Final = setup
         self._trains: Final = trains
         self._units: Final = units
@@ -65,13 +69,21 @@ class OnBoard:
         happened: Sequence[Person | Sensed] = (),
         telegrams: Sequence[bytes] = (),
     ) -> tuple[Answer, list[Note]] | None:
-        """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power."""
+        """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
+
+        The unit is asked by its own clock; in the answer its wake is true time again.
+        """
         if slot in self.unpowered:
             return None
         motion = self._motions[slot]
         report = Report(motion.place(), tuple(happened))
-        answer = self._units.advance(self._trains.stock_ids[slot], now_s, telegrams, report)
-        motion.obey(answer.command, now_s)
+        clock = self.clocks[slot]
+        own_s = clock.shows(now_s)
+        self._trains.truths[slot].clock_ahead_s = own_s - now_s
+        answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
+        motion.obey(answer.command, own_s)
+        if answer.wake_at_s is not None:
+            answer = msgspec.structs.replace(answer, wake_at_s=clock.true_s(answer.wake_at_s))
         return answer, [*motion.taken_notes(), *answer.notes]
 
     def enter_number(self, slot: int, duty: Duty, *, comes_on_line: bool, turned: bool) -> list[Person]:

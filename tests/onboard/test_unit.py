@@ -166,6 +166,26 @@ def test_it_does_not_leave_before_its_time(granted: Bench) -> None:
     assert granted.waits_for == "departure time"
 
 
+def test_a_late_clock_departs_late(granted: Bench) -> None:
+    granted.hear("A-E", proof("P5"))
+    granted.at(DEPARTURE_S - 600.0)  # set back by ten minutes
+    assert granted.wake_at_s == DEPARTURE_S
+    granted.at(DEPARTURE_S - 1.0)
+    assert granted.phase is Phase.STANDING
+    granted.at(DEPARTURE_S)
+    assert granted.phase is Phase.RUNNING
+
+
+def test_a_clock_that_is_set_back_leaves_no_request_waiting(granted: Bench) -> None:
+    repeat_s = (granted.wake_at_s or 0.0) - granted.now_s  # the throw is not answered
+    granted.at(granted.now_s + 0.5)
+    granted.at(granted.now_s - 3600.0)
+    assert granted.said == []
+    assert granted.wake_at_s == pytest.approx(granted.now_s + repeat_s - 0.5)
+    granted.at(granted.wake_at_s or 0.0)
+    assert [type(message) for message in granted.said] == [PointsCommand]
+
+
 def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
     bench.at(DEPARTURE_S - LEAD_S)
     bench.hear(MANAGER, RouteRefused("3>8", RefusalReason.HELD, "6", "K2"))

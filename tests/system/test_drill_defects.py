@@ -128,6 +128,10 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("study.run.run.terminal_configs", strict)
 
 
+def judges_no_time(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("radio.envelope.CLOCK_SKEW_MAX_S", math.inf)
+
+
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
 
     def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
@@ -186,6 +190,8 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "24_manager_frozen": (obeys_only_while_it_hears_the_manager, "T1 runs on within what it holds"),
         "25_wrong_tag_id": ("believes_any_tag", "the unit does not believe it"),
         "26_tags_swapped": (believes_any_tag_at_once, "no invariant is broken"),
+        "40_clock_wrong": (judges_no_time, "no section behind it is released"),
+        "41_clock_drifts": (judges_no_time, "it does not enter them"),
     }
 )
 

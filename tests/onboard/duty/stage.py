@@ -120,7 +120,7 @@ def moved(place: Place, **changes: bool | int) -> Place:
 
 BEGUN: Final = Write(notes.MissionBegun(train="T1", direction="down"))
 UNTIL_DEPARTURE: Final = (SetTimerAt(ASK, DEPARTURE_S - 45.0), SetTimerAt(LEAVE, DEPARTURE_S))
-RELEASE_LATER: Final = SetTimerAt(RELEASE, NOW_S + 30.0)
+RELEASE_LATER: Final = SetTimer(RELEASE, 30.0)
 DENIED: Final = Write(notes.GiveBackDenied(why="the train does not stand at a known place"))
 ENTERED: Final = Write(notes.GiveBackDenied(why="the train may have entered the route"))
 Case = tuple[DutyState, Event, Place, DutyState, tuple[Any, ...]]

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from network.model import Position
 from radio.air import Delivery
 from simulation.agenda import Agenda
+from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff
 from simulation.faults.fault import Fault
 from simulation.faults.injector import Injector
@@ -23,6 +24,7 @@ from simulation.faults.script import Failure, Script, Trigger
 from simulation.journal import Journal
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
+from simulation.world.clock import Clock
 from simulation.world.point_machine import Forced, PointMachine, Repaired, step
 
 WHEEL_MPS: Final = 10.0
@@ -38,6 +40,7 @@ class World:
     weather: float = 0.5
     power: dict[str, bool] = field(default_factory=lambda: {"K1": True, "B-W": True})
     frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
+    clocks: dict[str, Clock] = field(default_factory=lambda: {"K1": Clock(), "B-W": Clock()})
 
     def __post_init__(self) -> None:
         self.tachometer = SimpleNamespace(gain=1.0, frozen_mps=-1.0, wheel_factor=1.0)
@@ -59,6 +62,7 @@ class World:
             power_on=lambda _step, device: self.power.update({device: True}),
             power_off=lambda _step, device: self.power.update({device: False}),
             freeze=lambda _step, device, *, frozen: self.frozen.update({device: frozen}),
+            set_clock=lambda _step, device, clock: self.clocks.update({device: clock}),
         )
         self.agenda = Agenda()
         self.injector = Injector(
@@ -72,6 +76,7 @@ class World:
             lambda unit, on: self.power.update({unit: on}),
             lambda unit, frozen: self.frozen.update({unit: frozen}),
             lambda _unit, _hold_s: None,
+            lambda unit, clock: self.clocks.update({unit: clock}),
         )
         self.injector.start(0)
 
@@ -113,6 +118,21 @@ def test_power_comes_back_with_the_last_of_its_cuts() -> None:
     for second, on in ((4, True), (7, False), (12, False), (20, False), (60, True)):
         world.run_to(second * 10)
         assert world.power["B-W"] is on
+
+
+@pytest.mark.parametrize("party", ["K1", "B-W"])
+def test_a_clock_drifts_from_when_it_begins_to_and_is_right_again_afterwards(party: str) -> None:
+    world = World(
+        (
+            failure(WrongClock(target=party, offset_s=30.0), 100.0, 300.0),
+            failure(WrongClock(target=party, drift_ppm=10_000.0), 200.0, 100.0),
+        )
+    )
+    errors = []
+    for second in (50, 150, 250, 350, 450):
+        world.run_to(second * 10)
+        errors.append(round(world.clocks[party].shows(second) - second, 6))
+    assert errors == [0.0, 30.0, 30.5, 30.0, 0.0]
 
 
 def test_what_is_stuck_shows_what_it_showed_whatever_the_factor() -> None:
