@@ -158,6 +158,14 @@ HAZARDS: Final = (
         ("supervision leaves no room to brake", "a train runs beyond what it holds"),
     ),
     Hazard(
+        "A train starts or runs on that is not fit to",
+        "a door that is not closed, a brake without its pressure",
+        "no departure before the unit sees both in order; on the way the emergency brake, until all is in order again",
+        ("onboard.vehicle", "onboard.duty.fitness"),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
+        ("rtri/42_doors", "rtri/43_brake", "karasuyama/42_doors", "karasuyama/43_brake"),
+    ),
+    Hazard(
         "The unit believes a false position",
         "a tag that reads as another or is missing, tags swapped, a tachometer that lies, worn or sliding wheels",
         "bounds that grow with the way; a tag counts only where it may lie, a missing one is noticed: stop, on sight",

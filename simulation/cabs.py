@@ -13,6 +13,7 @@ from typing import Final
 from onboard.duty.records import Person, Sensed, SetBack, Told
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, PowerOff, PowerOn
+from simulation.faults.fault import VehiclePart
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.books import Books
@@ -96,6 +97,10 @@ class Cabs:
         """The clock of a unit shows another time from now on; its timers may have run out by it."""
         self._on_board.clocks[slot] = clock
         self.tell(slot, step)
+
+    def vehicle_shows(self, slot: int, step: int, part: VehiclePart, *, good: bool) -> None:
+        """A part of the vehicle is in order or not: its inputs at the unit change."""
+        self.tell(slot, step, self._on_board.vehicle_shows(slot, part, good=good))
 
     def freeze(self, slot: int, step: int, *, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up, in its order.

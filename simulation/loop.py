@@ -22,6 +22,7 @@ from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
+from simulation.faults.fault import VehiclePart
 from simulation.faults.injector import Injector
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers, PointsFacts
@@ -127,6 +128,7 @@ class Simulation:
             self._unit_freeze,
             self._give_back,
             self._unit_clock,
+            self._unit_vehicle,
         )
 
     @property
@@ -318,6 +320,10 @@ class Simulation:
     def _unit_clock(self, stock_id: str, clock: Clock) -> None:
         """The clock of an on-board unit is set, or goes wrong."""
         self._cabs.set_clock(self.trains.slot_of[stock_id], self._step, clock)
+
+    def _unit_vehicle(self, stock_id: str, part: VehiclePart, good: bool) -> None:
+        """Doors or brake of a train show another state from now on."""
+        self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, good=good)
 
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""

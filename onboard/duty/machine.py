@@ -37,7 +37,7 @@ from onboard.authority.stop_limit import (
     points_perhaps_under,
     stop_limit,
 )
-from onboard.duty import on_sight
+from onboard.duty import fitness, on_sight
 from onboard.duty.plan import Plan
 from onboard.duty.records import (
     ASK,
@@ -68,6 +68,7 @@ from onboard.duty.records import (
     SwitchedOn,
     TagPassed,
     TimerDue,
+    VehicleChecked,
 )
 from onboard.duty.turn import Action, DutyParameters, Turn
 from radio.table import Row, rows
@@ -202,6 +203,8 @@ def timer_due(turn: Turn, event: TimerDue) -> None:
             turn.set(may_ask=True)
         case timer if timer == LEAVE:
             turn.set(may_leave=True)
+        case timer if timer == RELEASE and not fitness.acknowledged(turn):
+            pass
         case timer if timer == RELEASE:
             place = msgspec.structs.replace(turn.state.place, emergency=False)
             turn.set(released=True, place=place)
@@ -324,12 +327,12 @@ def stand(turn: Turn) -> None:
 
 
 def way_is_free(turn: Turn) -> bool:
-    """The stop limit lies beyond the track where the train stands: no start towards points not proven."""
+    """The vehicle is in order and the stop limit beyond the train's track: no start towards points not proven."""
     limit, place = turn.state.limit, turn.state.place
     own = turn.stop(turn.state.at).span
     beyond = limit.joint > own + 1 or limit.before is None
     on_track = turn.leg_from_stop(turn.state.at) is not None
-    return place.known and limit.joint >= place.reach and (beyond or not on_track)
+    return place.known and not place.unfit and limit.joint >= place.reach and (beyond or not on_track)
 
 
 def command_of(plan: Plan, state: DutyState) -> Command:
@@ -367,8 +370,8 @@ def waits_for(state: DutyState) -> str:
     if authority.commands:
         command = authority.commands[0]
         return f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
-    if state.place.emergency:
-        return "release of the emergency brake"
+    if state.place.unfit or state.place.emergency:
+        return f"vehicle: {state.place.unfit}" if state.place.unfit else "release of the emergency brake"
     if state.phase is Phase.STANDING:
         return "departure time"
     return "nothing" if state.place.known else "a tag: its position is unknown"
@@ -403,6 +406,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.RUNNING, Stopped): stopped,
         **dict.fromkeys(((p, Stopped) for p in _ON_THE_LINE if p is not Phase.RUNNING), emergency_stopped),
         **dict.fromkeys(((p, Looked) for p in _ON_THE_LINE), looked),
+        **dict.fromkeys(((p, VehicleChecked) for p in _ON_THE_LINE), fitness.checked),
         **dict.fromkeys(((p, TimerDue) for p in _ON_THE_LINE), timer_due),
         **dict.fromkeys(((p, Heard) for p in Phase), heard),
     }

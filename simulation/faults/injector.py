@@ -11,7 +11,7 @@ from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, Acted, FaultBegan, FaultOver
 from simulation.faults.devices import PowerFault
-from simulation.faults.fault import InForce, World, fold
+from simulation.faults.fault import InForce, VehiclePart, World, fold
 from simulation.faults.links import LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
+ShowVehicle = Callable[[str, VehiclePart, bool], None]  # stock id, what shows, whether it is in order
 
 
 class Injector:
@@ -47,6 +48,7 @@ class Injector:
         unit_freeze: Switch,
         give_back: GiveBack,
         unit_clock: SetClock,
+        unit_vehicle: ShowVehicle,
     ) -> None:
         self._script = script
         self._seed = seed
@@ -56,7 +58,7 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
-        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock)
+        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle)
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter

@@ -21,6 +21,7 @@ from onboard.duty.records import Begin, ChangeEnds, Command, Person, Sensed, Swi
 from onboard.motion import Motion, PathData
 from onboard.notes import Note
 from onboard.unit import Answer, Report
+from simulation.faults.fault import VehiclePart
 from simulation.setup import Setup
 from simulation.world.clock import Clock
 from simulation.world.roster import Duty
@@ -108,6 +109,12 @@ class OnBoard:
         """The compiled tick reported."""
         return [] if slot in self.unpowered else self._motions[slot].events(bits)
 
+    def vehicle_shows(self, slot: int, part: VehiclePart, *, good: bool) -> list[Sensed]:
+        """What doors or brake show from now on."""
+        motion = self._motions[slot]
+        events = motion.vehicle_shows(msgspec.structs.replace(motion.vehicle, **{part: good}))
+        return [] if slot in self.unpowered else events
+
     def load_is(self, slot: int, share: float) -> None:
         """What the load sensor shows: 0 empty, 1 full."""
         self._motions[slot].load_share = share
@@ -125,9 +132,10 @@ class OnBoard:
         self.unpowered.discard(slot)
         self._units.restart(self._trains.stock_ids[slot])
         self._trains.truths[slot].powered = 1
-        load_share = self._motions[slot].load_share
+        before = self._motions[slot]
         self._motions[slot] = self._new_motion(slot)
-        self._motions[slot].load_share = load_share
+        self._motions[slot].load_share = before.load_share
+        self._motions[slot].vehicle = before.vehicle
 
     def switch_on(self, slot: int, duty: Duty, stands_at: int | None) -> list[Person]:
         """After a boot on the line the crew enters the train number and, if it stands at one, the stop."""

@@ -114,7 +114,7 @@ def limit(joint: int, before: str | None, why: str) -> Write:
     return Write(notes.LimitSet(kilometrage_m=kilometrage_m, piece_id=piece, before=before, why=why))
 
 
-def moved(place: Place, **changes: bool | int) -> Place:
+def moved(place: Place, **changes: bool | int | str) -> Place:
     return replace(place, **changes)
 
 

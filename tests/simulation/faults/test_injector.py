@@ -39,6 +39,7 @@ class World:
         self.repaired: list[str] = []
         self.given_back: list[tuple[str, float]] = []
         self.clocks: list[tuple[str, Clock]] = []
+        self.shown: list[tuple[str, str, bool]] = []
         shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
         on_board: Any = SimpleNamespace(shown=shown.__getitem__)
         self.wayside: Any
@@ -69,6 +70,7 @@ class World:
             lambda unit_id, frozen: self.frozen.append((unit_id, frozen)),
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
             lambda unit_id, clock: self.clocks.append((unit_id, clock)),
+            lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
         )
         self.injector.start(0)
 
