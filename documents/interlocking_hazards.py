@@ -80,6 +80,19 @@ HAZARDS: Final = (
         ("an old grant obeyed after a restart", "tokens begin anew after a restart"),
     ),
     Hazard(
+        "A telegram is older than its receiver takes it for",
+        "the clock of a party is wrong",
+        "by its own clock a receiver drops what is too old and what comes from the future; timers go by what passes",
+        ("radio.envelope", "radio.elapsed"),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
+        (
+            "rtri/40_clock_wrong",
+            "rtri/41_clock_drifts",
+            "karasuyama/40_clock_wrong",
+            "karasuyama/41_clock_drifts",
+        ),
+    ),
+    Hazard(
         "A telegram acts twice",
         "the air delivers copies",
         "sequence numbers; requests are repeated with the same correlation, and answers count once",
@@ -144,6 +157,14 @@ HAZARDS: Final = (
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY, Checker.SUMO_COLLISION),
         (),
         ("supervision leaves no room to brake", "a train runs beyond what it holds"),
+    ),
+    Hazard(
+        "A train starts or runs on that is not fit to",
+        "a door that is not closed, a brake without its pressure",
+        "no departure before the unit sees both in order; on the way the emergency brake, until all is in order again",
+        ("onboard.vehicle", "onboard.duty.fitness"),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
+        ("rtri/42_doors", "rtri/43_brake", "karasuyama/42_doors", "karasuyama/43_brake"),
     ),
     Hazard(
         "The unit believes a false position",
@@ -211,5 +232,7 @@ REMAINING: Final = (
     "Two persons who agree on the same wrong word about a silent unit that is on the line (`wayside.reentry`).",
     "A crew that passes points without looking, while their unit has no position: handling outside the system"
     " (section 4.4 (3) of the paper).",
+    "A clock that is slow by as much as its link is late, both more than the age limit: such a telegram counts as new"
+    " (`radio.envelope`); sequence, boot, correlation and token still hold it.",
     "Wheels that slide further than the bounds allow for, until the next tag or the tachometer's own check finds it.",
 )

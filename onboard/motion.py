@@ -34,6 +34,7 @@ from onboard.duty.records import (
     Started,
     Stopped,
     TagPassed,
+    VehicleChecked,
 )
 from onboard.duty.timekeeping import cruise_for
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
@@ -58,6 +59,7 @@ from onboard.records import (
     UnitRow,
 )
 from onboard.unit_records import UnitParameters
+from onboard.vehicle import IN_ORDER, Vehicle
 from vehicle.record import cells_of
 from vehicle.records import TrainRow
 
@@ -94,6 +96,7 @@ class Motion:
         self.keeper: Final = keeper
         self.command = Command()
         self.load_share = 0.0
+        self.vehicle = IN_ORDER
         self.notes: list[notes.Note] = []
         row.due_s = math.inf
         self._line: Final = line
@@ -186,7 +189,7 @@ class Motion:
         emergency = bool(row.intervention == EMERGENCY_INTERVENTION)
         stands = bool(row.speed_mps == 0.0)
         if mission is None or not row.position_known:  # who does not know where it is can only try the radio
-            return Place(stands=stands, emergency=emergency)
+            return Place(stands=stands, emergency=emergency, unfit=self.vehicle.unfit)
         position_m = float(row.position_m)
         rear_m = position_m - float(row.bound_behind_m) - self._length_m
         joints_m = [*self._starts_m, self._ends_m[-1]]
@@ -207,7 +210,14 @@ class Motion:
             reach=bisect_right(joints_m, position_m + 2.0 * self._parameters.standoff_m),
             near=near if abs(marks_m[near] - position_m) < ARRIVED_WITHIN_M else -1,
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
+            unfit=self.vehicle.unfit,
         )
+
+    def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
+        """What the vehicle shows of itself now."""
+        changed = vehicle.unfit != self.vehicle.unfit
+        self.vehicle = vehicle
+        return [VehicleChecked()] if changed else []
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""

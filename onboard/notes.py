@@ -94,6 +94,16 @@ class Intervention(Noted, frozen=True, kw_only=True, tag="intervention"):
     level: int
 
 
+class VehicleUnfit(Noted, frozen=True, kw_only=True, tag="vehicle_unfit"):
+    """The vehicle or its brake is not in order: no start, and a train on its way is stopped."""
+
+    why: str
+
+
+class VehicleFit(Noted, frozen=True, kw_only=True, tag="vehicle_fit"):
+    """The vehicle and its brake are in order again."""
+
+
 class EmergencyReleased(Noted, frozen=True, kw_only=True, tag="emergency_released"):
     """The driver has acknowledged an emergency stop."""
 
@@ -288,6 +298,8 @@ Note = (
     | StopImpossible
     | LearnedFromStop
     | Intervention
+    | VehicleUnfit
+    | VehicleFit
     | EmergencyReleased
     | TagRead
     | TagDoubted

@@ -13,9 +13,11 @@ from typing import Final
 from onboard.duty.records import Person, Sensed, SetBack, Told
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, PowerOff, PowerOn
+from simulation.faults.fault import VehiclePart
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.books import Books
+from simulation.world.clock import Clock
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
@@ -95,6 +97,15 @@ class Cabs:
         if self._timer_steps.get(slot) == step and slot not in self._on_board.unpowered:
             del self._timer_steps[slot]
             self.tell(slot, step)
+
+    def set_clock(self, slot: int, step: int, clock: Clock) -> None:
+        """The clock of a unit shows another time from now on; its timers may have run out by it."""
+        self._on_board.clocks[slot] = clock
+        self.tell(slot, step)
+
+    def vehicle_shows(self, slot: int, step: int, part: VehiclePart, *, good: bool) -> None:
+        """A part of the vehicle is in order or not: its inputs at the unit change."""
+        self.tell(slot, step, self._on_board.vehicle_shows(slot, part, good=good))
 
     def freeze(self, slot: int, step: int, *, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up, in its order.

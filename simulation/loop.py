@@ -24,6 +24,7 @@ from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
 from simulation.facts import checkers_of
+from simulation.faults.fault import VehiclePart
 from simulation.faults.injector import Injector
 from simulation.faults.script import Script
 from simulation.journal import Journal
@@ -31,6 +32,7 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
 from simulation.world.books import Books
+from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
@@ -125,6 +127,8 @@ class Simulation:
             self._unit_power,
             self._unit_freeze,
             self._give_back,
+            self._unit_clock,
+            self._unit_vehicle,
         )
 
     @property
@@ -348,6 +352,14 @@ class Simulation:
     def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up."""
         self._cabs.freeze(self.trains.slot_of[stock_id], self._step, frozen=frozen)
+
+    def _unit_clock(self, stock_id: str, clock: Clock) -> None:
+        """The clock of an on-board unit is set, or goes wrong."""
+        self._cabs.set_clock(self.trains.slot_of[stock_id], self._step, clock)
+
+    def _unit_vehicle(self, stock_id: str, part: VehiclePart, good: bool) -> None:
+        """Doors or brake of a train show another state from now on."""
+        self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, good=good)
 
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""

@@ -16,6 +16,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
 
+from radio.envelope import CLOCK_SKEW_MAX_S
 from wayside import reentry
 from wayside.actions import Show
 from wayside.reentry import Step
@@ -60,7 +61,8 @@ def act(register: Register, event: Act, now_s: float) -> Step:
     if unit_id is not None and unit_id not in register.plan.unit_ids:
         return register, (_refused(event, "not on the fleet list"),)
     # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
-    if register.epoch > 1 and now_s <= started_s + register.plan.telegram_age_max_s:
+    on_the_air_s = register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S
+    if register.epoch > 1 and now_s <= started_s + on_the_air_s:
         return register, (_refused(event, "too early"),)
     if isinstance(event, EnterSection | AcceptPicture):
         return LINE_ACTS[phase, type(event)](register, event)

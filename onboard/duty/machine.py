@@ -35,7 +35,7 @@ from onboard.authority.stop_limit import (
     points_perhaps_under,
     stop_limit,
 )
-from onboard.duty import on_sight
+from onboard.duty import fitness, on_sight
 from onboard.duty.arrival import clear_behind, confirm
 from onboard.duty.plan import Plan
 from onboard.duty.records import (
@@ -67,6 +67,7 @@ from onboard.duty.records import (
     SwitchedOn,
     TagPassed,
     TimerDue,
+    VehicleChecked,
 )
 from onboard.duty.shown import AT_A_MARK, to_confirm
 from onboard.duty.turn import Action, DutyParameters, Turn
@@ -212,6 +213,8 @@ def timer_due(turn: Turn, event: TimerDue) -> None:
             turn.set(may_leave=True)
         case timer if timer == RELEASE and turn.state.halted:
             turn.await_release()  # not before register and unit agree
+        case timer if timer == RELEASE and not fitness.acknowledged(turn):
+            pass
         case timer if timer == RELEASE:
             place = msgspec.structs.replace(turn.state.place, emergency=False)
             turn.set(released=True, place=place)
@@ -364,13 +367,13 @@ def stand(turn: Turn) -> None:
 
 
 def way_is_free(turn: Turn) -> bool:
-    """The stop limit lies beyond the track where the train stands: no start towards points not proven."""
+    """The vehicle is in order and the stop limit beyond the train's track: no start towards points not proven."""
     limit, place = turn.state.limit, turn.state.place
     own = turn.stop(turn.state.at).span
     beyond = limit.joint > own + 1 or limit.before is None
     on_track = turn.leg_from_stop(turn.state.at) is not None
     way = limit.joint >= place.reach and (beyond or not on_track)
-    return place.known and way and not turn.state.halted
+    return place.known and way and not place.unfit and not turn.state.halted
 
 
 _BY_POSITION: Final = (*AT_A_MARK, Phase.RUNNING, Phase.SIGNING_ON)
@@ -406,6 +409,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.RUNNING, Stopped): stopped,
         **dict.fromkeys(((p, Stopped) for p in _ON_THE_LINE if p is not Phase.RUNNING), emergency_stopped),
         **dict.fromkeys(((p, Looked) for p in _ON_THE_LINE), looked),
+        **dict.fromkeys(((p, VehicleChecked) for p in _ON_THE_LINE), fitness.checked),
         **dict.fromkeys(((p, TimerDue) for p in _ON_THE_LINE), timer_due),
         **dict.fromkeys(((p, Heard) for p in Phase), heard),
     }

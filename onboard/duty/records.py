@@ -41,7 +41,8 @@ class Place(msgspec.Struct, frozen=True):
     `sure` and `perhaps` count the spans whose beginning the front has surely, or perhaps, passed; `clear` those that
     the safe rear has left, `clear_at_mark` the same for a train whose driver sees that it stands at its mark.
     `here` is the span of the estimate, `reach` the first joint that lies far enough ahead to start for it. `near` is
-    the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed.
+    the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed. `unfit`: what
+    is wrong with the vehicle, wherever it is; empty: nothing.
     """
 
     known: bool = False
@@ -56,6 +57,7 @@ class Place(msgspec.Struct, frozen=True):
     reach: int = 0
     near: int = -1
     passed: int = 0
+    unfit: str = ""
 
 
 class Limit(msgspec.Struct, frozen=True):
@@ -182,6 +184,10 @@ class Looked(msgspec.Struct, frozen=True, tag=True):
     """The place has changed: a joint was passed, or the radio reaches again."""
 
 
+class VehicleChecked(msgspec.Struct, frozen=True, tag=True):
+    """What the vehicle shows of itself has changed; the place has what is wrong."""
+
+
 # events: time and radio ------------------------------------------------------------------------------------------
 
 
@@ -198,7 +204,7 @@ class Heard(msgspec.Struct, frozen=True, tag=True):
 
 
 Person = Begin | SwitchedOn | ChangeEnds | Leave | SetBack | PointsSeen | PointsWrong | AtMark | NotAtMark
-Sensed = TagPassed | PositionLost | Started | Stopped | Looked
+Sensed = TagPassed | PositionLost | Started | Stopped | Looked | VehicleChecked
 Event = Person | Sensed | TimerDue | Heard
 
 
@@ -206,10 +212,11 @@ Event = Person | Sensed | TimerDue | Heard
 
 
 class SetTimerAt(msgspec.Struct, frozen=True, tag=True):
-    """Start a timer anew, to run out at a time."""
+    """Start a timer anew: it runs out when the unit's clock shows `at_s`, and not before `after_s` have passed."""
 
     timer: Timer
     at_s: float
+    after_s: float = 0.0
 
 
 class Finished(msgspec.Struct, frozen=True, tag=True):

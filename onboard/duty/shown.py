@@ -71,6 +71,8 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
             yield f"{what}: {request.refusal or 'no answer from the block manager'}"
     for command in authority.commands:
         yield f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
+    if state.place.unfit:
+        yield f"vehicle: {state.place.unfit}"
     if state.place.emergency:
         yield "release of the emergency brake"
     if to_confirm(plan, state):

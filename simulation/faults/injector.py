@@ -11,12 +11,13 @@ from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, Acted, Entry, FaultBegan, FaultOver
 from simulation.faults.devices import PowerFault
-from simulation.faults.fault import InForce, World, fold
+from simulation.faults.fault import InForce, VehiclePart, World, fold
 from simulation.faults.links import LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
+from simulation.world.clock import Clock
 from wayside.config import MANAGER_ID
 from wayside.register import Stage
 from wayside.said import (
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
 LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
+SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
+ShowVehicle = Callable[[str, VehiclePart, bool], None]  # stock id, what shows, whether it is in order
 
 
 class Injector:
@@ -55,6 +58,8 @@ class Injector:
         unit_power: Switch,
         unit_freeze: Switch,
         give_back: GiveBack,
+        unit_clock: SetClock,
+        unit_vehicle: ShowVehicle,
     ) -> None:
         self._script = script
         self._seed = seed
@@ -64,7 +69,7 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
-        self._world = World(trains, wayside, unit_power, unit_freeze)
+        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle)
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter

@@ -141,7 +141,7 @@ def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, s
     scene.load_share = plant.load_share
     scene.tag_beyond_m = tag_beyond_m
     scene.sign_ahead_m = row.truth.sign_m - row.truth.position_m
-    row.sensed.now_s = scene.now_s
+    row.sensed.now_s = scene.now_s + row.truth.clock_ahead_s
     sense_all(row.sensors, scene, row.sensed)
 
 

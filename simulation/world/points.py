@@ -26,6 +26,7 @@ from simulation.events import (
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
+from simulation.world.clock import Clock
 from simulation.world.point_machine import PointMachine, Repaired
 from wayside.config import MANAGER_ID
 from wayside.said import Input, Output
@@ -62,6 +63,7 @@ class WaysideWorld:
         self._wakes: dict[str, int] = {}
         self._down: set[str] = set()
         self._frozen: dict[str, list[bytes]] = {}
+        self._clocks: dict[str, Clock] = {}
         self.disturb: Disturb = lambda _step, _source, _destination, deliveries: deliveries
 
     def start(self, step: int) -> None:
@@ -130,8 +132,8 @@ class WaysideWorld:
             self._frozen[device_id].extend(telegrams)
             return
         inputs = self._inputs.pop(device_id, [])
-        done = self._devices.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
-        self._take(step, device_id, done)
+        own_s = self._clocks.get(device_id, Clock()).shows(step / STEPS_PER_S)
+        self._take(step, device_id, self._devices.advance(device_id, own_s, telegrams, inputs))
 
     def points_due(self, step: int, points_id: str) -> None:
         """A point machine's motor may have reached its end."""
@@ -155,7 +157,8 @@ class WaysideWorld:
         for destination, data in done.telegrams:
             self.transmit(step, device_id, destination, data)
         if done.wake_at_s is not None:
-            wake_step = max(step_not_before(done.wake_at_s), step + 1)
+            wake_at_s = self._clocks.get(device_id, Clock()).true_s(done.wake_at_s)
+            wake_step = max(step_not_before(wake_at_s), step + 1)
             if self._wakes.get(device_id) != wake_step:
                 self._wakes[device_id] = wake_step
                 self._agenda.put(wake_step, Due.TO_DEVICE, device_id)
@@ -220,6 +223,11 @@ class WaysideWorld:
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))
+        self._agenda.put(step, Due.TO_DEVICE, device_id)
+
+    def set_clock(self, step: int, device_id: str, clock: Clock) -> None:
+        """The clock of a device shows another time from now on; its timers may have run out by it."""
+        self._clocks[device_id] = clock
         self._agenda.put(step, Due.TO_DEVICE, device_id)
 
     def freeze(self, step: int, device_id: str, *, frozen: bool) -> None:

@@ -36,6 +36,7 @@ class TruthRow(Protocol):
     tag_end: int
     sight_m: Annotated[float, "where a driver on sight stops; +inf: does not drive on sight"]
     sign_m: Annotated[float, "path coordinate of the next stop sign; +inf: none"]
+    clock_ahead_s: Annotated[float, "of the unit's clock, when the unit was last asked"]
 
 
 class StockRow(Protocol):

@@ -38,6 +38,7 @@ from onboard.records import (
 )
 from onboard.unit import Unit
 from onboard.unit_records import UnitParameters
+from onboard.vehicle import Vehicle
 from radio.messages import (
     HoldingConfirmed,
     HoldingReport,
@@ -164,6 +165,26 @@ def test_it_does_not_leave_before_its_time(granted: Bench) -> None:
     granted.at(DEPARTURE_S - 1.0)
     assert granted.phase is Phase.STANDING
     assert granted.waits_for == "departure time"
+
+
+def test_a_late_clock_departs_late(granted: Bench) -> None:
+    granted.hear("A-E", proof("P5"))
+    granted.at(DEPARTURE_S - 600.0)  # set back by ten minutes
+    assert granted.wake_at_s == DEPARTURE_S
+    granted.at(DEPARTURE_S - 1.0)
+    assert granted.phase is Phase.STANDING
+    granted.at(DEPARTURE_S)
+    assert granted.phase is Phase.RUNNING
+
+
+def test_a_clock_that_is_set_back_leaves_no_request_waiting(granted: Bench) -> None:
+    repeat_s = (granted.wake_at_s or 0.0) - granted.now_s  # the throw is not answered
+    granted.at(granted.now_s + 0.5)
+    granted.at(granted.now_s - 3600.0)
+    assert granted.said == []
+    assert granted.wake_at_s == pytest.approx(granted.now_s + repeat_s - 0.5)
+    granted.at(granted.wake_at_s or 0.0)
+    assert [type(message) for message in granted.said] == [PointsCommand]
 
 
 def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
@@ -372,6 +393,26 @@ def test_an_emergency_is_released_only_at_a_stand(running: Bench) -> None:
     running.stop(200.0)
     running.at(running.now_s + UnitParameters().emergency_release_s)
     assert running.row.intervention == NO_INTERVENTION
+
+
+def test_a_brake_that_is_not_in_order_stops_the_train_until_it_is_and_the_driver_acknowledges(
+    running: Bench,
+) -> None:
+    running.tell(running.motion.vehicle_shows(Vehicle(brake_good=False)))
+    assert running.notes == ["vehicle_unfit"]
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    running.stop(200.0)
+    running.at(running.now_s + UnitParameters().emergency_release_s)
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    assert running.waits_for == "vehicle: brake not in order"
+    running.tell(running.motion.vehicle_shows(Vehicle()))
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    running.at(running.wake_at_s or 0.0)
+    assert (running.row.intervention, running.row.mode) == (NO_INTERVENTION, MODE_DRIVE)
+
+
+def test_nothing_is_reported_that_has_not_changed(running: Bench) -> None:
+    assert running.motion.vehicle_shows(Vehicle()) == []
 
 
 def test_bounds_that_leave_no_room_to_go_on_are_a_position_fault(running: Bench) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 
 import pytest
 
+from radio.envelope import CLOCK_SKEW_MAX_S
 from radio.keys import capability_key
 from radio.messages import (
     AnyMessage,
@@ -265,7 +266,7 @@ def test_swapped_and_the_units_speak_both_are_disputed_until_the_person_corrects
 @pytest.mark.parametrize("act", [EnterSection("B", "u1", "Sato"), AcceptPicture("Sato")])
 def test_too_early_a_grant_of_the_boot_before_may_still_arrive(mode: ReentryMode, act: Act) -> None:
     desk = Desk(mode)
-    age_max_s = desk.register.plan.telegram_age_max_s
+    age_max_s = desk.register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S
     desk.claim(*HELD)
     desk.now_s = age_max_s
     for entry in (act, ConfirmHolding("u1", ("B",), "Sato"), ConfirmOutside("u4", "Sato")):

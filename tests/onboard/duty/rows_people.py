@@ -14,6 +14,7 @@ from onboard.authority.records import (
     Command,
     Commit,
     Renew,
+    SetTimer,
     Write,
 )
 from onboard.duty.records import (
@@ -30,7 +31,6 @@ from onboard.duty.records import (
     PointsSeen,
     PointsWrong,
     SetBack,
-    SetTimerAt,
     SwitchedOn,
 )
 from tests.onboard.duty.stage import (
@@ -47,7 +47,6 @@ from tests.onboard.duty.stage import (
     HOLDS_ALL,
     HOLDS_REST,
     LOST,
-    NOW_S,
     OFF,
     ON_SIGHT,
     ON_THE_LINE,
@@ -172,7 +171,10 @@ PEOPLE: Final[dict[str, Case]] = {
         AT_A,
         replace(STANDING, authority=replace(HOLDS_3, requests=(REPORT_OPEN,))),
         (
-            *UNTIL_DEPARTURE,
+            *(
+                replace(timer, after_s=60.0 + late_s)
+                for timer, late_s in zip(UNTIL_DEPARTURE, (0.0, 45.0), strict=True)
+            ),
             Write(notes.GaveBack(section_ids=SECTIONS)),
             Renew(Ask.REPORT),
             holds("3"),
@@ -247,7 +249,7 @@ PEOPLE: Final[dict[str, Case]] = {
             may_leave=False,
         ),
         (
-            SetTimerAt(LEAVE, NOW_S + 20.0),
+            SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=None)),
             Renew(Ask.REPORT),
             holds("8"),

@@ -12,6 +12,7 @@ from onboard.authority.records import (
     Command,
     Commit,
     Renew,
+    SetTimer,
     StopTimer,
     Timer,
     Write,
@@ -25,24 +26,26 @@ from onboard.duty.records import (
     Phase,
     Place,
     PositionLost,
-    SetTimerAt,
     Started,
     Stopped,
     TagPassed,
+    VehicleChecked,
 )
 from tests.onboard.duty.stage import (
     APPROACH,
     AT_A,
     AT_B,
+    BEFORE_7,
     FINISHED,
     HOLDS_3,
     HOLDS_8,
+    HOLDS_ALL,
     HOLDS_REST,
     LOST,
-    NOW_S,
     ON_6,
     ON_SIGHT,
     ON_THE_LINE,
+    P5,
     P7,
     POSITION,
     RELEASE_LATER,
@@ -160,7 +163,7 @@ SENSED: Final[dict[str, Case]] = {
             may_leave=False,
         ),
         (
-            SetTimerAt(LEAVE, NOW_S + 20.0),
+            SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=0.123)),
             Renew(Ask.REPORT),
             holds("8"),
@@ -174,7 +177,7 @@ SENSED: Final[dict[str, Case]] = {
         replace(FINISHED, entered=frozenset({"5"}), may_ask=True),
         (
             Write(notes.Overran(beyond_m=7.13)),
-            SetTimerAt(LEAVE, NOW_S + 20.0),
+            SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=7.126)),
             Finished("T1"),
         ),
@@ -222,5 +225,49 @@ SENSED: Final[dict[str, Case]] = {
         moved(ON_6, perhaps=4),
         replace(RUNNING, place=moved(ON_6, perhaps=4), authority=replace(HOLDS_REST, unsaid=(P7,))),
         (StopTimer(Timer("points", "P7")),),
+    ),
+    **{
+        f"the vehicle is not in order: it does not start: {at.value}": (
+            STATES[at],
+            VehicleChecked(),
+            moved(STATES[at].place, unfit="doors not closed"),
+            replace(STATES[at], place=moved(STATES[at].place, unfit="doors not closed")),
+            (Write(notes.VehicleUnfit(why="doors not closed")),),
+        )
+        for at in ON_THE_LINE
+        if at not in (Phase.RUNNING, Phase.ON_SIGHT)
+    },
+    **{
+        f"the vehicle is not in order: it is stopped: {at.value}": (
+            STATES[at],
+            VehicleChecked(),
+            moved(STATES[at].place, unfit="brake not in order"),
+            replace(STATES[at], place=moved(STATES[at].place, unfit="brake not in order")),
+            (Write(notes.VehicleUnfit(why="brake not in order")), Order.STOP),
+        )
+        for at in (Phase.RUNNING, Phase.ON_SIGHT)
+    },
+    "it stands short of its mark: stopped all the same, and the driver acknowledges": (
+        RUNNING,
+        VehicleChecked(),
+        moved(ON_6, stands=True, unfit="doors not closed"),
+        replace(RUNNING, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
+        (Write(notes.VehicleUnfit(why="doors not closed")), Order.STOP, RELEASE_LATER),
+    ),
+    "a vehicle in order again lets a train depart that is ready": (
+        replace(
+            STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_ask=True, may_leave=True
+        ),
+        VehicleChecked(),
+        AT_A,
+        replace(
+            STANDING,
+            phase=Phase.RUNNING,
+            authority=replace(HOLDS_ALL, proven=(P5,)),
+            limit=BEFORE_7,
+            may_ask=True,
+            may_leave=True,
+        ),
+        (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), Order.DEPART),
     ),
 }

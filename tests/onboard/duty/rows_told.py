@@ -50,6 +50,7 @@ from tests.onboard.duty.stage import (
     ON_THE_LINE,
     P5,
     P7,
+    RELEASE_LATER,
     ROUTE_OPEN,
     RUNNING,
     SECTIONS,
@@ -98,6 +99,33 @@ TOLD: Final[dict[str, Case]] = {
         )
         for at in ON_THE_LINE
     },
+    **{
+        f"an emergency stop is not acknowledged while the vehicle is not in order: {at.value}": (
+            replace(STATES[at], released=False),
+            TimerDue(RELEASE),
+            moved(STATES[at].place, emergency=True, unfit="brake not in order"),
+            replace(
+                STATES[at],
+                place=moved(STATES[at].place, emergency=True, unfit="brake not in order"),
+                released=False,
+            ),
+            (RELEASE_LATER,),
+        )
+        for at in ON_THE_LINE
+    },
+    "ready in all but its vehicle, it does not depart": (
+        replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
+        TimerDue(LEAVE),
+        moved(AT_A, unfit="doors not closed"),
+        replace(
+            STANDING,
+            place=moved(AT_A, unfit="doors not closed"),
+            authority=replace(HOLDS_ALL, proven=(P5,)),
+            limit=BEFORE_7,
+            may_leave=True,
+        ),
+        (),
+    ),
     "granted, the departure points are thrown": (
         replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
         Heard(Granted("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)),

@@ -24,6 +24,7 @@ from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
 from tests.onboard.duty.stage import (
+    AT_A,
     FINISHED,
     HOLDS_3,
     HOLDS_REST,
@@ -115,6 +116,14 @@ def test_the_rear_that_is_watched_is_that_of_the_first_section_held() -> None:
         (RUNNING, "nothing"),
         (ON_SIGHT, "a tag: its position is unknown"),
         (replace(ON_SIGHT, place=moved(LOST, emergency=True)), "release of the emergency brake"),
+        (
+            replace(ON_SIGHT, place=moved(LOST, emergency=True, unfit="brake not in order")),
+            "vehicle: brake not in order",
+        ),
+        (
+            replace(STANDING, place=moved(AT_A, unfit="doors not closed"), may_leave=True),
+            "vehicle: doors not closed",
+        ),
         (
             replace(STANDING, authority=replace(HOLDS_3, requests=(replace(ROUTE_OPEN, refusal="held: 6"),))),
             "route 3>8: held: 6",

@@ -22,6 +22,7 @@ from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
 from simulation.journal import Journal
 from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
+from simulation.world.clock import Clock
 from simulation.world.point_machine import PointMachine
 from wayside.said import AcceptPicture, EnterSection
 
@@ -37,6 +38,8 @@ class World:
         self.frozen: list[tuple[str, bool]] = []
         self.repaired: list[str] = []
         self.given_back: list[tuple[str, float]] = []
+        self.clocks: list[tuple[str, Clock]] = []
+        self.shown: list[tuple[str, str, bool]] = []
         shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
         on_board: Any = SimpleNamespace(shown=shown.__getitem__)
         self.wayside: Any
@@ -66,6 +69,8 @@ class World:
             lambda unit_id, on: self.switched.append((unit_id, on)),
             lambda unit_id, frozen: self.frozen.append((unit_id, frozen)),
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
+            lambda unit_id, clock: self.clocks.append((unit_id, clock)),
+            lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
         )
         self.injector.start(0)
 

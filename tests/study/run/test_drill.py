@@ -58,7 +58,8 @@ def digest(drill: Drill) -> str:
 
 @pytest.mark.system
 @pytest.mark.parametrize(
-    "name", ["rtri/09_manager_power", "rtri/12_terminal_power", "rtri/24_manager_frozen"]
+    "name",
+    ["rtri/09_manager_power", "rtri/12_terminal_power", "rtri/24_manager_frozen", "rtri/41_clock_drifts"],
 )
 def test_a_drill_is_the_same_with_processes_that_are_killed(name: str) -> None:
     assert digest(run_drill(name, Link.ZENOH)) == digest(run_drill(name, Link.SIMULATED))
