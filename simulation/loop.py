@@ -114,7 +114,7 @@ class Simulation:
         self._broken = ""
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
-        self._injector = Injector(
+        self.injector: Final = Injector(
             setup.script,
             setup.seed,
             self.trains,
@@ -136,7 +136,7 @@ class Simulation:
         """Run to the end: all trains done, the time limit, a stall, or a collision."""
         try:
             self.wayside.start(self._step)
-            self._injector.start(self._step)
+            self.injector.start(self._step)
             self._duties.open(self._step)
             because = self._loop(progress)
         finally:
@@ -179,7 +179,7 @@ class Simulation:
             case Due.SCRIPT if subject.startswith(CREW):
                 self._cabs.crew_looks(self.trains.slot_of[subject.removeprefix(CREW)], step)
             case Due.SCRIPT:
-                self._injector.due(step, subject)
+                self.injector.due(step, subject)
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
 
@@ -361,7 +361,7 @@ class Simulation:
                 for slot, stock_id in enumerate(self.trains.stock_ids)
                 if not self._duties.truly_done(slot)
             ),
-            courses=self._injector.courses,
+            courses=self.injector.courses,
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
         )

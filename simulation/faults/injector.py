@@ -46,6 +46,7 @@ class Injector:
         give_back: GiveBack,
     ) -> None:
         self._script = script
+        self._acts = list(script.acts)  # and those added during the run
         self._seed = seed
         self._trains = trains
         self._on_board = on_board
@@ -77,6 +78,11 @@ class Injector:
             if trigger.at_s is not None:
                 self._come_due(key, trigger.at_s + trigger.after_s)
 
+    def add(self, act: Act, at_s: float) -> None:
+        """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
+        self._acts.append(act)
+        self._come_due(len(self._script.faults) + len(self._acts) - 1, at_s)
+
     def _come_due(self, key: int, at_s: float) -> None:
         step = max(step_not_before(at_s), self._world.step)
         self._agenda.put(step, Due.SCRIPT, f"begin {key}")
@@ -93,7 +99,7 @@ class Injector:
         elif key < len(self._script.faults):
             self._begin(key, self._script.faults[key])
         else:
-            act = self._script.acts[key - len(self._script.faults)]
+            act = self._acts[key - len(self._script.faults)]
             self._courses[key] = Course(act, step / STEPS_PER_S)
             self._act(act)
 
