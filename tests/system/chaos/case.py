@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from study.scenario.scenario import Scenario, load_scenario
@@ -64,9 +64,3 @@ class Case:
     def load(self, folder: Path) -> Scenario:
         """As the program itself reads it."""
         return load_scenario(str(self.write(folder)))
-
-    def without(self, *, fault: int | None = None, act: int | None = None) -> Case:
-        """The same without one fault or act."""
-        faults = tuple(f for i, f in enumerate(self.faults) if i != fault)
-        acts = tuple(a for i, a in enumerate(self.acts) if i != act)
-        return replace(self, faults=faults, acts=acts)

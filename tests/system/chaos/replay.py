@@ -34,37 +34,30 @@ def _table(act: Act) -> dict[str, Any]:
 
 
 def shrunk(case: Case, kind: str, nets: Path) -> tuple[Case, Outcome]:
-    """The smallest case found that ends in the same kind of failure: first of faults, then of acts.
+    """The smallest case found that ends in the same kind of failure, with what its staff did written down.
 
-    People react while faults are taken away; the acts that they then did are taken away one at a time, if it fails
-    with these written down too. Otherwise they stay, and the case comes back with its staff.
+    Only faults and what a crew did of itself are taken away: staff go on putting right what is left, for without them
+    anything would fail. If it does not fail so with their acts written down, it comes back with its staff.
     """
-    case, outcome = _smaller(case, outcome_of(case, nets), kind, nets)
-    written = scripted(case, outcome)
-    again = outcome_of(written, nets)
-    if again.kind != kind:
-        return case, outcome
-    return _smaller(written, again, kind, nets)
-
-
-def _smaller(case: Case, outcome: Outcome, kind: str, nets: Path) -> tuple[Case, Outcome]:
-    runs, found = 0, True
+    outcome, found, runs = outcome_of(case, nets), True, 0
     while found and runs < RUNS_MAX:
         found = False
-        for smaller in _without_one(case):
+        for smaller in _smaller_ones(case):
             runs += 1
             tried = outcome_of(smaller, nets)
             if tried.kind == kind:
                 case, outcome, found = smaller, tried, True
                 break
-    return case, outcome
+    written = scripted(case, outcome)
+    again = outcome_of(written, nets)
+    return (written, again) if again.kind == kind else (case, outcome)
 
 
-def _without_one(case: Case) -> Iterator[Case]:
+def _smaller_ones(case: Case) -> Iterator[Case]:
     for i in reversed(range(len(case.acts))):
-        yield case.without(act=i)
+        yield replace(case, acts=(*case.acts[:i], *case.acts[i + 1 :]))
     for i in reversed(range(len(case.faults))):
-        yield case.without(fault=i)
+        yield replace(case, faults=(*case.faults[:i], *case.faults[i + 1 :]))
     for key in ("air", "operation"):
         if key in case.head:
             yield replace(case, head={k: v for k, v in case.head.items() if k != key})

@@ -15,8 +15,10 @@ from typing import Final
 
 from host.units import LocalUnits
 from network.model import Line
+from onboard.notes import Claimed, EmergencyReleased, Holds, LimitSet, Reported
 from radio.keys import KEY_BYTES
-from simulation.events import Unsafe
+from radio.noted import Sent, TelegramDropped, TookEffect
+from simulation.events import Unsafe, word_of
 from simulation.faults.script import Act
 from simulation.judge.checkers import Checker
 from simulation.loop import Simulation
@@ -32,6 +34,17 @@ from tests.system.chaos.ground import Ground
 from tests.system.chaos.staff import Staff
 
 ROOT: Final = Path(__file__).resolve().parents[3]
+# What a unit goes on saying although nothing happens.
+OF_NO_CAUSE: Final = (
+    Sent,
+    TookEffect,
+    TelegramDropped,
+    Holds,
+    Reported,
+    Claimed,
+    LimitSet,
+    EmergencyReleased,
+)
 
 
 class Verdict(Enum):
@@ -138,11 +151,17 @@ def judged(result: RunResult, line: Line) -> tuple[Verdict, str, tuple[str, ...]
 
 
 def _waits(result: RunResult, line: Line) -> str:
-    """What those wait for that wait for no other train, and on what kind of section; all, where there are none."""
+    """What those wait for that wait for no other train, on what kind of section, and what their units said last; all,
+    where there are none.
+    """
     waits: dict[str, None] = {}
+    last = {
+        e.who: word_of(type(e.event)) for e in result.journal.entries if not isinstance(e.event, OF_NO_CAUSE)
+    }
     for waiting in result.waiting:
         kind = line.sections[waiting.place.split()[1]].kind.value
-        waits[f"{_general(waiting.waits_for, result)} ({kind})"] = None
+        said = last.get(waiting.stock_id, "nothing")
+        waits[f"{_general(waiting.waits_for, result)} ({kind}, last {said})"] = None
     own = [text for text in waits if "held: " not in text]
     return " | ".join(sorted(own or waits)) or result.ended_because
 

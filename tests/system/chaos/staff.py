@@ -8,6 +8,7 @@ accepted; and for a unit that stays silent two of them enter where its train tru
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Final
 
 from simulation.events import Entry, PowerOff, PowerOn
@@ -23,6 +24,7 @@ from wayside.said import Accepted, ConfirmedByHand, Outside, PictureChanged, Sta
 
 LOOKS_EVERY_S: Final = 7.3
 AGAIN_S: Final = 40.0
+TIRED_AFTER: Final = 8  # each try waits longer than the one before, up to so many times
 CONTROLLER, STAFF = "controller", "staff"
 
 
@@ -40,6 +42,7 @@ class Staff:
         self._restored_from_s: float | None = None
         self._silent_s: dict[str, float] = {}
         self._again_s: dict[str, float] = {}
+        self._tries: Counter[str] = Counter()
         simulation.journal.watch(self.see)
 
     def see(self, entry: Entry) -> None:
@@ -71,11 +74,14 @@ class Staff:
             self._see_to_points(t_s, points_id, machine)
         if MANAGER_ID in self._off_s:
             return
-        if self._restored_from_s is not None and t_s - self._restored_from_s > self._manner.picture_s:
-            by_hand = self._simulation.setup.operation.reentry is ReentryMode.BY_HAND
-            self._act(t_s, ActKind.REENTER_BY_HAND if by_hand else ActKind.REENTER_ASSISTED, "", CONTROLLER)
+        restores = self._restored_from_s is not None and t_s - self._restored_from_s > self._manner.picture_s
+        by_hand = self._simulation.setup.operation.reentry is ReentryMode.BY_HAND
+        if restores and by_hand:
+            self._enter_all(t_s)
+        elif restores:
+            self._act(t_s, ActKind.REENTER_ASSISTED, "", CONTROLLER)
         for unit_id, since_s in list(self._silent_s.items()):
-            if t_s - since_s > self._manner.silent_s:
+            if t_s - since_s > self._manner.silent_s and not (restores and by_hand):
                 self._speak_for(t_s, unit_id)
 
     def _act(
@@ -91,7 +97,8 @@ class Staff:
         key = f"{kind.value} {target} {person}"
         if t_s < self._again_s.get(key, 0.0):
             return
-        self._again_s[key] = t_s + AGAIN_S
+        self._tries[key] += 1
+        self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
         at_s = round(t_s + STEP_S, 1)
         act = Act(kind, target, Trigger(at_s=at_s), person, sections, position)
         self.acts.append(act)
@@ -130,12 +137,31 @@ class Staff:
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person)
         elif simulation.trains.plants[slot].speed_mps <= 0.0:
-            line = simulation.setup.line
-            held = {line.pieces[piece].section_id for piece in self._pieces_under(slot)}
-            held |= set(simulation.on_board.shown(slot).held)
-            sections = tuple(section for section in line.sections if section in held)
             for person in (CONTROLLER, STAFF):
-                self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, sections)
+                self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, self._held(slot))
+
+    def _enter_all(self, t_s: float) -> None:
+        """Two persons enter every section of the line, alike; one accepts the picture."""
+        simulation = self._simulation
+        held = {
+            stock_id: self._held(slot)
+            for slot, stock_id in enumerate(simulation.trains.stock_ids)
+            if simulation.trains.truths[slot].active
+        }
+        free = tuple(
+            s for s in simulation.setup.line.sections if not any(s in mine for mine in held.values())
+        )
+        for person in (CONTROLLER, STAFF):
+            for unit_id, sections in {**held, "": free}.items():
+                self._act(t_s, ActKind.ENTER_SECTION, unit_id, person, sections)
+        self._act(t_s, ActKind.ACCEPT_PICTURE, "", CONTROLLER)
+
+    def _held(self, slot: int) -> tuple[str, ...]:
+        """What the train occupies, and what its unit shows beyond that, in the order of the line."""
+        line = self._simulation.setup.line
+        held = {line.pieces[piece].section_id for piece in self._pieces_under(slot)}
+        held |= set(self._simulation.on_board.shown(slot).held)
+        return tuple(section for section in line.sections if section in held)
 
     def _pieces_under(self, slot: int) -> set[str]:
         trains = self._simulation.trains
