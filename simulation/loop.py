@@ -116,7 +116,7 @@ class Simulation:
         self._collisions: tuple[str, ...] = ()
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
-        self._injector = Injector(
+        self.injector: Final = Injector(
             setup.script,
             setup.seed,
             self.trains,
@@ -161,7 +161,7 @@ class Simulation:
     def begin(self) -> None:
         """Let everything begin that has a time of its own."""
         self.wayside.start(self._step)
-        self._injector.start(self._step)
+        self.injector.start(self._step)
         self._duties.open(self._step)
 
     def finish(self, progress: Progress | None = None) -> RunResult:
@@ -200,7 +200,7 @@ class Simulation:
 
     def happens(self, script: Script) -> None:
         """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
-        self._injector.take_up(script, self._step)
+        self.injector.take_up(script, self._step)
 
     def _handle(self, item: Item) -> None:
         step, subject = self._step, item.subject
@@ -218,7 +218,7 @@ class Simulation:
             case Due.SCRIPT if subject.startswith(CREW):
                 self._cabs.crew_looks(self.trains.slot_of[subject.removeprefix(CREW)], step)
             case Due.SCRIPT:
-                self._injector.due(step, subject)
+                self.injector.due(step, subject)
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
 
@@ -409,7 +409,7 @@ class Simulation:
                 for slot, stock_id in enumerate(self.trains.stock_ids)
                 if not self._duties.truly_done(slot)
             ),
-            courses=self._injector.courses,
+            courses=self.injector.courses,
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
         )

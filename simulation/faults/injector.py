@@ -62,6 +62,7 @@ class Injector:
         unit_vehicle: ShowVehicle,
     ) -> None:
         self._script = script
+        self._acts = list(script.acts)  # and those added during the run
         self._seed = seed
         self._trains = trains
         self._on_board = on_board
@@ -98,10 +99,16 @@ class Injector:
         if self._triggers or any(trigger.at_s is None for trigger in triggers.values()):
             raise ValueError("a script is taken up by time, where there is none")
         self._script, self._triggers = script, triggers
+        self._acts = list(script.acts)
         self._world.step = step
         for key, trigger in triggers.items():
             at_step = max(step_not_before((trigger.at_s or 0.0) + trigger.after_s), step)
             self._agenda.put_first(at_step, Due.SCRIPT, f"begin {key}")
+
+    def add(self, act: Act, at_s: float) -> None:
+        """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
+        self._acts.append(act)
+        self._come_due(len(self._script.faults) + len(self._acts) - 1, at_s)
 
     def _come_due(self, key: int, at_s: float) -> None:
         step = max(step_not_before(at_s), self._world.step)
@@ -113,7 +120,7 @@ class Injector:
         what, number = subject.split()
         key = int(number)
         if what == "look":
-            self._accept_when_complete(self._script.acts[key], key)
+            self._accept_when_complete(self._acts[key], key)
         elif what == "word":
             self._wayside.input(step, MANAGER_ID, self._words[key])
         elif what == "end":
@@ -121,7 +128,7 @@ class Injector:
         elif key < len(self._script.faults):
             self._begin(key, self._script.faults[key])
         else:
-            act = self._script.acts[key - len(self._script.faults)]
+            act = self._acts[key - len(self._script.faults)]
             self._courses[key] = Course(act, step / STEPS_PER_S)
             self._act(act)
 
@@ -189,7 +196,7 @@ class Injector:
             case ActKind.ACCEPT_PICTURE:
                 self._enter([AcceptPicture(act.person)], act.pace_s)
             case ActKind.REENTER_ASSISTED:
-                self._accept_when_complete(act, self._script.acts.index(act))
+                self._accept_when_complete(act, self._acts.index(act))
             case ActKind.ENTER_SECTION:
                 for section_id in act.sections:
                     word = EnterSection(section_id, act.target or None, act.person)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -229,3 +230,24 @@ def test_started_again_without_power_a_device_stays_off() -> None:
     assert not any(on for _, on in world.switched)
     world.run_to(110)
     assert world.switched[-1] == ("B-W", True)
+
+
+def test_an_act_added_during_the_run_is_done_at_its_time_after_those_of_the_script() -> None:
+    accept = Act(ActKind.ACCEPT_PICTURE, "", Trigger(at_s=30.0))
+    world = World(Failure(PowerOff(target="A-W"), Trigger(at_s=1.0), 5.0), accept)
+    world.run_to(100)
+    switch_on = Act(ActKind.POWER_ON, "K1", Trigger(at_s=40.0), "staff")
+    world.injector.add(switch_on, 40.0)
+    world.injector.add(replace(accept, person="staff"), 20.0)
+    world.run_to(399)
+    assert world.inputs == [
+        ("block-manager", AcceptPicture("staff")),
+        ("block-manager", AcceptPicture("controller")),
+    ]
+    assert [course.begun_s for course in world.injector.courses] == [1.0, 30.0, 20.0]
+    world.run_to(400)
+    assert [course.item for course in world.injector.courses[1:]] == [
+        accept,
+        switch_on,
+        replace(accept, person="staff"),
+    ]
