@@ -34,6 +34,7 @@ from onboard.duty.records import (
     Begin,
     ChangeEnds,
     DutyState,
+    EndOfHeld,
     Event,
     Heard,
     How,
@@ -201,7 +202,7 @@ def _people(run: Run) -> Iterator[_Happening]:
         other = 1 - run.plan
         if run.spot == END and set(run.state.authority.held) == set(run.under):
             yield Begin(PLANS[other], signs_on=False), run._replace(plan=other, spot=0, moves=False, read=-1)
-    if phase is Phase.STANDING:
+    if phase is Phase.STANDING or (phase is Phase.RUNNING and not run.moves):
         yield SetBack(60.0), run
     if command_of(PLANS[run.plan], run.state).confirm:
         yield (AtMark(run.state.at) if run.spot == END else NotAtMark()), run
@@ -211,6 +212,8 @@ def _people(run: Run) -> Iterator[_Happening]:
             yield PointsWrong(X), run
         if not run.known and run.spot == END and run.state.stands_at != 1:
             yield AtMark(1), run
+        if not run.known and not run.state.authority.holds(PLANS[run.plan].spans[-1].section_id):
+            yield EndOfHeld(run.spot // _PLACES_A_SPAN), run
 
 
 def _movement(run: Run) -> Iterator[_Happening]:
@@ -238,7 +241,7 @@ def _movement(run: Run) -> Iterator[_Happening]:
 def _time(run: Run) -> Iterator[_Happening]:
     state = run.state
     waits = state.phase is Phase.STANDING or (state.phase is Phase.ON_SIGHT and state.stands_at is not None)
-    if waits and not state.may_ask:
+    if (waits or state.phase is Phase.RUNNING) and not state.may_ask:
         yield TimerDue(ASK), run
     if waits and not state.may_leave:
         yield TimerDue(LEAVE), run

@@ -161,8 +161,8 @@ class Cabs:
             self.tell(slot, step, happened)
 
     def crew_watches(self, slot: int) -> bool:
-        """Whether the crew stands before points and looks again until they lie right."""
-        return slot in self._looking and self._crew.watches(slot)
+        """Whether the crew stands before points and looks again until they lie right, or sees to its vehicle."""
+        return self._on_board.ails(slot) or (slot in self._looking and self._crew.watches(slot))
 
     def _keep_looking(self, slot: int, step: int) -> None:
         asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm

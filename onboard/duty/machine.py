@@ -47,6 +47,7 @@ from onboard.duty.records import (
     Begin,
     ChangeEnds,
     DutyState,
+    EndOfHeld,
     Event,
     Finished,
     Heard,
@@ -302,6 +303,9 @@ def held_up(turn: Turn) -> None:
         turn.ask(turn.plan.leg_at(place.here))
     if limit.why == NOT_PROVEN and place.perhaps > limit.joint:
         on_sight.give_up_position(turn)
+    elif limit.why == NOT_PROVEN:
+        turn.want(turn.plan.spans[limit.joint].points)
+        throw_wanted(turn)
 
 
 def remember_entered(turn: Turn) -> None:
@@ -398,6 +402,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.ON_SIGHT, PointsSeen): on_sight.points_seen,
         (Phase.ON_SIGHT, PointsWrong): on_sight.points_wrong,
         (Phase.ON_SIGHT, AtMark): on_sight.at_mark,
+        (Phase.ON_SIGHT, EndOfHeld): on_sight.end_of_held,
         **dict.fromkeys(((p, AtMark) for p in AT_A_MARK), confirm),
         **dict.fromkeys(((p, NotAtMark) for p in (Phase.STANDING, Phase.FINISHED)), on_sight.not_at_mark),
         **dict.fromkeys(((p, TagPassed) for p in _ON_THE_LINE), tag_passed),

@@ -16,6 +16,7 @@ from onboard.authority.records import BeginOnLine, CheckedByCrew, Cleared, Throw
 from onboard.authority.stop_limit import cleared_sections
 from onboard.duty.records import (
     AtMark,
+    EndOfHeld,
     Finished,
     NotAtMark,
     Order,
@@ -93,6 +94,11 @@ def at_mark(turn: Turn, event: AtMark) -> None:
     cleared = cleared_sections(turn.plan, turn.state.authority, stop.clear)
     if cleared:
         turn.authority(Cleared(cleared))
+
+
+def end_of_held(turn: Turn, event: EndOfHeld) -> None:
+    """Asks for the route that leads on from where its driver sees the train stand."""
+    turn.ask(turn.plan.leg_at(event.span))
 
 
 def recovered(turn: Turn) -> bool:

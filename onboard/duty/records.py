@@ -143,6 +143,12 @@ class AtMark(msgspec.Struct, frozen=True, tag=True):
     stop: int
 
 
+class EndOfHeld(msgspec.Struct, frozen=True, tag=True):
+    """On sight, a train stands where what is held ends; its driver sees in which span of the plan it is."""
+
+    span: int
+
+
 class NotAtMark(msgspec.Struct, frozen=True, tag=True):
     """Asked whether the whole train is at its mark, the driver sees that it is not."""
 
@@ -203,7 +209,18 @@ class Heard(msgspec.Struct, frozen=True, tag=True):
     event: AuthorityEvent
 
 
-Person = Begin | SwitchedOn | ChangeEnds | Leave | SetBack | PointsSeen | PointsWrong | AtMark | NotAtMark
+Person = (
+    Begin
+    | SwitchedOn
+    | ChangeEnds
+    | Leave
+    | SetBack
+    | PointsSeen
+    | PointsWrong
+    | AtMark
+    | NotAtMark
+    | EndOfHeld
+)
 Sensed = TagPassed | PositionLost | Started | Stopped | Looked | VehicleChecked
 Event = Person | Sensed | TimerDue | Heard
 

@@ -79,4 +79,6 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
         yield "the driver's confirmation that the whole train has arrived"
     if authority.open(Ask.REPORT) is not None and state.place.stands:
         yield "the block manager's confirmation of what is held"
+    if state.phase is Phase.RUNNING and not state.may_ask:
+        yield "the end of the hold on its route"
     yield _IDLE.get(state.phase, "nothing" if state.place.known else "a tag: its position is unknown")

@@ -15,7 +15,7 @@ from typing import Final
 from network.model import SectionKind
 from onboard.duty.mission import Mission
 from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M, Plan, PointsNeeded
-from onboard.duty.records import AtMark, Command, NotAtMark, Person, PointsSeen, PointsWrong
+from onboard.duty.records import AtMark, Command, EndOfHeld, NotAtMark, Person, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M
@@ -100,7 +100,17 @@ class Crew:
             there = front_m >= duty.mission.targets[shown.at].mark_m - ARRIVED_ON_SIGHT_WITHIN_M
             return [AtMark(shown.at) if there else NotAtMark()]
         reached = self._mark_reached(duty.mission, shown, front_m)
-        return self._look_at_points(slot, plan, now_s) if reached is None else [AtMark(reached)]
+        if reached is not None:
+            return [AtMark(reached)]
+        return self._look_at_points(slot, plan, now_s) or self._at_end_of_held(slot, duty.mission, shown)
+
+    def _at_end_of_held(self, slot: int, mission: Mission, shown: Command) -> list[Person]:
+        """The span where it stands, if it cannot go on because the unit does not hold what is ahead."""
+        front_m = float(self._trains.truths[slot].position_m)
+        index = mission.spans.index(mission.span_at(front_m))
+        ends = self._held_end_m(slot, shown) - front_m < SEES_M and index + 1 < len(mission.spans)
+        asks = ends and shown.on_line and mission.spans[index + 1].section_id not in shown.held
+        return [EndOfHeld(index)] if asks else []
 
     @staticmethod
     def _mark_reached(mission: Mission, shown: Command, front_m: float) -> int | None:

@@ -109,6 +109,10 @@ class OnBoard:
         """The compiled tick reported."""
         return [] if slot in self.unpowered else self._motions[slot].events(bits)
 
+    def ails(self, slot: int) -> bool:
+        """Whether something of the vehicle is not in order, as its inputs show it."""
+        return bool(self._motions[slot].vehicle.unfit)
+
     def vehicle_shows(self, slot: int, part: VehiclePart, *, good: bool) -> list[Sensed]:
         """What doors or brake show from now on."""
         motion = self._motions[slot]

@@ -116,6 +116,8 @@ def timers_named(run: Run) -> set[Timer]:
     last = len(PLANS[run.plan].stops) - 1
     if state.phase is Phase.STANDING and state.at < last:
         named |= {timer for timer, over in ((ASK, state.may_ask), (LEAVE, state.may_leave)) if not over}
+    if state.phase is Phase.RUNNING and not state.may_ask:
+        named.add(ASK)
     if state.phase is Phase.ON_SIGHT and state.stands_at not in (None, last) and not state.may_leave:
         named.add(LEAVE)
     return named

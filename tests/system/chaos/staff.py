@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Final
 
+from network.model import SectionKind
 from simulation.events import Entry, PowerOff, PowerOn
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.loop import Simulation
@@ -92,6 +93,7 @@ class Staff:
         person: str,
         sections: tuple[str, ...] = (),
         position: str = "",
+        place: str = "",
     ) -> None:
         """Do it in the next step, and not again at once."""
         key = f"{kind.value} {target} {person}"
@@ -100,7 +102,7 @@ class Staff:
         self._tries[key] += 1
         self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
         at_s = round(t_s + STEP_S, 1)
-        act = Act(kind, target, Trigger(at_s=at_s), person, sections, position)
+        act = Act(kind, target, Trigger(at_s=at_s), person, sections, position, place=place)
         self.acts.append(act)
         self._simulation.injector.add(act, at_s)
 
@@ -135,10 +137,18 @@ class Staff:
         slot = simulation.trains.slot_of[unit_id]
         if not simulation.trains.truths[slot].active:
             for person in (CONTROLLER, STAFF):
-                self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person)
+                self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person, place=self._portal(slot))
         elif simulation.trains.plants[slot].speed_mps <= 0.0:
             for person in (CONTROLLER, STAFF):
                 self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, self._held(slot))
+
+    def _portal(self, slot: int) -> str:
+        """The portal before which stock that is not on the line stands."""
+        simulation = self._simulation
+        duty, line = simulation.trains.duties[slot], simulation.setup.line
+        spans = () if duty is None else duty.mission.spans
+        portals = [section.id for section in line.sections.values() if section.kind is SectionKind.PORTAL]
+        return next((s.section_id for s in reversed(spans) if s.section_id in portals), portals[0])
 
     def _enter_all(self, t_s: float) -> None:
         """Two persons enter every section of the line, alike; one accepts the picture."""
