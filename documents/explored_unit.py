@@ -14,6 +14,7 @@ from network.model import Position, SectionKind, TagPurpose
 from onboard.authority.records import (
     Ask,
     Confirmed,
+    Contested,
     Granted,
     PeerRestarted,
     PointsDenied,
@@ -255,6 +256,8 @@ def _telegrams(run: Run) -> Iterator[_Happening]:
     if run.state.phase not in (Phase.OFF, Phase.GONE):
         for event in (*_answers(run), *_of_points(run), Queried(), PeerRestarted()):
             yield Heard(event), run
+        if run.state.authority.on_line:
+            yield Heard(Contested(run.state.authority.held[:1])), run
 
 
 def _answers(run: Run) -> Iterator[AuthorityEvent]:
@@ -281,6 +284,8 @@ def _answers(run: Run) -> Iterator[AuthorityEvent]:
                 yield Confirmed(state.held, answers=True, newer=False)
                 yield Confirmed(state.held, answers=True, newer=True)
                 yield Confirmed((*state.held, "elsewhere"), answers=True, newer=True)
+                yield Confirmed(state.held, answers=True, newer=False, contested=state.held[:1])
+                yield Confirmed(state.held[1:], answers=True, newer=False)
 
 
 def _with_points(section_ids: tuple[str, ...]) -> tuple[str, ...]:

@@ -113,6 +113,8 @@ class Unit:
         return answer
 
     def _take(self, event: Event, place: Place, now_s: float) -> None:
+        if Order.LOSE in self._orders:  # its driving part has yet to obey
+            place = msgspec.structs.replace(place, known=False, emergency=True)
         if isinstance(event, Begin | SwitchedOn):
             self.plan = event.plan
         if isinstance(event, SwitchedOn):
