@@ -206,6 +206,15 @@ HAZARDS: Final = (
         ("the crew does not look at the points",),
     ),
     Hazard(
+        "Points are thrown after a crew has looked at them",
+        "another's command, or the own unit's under the same token, once the train passes on sight",
+        "the crew locks the machine on the spot and keeps its key until the rear has left; its terminal refuses",
+        ("simulation.world.crew", "simulation.world.point_machine", "wayside.point_terminal"),
+        (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
+        ("rtri/44_points_locked_by_crew", "karasuyama/44_points_locked_by_crew"),
+        ("the crew does not lock the points that it passes",),
+    ),
+    Hazard(
         "Everything stands for ever",
         "safe, and of no use: refusals without end, lost telegrams that nobody repeats",
         "whatever is open is repeated until it is answered; what a failure left behind heals with the next report",

@@ -44,7 +44,7 @@ class Cabs:
         self._books = books
         self._agenda = agenda
         self._journal = journal
-        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal)
+        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal, wayside)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._timer_steps: dict[int, int] = {}
         self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
@@ -84,6 +84,7 @@ class Cabs:
         """Stops are booked by the truth; the crew looks at the unit's display and at the line."""
         self._books.look_for_arrival(slot, step / STEPS_PER_S)
         self._crew.look_ahead(slot)
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
         self._keep_looking(slot, step)
         self.looked_ahead(slot)
 
@@ -127,6 +128,10 @@ class Cabs:
         happened = [] if slot in self._frozen else self._crew.stand(slot, step / STEPS_PER_S)
         if happened:
             self.tell(slot, step, happened)
+
+    def rear_passed(self, slot: int, step: int) -> None:
+        """The rear of a train has left a piece of track: its crew may have no more use for a key of points."""
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
 
     def _keep_looking(self, slot: int, step: int) -> None:
         if slot in self._looking or not self._on_board.drives_on_sight(slot):
