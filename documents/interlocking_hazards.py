@@ -180,6 +180,8 @@ HAZARDS: Final = (
             "rtri/25_wrong_tag_id",
             "rtri/26_tags_swapped",
             "rtri/27_slippery_rail",
+            "rtri/45_tags_by_bits",
+            "karasuyama/45_tags_by_bits",
         ),
         (
             "a tag accepted outside its window",

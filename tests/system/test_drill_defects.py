@@ -208,6 +208,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "41_clock_drifts": (judges_no_time, "it does not enter them"),
         "42_doors": (sees_no_vehicle, "it does not depart with a door open"),
         "44_points_locked_by_crew": (keeps_the_key_for_ever, "every train reaches its station"),
+        "45_tags_by_bits": ("expects_no_tag", "the unit finds that a tag is missing"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
     }
 )
