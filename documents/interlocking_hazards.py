@@ -181,6 +181,8 @@ HAZARDS: Final = (
             "rtri/25_wrong_tag_id",
             "rtri/26_tags_swapped",
             "rtri/27_slippery_rail",
+            "rtri/45_tags_by_bits",
+            "karasuyama/45_tags_by_bits",
         ),
         (
             "a tag accepted outside its window",
@@ -205,6 +207,15 @@ HAZARDS: Final = (
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
         ("rtri/05_unit_power_position_unknown",),
         ("the crew does not look at the points",),
+    ),
+    Hazard(
+        "Points are thrown after a crew has looked at them",
+        "another's command, or the own unit's under the same token, once the train passes on sight",
+        "the crew locks the machine on the spot and keeps its key until the rear has left; its terminal refuses",
+        ("simulation.world.crew", "simulation.world.point_machine", "wayside.point_terminal"),
+        (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
+        ("rtri/44_points_locked_by_crew", "karasuyama/44_points_locked_by_crew"),
+        ("the crew does not lock the points that it passes",),
     ),
     Hazard(
         "Everything stands for ever",

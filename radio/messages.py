@@ -55,6 +55,7 @@ class PointsRefusalReason(Enum):
     OLD_TOKEN = 4  # a newer holder has commanded since
     LOCKED = 5  # this holder already has the points locked the other way
     NOT_DETECTED = 6  # thrown, but position or lock did not prove in time
+    LOCKED_BY_HAND = 7  # a crew passes them on sight and has the key
 
 
 class Capability(msgspec.Struct, frozen=True, array_like=True):

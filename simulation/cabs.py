@@ -44,7 +44,7 @@ class Cabs:
         self._books = books
         self._agenda = agenda
         self._journal = journal
-        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal)
+        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal, wayside)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
@@ -89,6 +89,7 @@ class Cabs:
         shown = self._on_board.shown(slot)
         (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
         self._keep_looking(slot, step)
         self.looked_ahead(slot)
 
@@ -163,6 +164,10 @@ class Cabs:
     def crew_watches(self, slot: int) -> bool:
         """Whether the crew stands before points and looks again until they lie right, or sees to its vehicle."""
         return self._on_board.ails(slot) or (slot in self._looking and self._crew.watches(slot))
+
+    def rear_passed(self, slot: int, step: int) -> None:
+        """The rear of a train has left a piece of track: its crew may have no more use for a key of points."""
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
 
     def _keep_looking(self, slot: int, step: int) -> None:
         asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm

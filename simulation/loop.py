@@ -326,6 +326,8 @@ class Simulation:
         trains, cabs, step = self.trains, self._cabs, self._step
         if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(slot)
+        if passed & PASSED_REAR:
+            cabs.rear_passed(slot, step)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
         if passed & PASSED_TAG:

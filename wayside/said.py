@@ -31,12 +31,13 @@ class ConfirmHolding(msgspec.Struct, frozen=True, array_like=True, tag=2):
 
 class PointsDetected(msgspec.Struct, frozen=True, array_like=True, tag=3):
     """World to terminal: what the detection contacts show, at each change and after a restart. None:
-    neither.
+    neither. `by_hand`: a crew has locked the machine on the spot, and its motor is cut out.
     """
 
     points_id: str
     position: Position | None
     locked: bool
+    by_hand: bool = False
 
 
 class EnterSection(msgspec.Struct, frozen=True, array_like=True, tag=4):

@@ -16,7 +16,9 @@ from simulation.agenda import Agenda, Due
 from simulation.events import (
     WORLD,
     PointsForced,
+    PointsKeyBack,
     PointsLocked,
+    PointsLockedByHand,
     PointsMoving,
     PointsSetByHand,
     PointsUnlocked,
@@ -27,7 +29,7 @@ from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
 from simulation.world.clock import Clock
-from simulation.world.point_machine import PointMachine, Repaired
+from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from wayside.config import MANAGER_ID
 from wayside.said import Input, Output
 
@@ -176,6 +178,12 @@ class WaysideWorld:
         points = machine.points_id
         if before.locked and not machine.locked:
             self._journal.write(step / STEPS_PER_S, WORLD, PointsUnlocked(points_id=points))
+        if machine.key and machine.key != before.key:
+            taken = PointsLockedByHand(points_id=points, unit_id=machine.key)
+            self._journal.write(step / STEPS_PER_S, WORLD, taken)
+        if before.key and not machine.key:
+            back = PointsKeyBack(points_id=points, unit_id=before.key)
+            self._journal.write(step / STEPS_PER_S, WORLD, back)
         if machine.target is not None and machine.target is not before.target:
             moving = PointsMoving(points_id=points, target=machine.target)
             self._journal.write(step / STEPS_PER_S, WORLD, moving)
@@ -194,6 +202,16 @@ class WaysideWorld:
         self._moved(step, machine)
         if machine.done_at_s is not None:
             self._agenda.put(max(step_not_before(machine.done_at_s), step), Due.POINTS, machine.points_id)
+
+    def lock_by_hand(self, step: int, points_id: str, unit_id: str) -> None:
+        """The crew of a train locks points on the spot and takes the key; the terminal sees it."""
+        locked = point_machine.step(self.machines[points_id], LockedByHand(unit_id), step / STEPS_PER_S)
+        self._moved(step, locked)
+
+    def give_key_back(self, step: int, points_id: str, unit_id: str) -> None:
+        """The crew gives the key of points back."""
+        back = point_machine.step(self.machines[points_id], KeyBack(unit_id), step / STEPS_PER_S)
+        self._moved(step, back)
 
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""

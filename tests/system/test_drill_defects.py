@@ -130,6 +130,10 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("study.run.run.terminal_configs", strict)
 
 
+def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Crew, "give_keys_back", lambda *_: None)
+
+
 def sees_no_vehicle(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Vehicle, "unfit", "")
 
@@ -207,6 +211,8 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "40_clock_wrong": (judges_no_time, "no section behind it is released"),
         "41_clock_drifts": (judges_no_time, "it does not enter them"),
         "42_doors": (sees_no_vehicle, "it does not depart with a door open"),
+        "44_points_locked_by_crew": (keeps_the_key_for_ever, "every train reaches its station"),
+        "45_tags_by_bits": ("expects_no_tag", "the unit finds that a tag is missing"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
     }
 )
