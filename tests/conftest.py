@@ -18,6 +18,7 @@ from hypothesis import settings
 settings.register_profile("branchline", deadline=None, derandomize=True)
 settings.load_profile("branchline")
 
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """What tests record as `figures`, one line each, at the end."""
     for reports in terminalreporter.stats.values():

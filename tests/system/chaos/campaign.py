@@ -6,12 +6,14 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
 from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family
 from tests.system.chaos.generator import case_of
 from tests.system.chaos.run_one import Outcome, outcome_of, undisturbed
 
+LONG_S: Final = 10.0
 Seen = Callable[[Case, Outcome], bool]  # whether to go on
 
 
@@ -32,13 +34,19 @@ class Figures:
         """Cases that did not end well."""
         return self.runs - self.kinds["fine"]
 
+    @property
+    def stood(self) -> int:
+        """Cases that ended well and in which trains stood for long beyond plan."""
+        return sum(stopped_s > LONG_S for stopped_s in self.stopped_s)
+
     def __str__(self) -> str:
         """In one line."""
         stood_s = sorted(self.stopped_s) or [0.0]
         return (
             f"{self.runs} runs, {self.faults} faults, {self.acts} acts of staff, {self.simulated_s / 3600.0:.1f} h"
             f" simulated; stopped beyond plan {sum(stood_s) / 3600.0:.1f} h in all, {stood_s[len(stood_s) // 2]:.0f} s"
-            f" in the middle run, {stood_s[-1]:.0f} s at most; {self.failed} failed"
+            f" in the middle run, {stood_s[-1]:.0f} s at most, {self.stood} runs over 10 s; {self.failed} failed"
+            f" ({', '.join(f'{count} {kind}' for kind, count in self.kinds.most_common())})"
         )
 
     def by_kind(self) -> str:

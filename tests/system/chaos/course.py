@@ -8,21 +8,24 @@ import numpy as np
 
 from network.timetable import clock
 from onboard.notes import Arrived, Departs, Holds, MissionBegun
+from radio.noted import Sent
 from simulation.events import Entered, Entry, PointsLocked, PointsMoving, TagPassed, unit_of
 from simulation.faults.script import matcher_of
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
+from wayside.said import PointsCommanded
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
     """An undisturbed run. `moving_s`: whole seconds at which any train moves; `events`: (time, words), first of its
-    words; `stopped_s`: time that trains stood between their first and last movement.
+    words; `uses`: (time, what is used then): units, devices, points, tags; `stopped_s`: time that trains stood between
+    their first and last movement.
     """
 
     moving_s: tuple[int, ...]
     events: tuple[tuple[float, str], ...]
-    tags: tuple[str, ...]
+    uses: tuple[tuple[float, str], ...]
     stopped_s: float
 
 
@@ -38,9 +41,22 @@ def course_of(result: RunResult) -> Course:
         words = words_of(entry, train_of)
         if words is not None:
             events.setdefault(words, entry.t_s)
-    tags = sorted({str(e.event.tag_id) for e in result.journal.entries if isinstance(e.event, TagPassed)})
+    uses = tuple((e.t_s, name) for e in result.journal.entries for name in used_by(e))
     firsts = tuple((t_s, words) for words, t_s in events.items())
-    return Course(tuple(int(s) for s in moving), firsts, tuple(tags), stopped_s(result))
+    return Course(tuple(int(s) for s in moving), firsts, uses, stopped_s(result))
+
+
+def used_by(entry: Entry) -> tuple[str, ...]:
+    """What an entry shows to be in use."""
+    match entry.event:
+        case Sent(source=source, receiver=receiver):
+            return source, receiver
+        case TagPassed(tag_id=tag_id):
+            return (str(tag_id),)
+        case PointsCommanded(points_id=points_id):
+            return (points_id,)
+        case _:
+            return ()
 
 
 def words_of(entry: Entry, train_of: dict[str, str]) -> str | None:

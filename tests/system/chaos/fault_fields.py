@@ -5,7 +5,7 @@ A field is drawn between the bounds of its own schema, or in the part of them th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from typing import Any, Final
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -28,6 +28,7 @@ RANGES: Final[dict[tuple[str, str], tuple[float, float, str]]] = {
 WITHOUT_BOUND: Final = (0.0, 10.0)
 TAG_OF_THE_LINE_P: Final = 0.6  # a wrong id that is another tag's says a wrong place; most others say nothing
 ANY_PARTY_P: Final = 0.3
+IN_USE_P: Final = 0.8
 
 
 def bounds_of(kind: type[Fault[Any]], name: str) -> tuple[float, float]:
@@ -65,19 +66,28 @@ def _value(
     raise TypeError(f"{kind.kind}.{name} is {info.annotation}: say here how it is drawn")
 
 
-def target_of(kind: type[Fault[Any]], names: Names, passed_tags: Sequence[str], draw: Draw) -> str:
-    """What it aims at: of tags mostly one that some train passes, of links one that is used, of devices as often a unit
-    as one of the ground, and there as often the manager as a terminal.
+def target_of(kind: type[Fault[Any]], names: Names, uses: Collection[str], draw: Draw) -> str:
+    """What it aims at: mostly something that is in use; of devices as often a unit as one of the ground, and there as
+    often the manager as a terminal.
     """
+    if draw.chance(IN_USE_P):
+        names = Names(
+            units=_used(names.units, uses),
+            devices=_used(names.devices, uses),
+            tags=_used(names.tags, uses),
+            points=_used(names.points, uses),
+        )
     if kind.aims_at == "link":
         return _link(names, draw)
-    if kind.aims_at == "tag" and passed_tags and draw.chance(0.9):
-        return draw.one_of(passed_tags)
     targets = kind.targets(names)
     if MANAGER_ID in targets:
         terminals = [name for name in names.devices if name != MANAGER_ID] or [MANAGER_ID]
         targets = draw.one_of((names.units, draw.one_of(((MANAGER_ID,), tuple(terminals)))))
     return draw.one_of(targets)
+
+
+def _used(names: tuple[str, ...], uses: Collection[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if name in uses) or names
 
 
 def _link(names: Names, draw: Draw) -> str:

@@ -44,8 +44,7 @@ def case_of(family: Family, seed: int, nets: Path) -> Case:
     from_s = max(first_s, min(moves_s - BEFORE_S, last_s - length_s))
     times = _Times(from_s, min(from_s + length_s, last_s), course)
     faults = tuple(
-        _fault(times, names, course, draw.of("fault", str(i)))
-        for i in range(draw.of("count").whole(1, FAULTS_MAX))
+        _fault(times, names, draw.of("fault", str(i))) for i in range(draw.of("count").whole(1, FAULTS_MAX))
     )
     return Case(
         f"{family.value}_{seed}",
@@ -63,6 +62,7 @@ class _Times:
     def __init__(self, from_s: float, to_s: float, course: Course) -> None:
         self.from_s, self.to_s = from_s, to_s
         self.events = tuple(words for t_s, words in course.events if from_s <= t_s <= to_s)
+        self.uses = frozenset(name for t_s, name in course.uses if from_s <= t_s <= to_s)
 
     def drawn(self, draw: Draw) -> dict[str, Any]:
         """The keys `start` and `after_s`."""
@@ -74,10 +74,10 @@ class _Times:
         return {"start": clock_tenths(draw.between(self.from_s, self.to_s, 1))}
 
 
-def _fault(times: _Times, names: Names, course: Course, draw: Draw) -> dict[str, Any]:
+def _fault(times: _Times, names: Names, draw: Draw) -> dict[str, Any]:
     fails = draw.of("quantity").one_of(sorted({kind.changes for kind in KINDS}))
     kind = draw.of("kind").one_of([kind for kind in KINDS if kind.changes == fails])
-    table = {"kind": kind.kind, "target": target_of(kind, names, course.tags, draw.of("target"))}
+    table = {"kind": kind.kind, "target": target_of(kind, names, times.uses, draw.of("target"))}
     table |= times.drawn(draw.of("time"))
     if not kind.momentary:
         table["duration_s"] = draw.of("duration").by_size(*DURATION_S)

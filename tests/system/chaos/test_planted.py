@@ -1,7 +1,7 @@
 """Random cases find defects that are planted: that they find nothing means something.
 
-Not all: what only a party that misbehaves could bring out, random faults cannot. How many cases each takes depends on the
-draws; the limits here are several times that.
+Not all: what only a party that misbehaves could bring out, random faults cannot. How many cases each takes depends on
+the draws; the limits here are several times that.
 """
 
 from __future__ import annotations
