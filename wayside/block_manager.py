@@ -362,7 +362,9 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     register = register.with_held(unit_id, (*before, *added))
     held = register.held_by(unit_id)
     token = max(unit.token, heard.message.token)
-    if held and (token == 0 or token > (register.epoch << 32) + register.counter):
+    # What it claims may have been another's since, who then commanded points in it under a greater token.
+    lost = not register.restoring and (bool(added) or unit.standing is not Standing.REPORTED)
+    if held and (lost or token == 0 or token > register.token_max):
         register, token = register.next_token()
     standing = Standing.REPORTED if held else Standing.OUTSIDE
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.

@@ -303,7 +303,7 @@ def held_up(turn: Turn) -> None:
         turn.ask(turn.plan.leg_at(place.here))
     if limit.why == NOT_PROVEN and place.perhaps > limit.joint:
         on_sight.give_up_position(turn)
-    elif limit.why == NOT_PROVEN:
+    elif limit.why == NOT_PROVEN and not state.halted:
         turn.want(turn.plan.spans[limit.joint].points)
         throw_wanted(turn)
 

@@ -82,7 +82,8 @@ class Crew:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
         truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
         truth.sight_m = self._obstacle_m(slot)
-        if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
+        powered = slot not in self._on_board.unpowered
+        if not (powered and self._on_board.shown(slot).on_sight) or plan is None or duty is None:
             return
         front_m, shown = float(truth.position_m), self._on_board.shown(slot)
         spans = duty.mission.spans
