@@ -225,7 +225,8 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     if not freed:
         return register, (*noted, confirmed)
     kept = tuple(section_id for section_id in held if section_id in listed)
-    return reentry.released(register.with_held(unit_id, kept), unit_id, freed), (
+    register = reentry.released(register.with_held(unit_id, kept), unit_id, freed)
+    return register, (
         *noted,
         Show(Freed(unit_id=unit_id, section_ids=freed, token=unit.token)),
         Send(unit_id, HoldingConfirmed(kept, unit.token, register.contested(unit_id)), heard.correlation),

@@ -346,7 +346,10 @@ def released(register: Register, unit_id: str, section_ids: Iterable[str]) -> Re
 
 
 def lost_again(register: Register, token: int) -> Register:
-    """A unit has a token that no boot known here gave: the durable state is not the last, so begin anew."""
+    """A unit has a token that no boot known here gave: the durable state is not the last, so begin anew.
+
+    With the ledger it is lost what had to be swept, so all of the line has to be.
+    """
     spoken = {
         unit_id: unit
         for unit_id, unit in register.units.items()
@@ -357,6 +360,7 @@ def lost_again(register: Register, token: int) -> Register:
         register,
         restoring=True,
         ledger=frozenset(register.plan.unit_ids),
+        unswept=frozenset(register.plan.order) - register.plan.portals,
         foreign_token=token,
         units=spoken,
         holders=holders,
