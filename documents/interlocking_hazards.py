@@ -139,7 +139,8 @@ HAZARDS: Final = (
     Hazard(
         "A train runs past the end of what it holds",
         "the driver or the automatic driving does not brake",
-        "supervision brakes by what the brakes are guaranteed to give, from the front that may be furthest ahead",
+        "supervision brakes by what the brakes are guaranteed to give, down to a declared design adhesion, from the front"
+        " that may be furthest ahead; what less adhesion leads to is told apart",
         ("onboard.driving.supervision", "onboard.authority.stop_limit"),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY, Checker.SUMO_COLLISION),
         (),
@@ -212,4 +213,6 @@ REMAINING: Final = (
     "A crew that passes points without looking, while their unit has no position: handling outside the system"
     " (section 4.4 (3) of the paper).",
     "Wheels that slide further than the bounds allow for, until the next tag or the tachometer's own check finds it.",
+    "Less adhesion than the design counts on (`[driving] design_adhesion_share`): a train may run past its stop limit;"
+    " every such run says so.",
 )

@@ -32,7 +32,7 @@ from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
-from study.run.outcome import broken_rules, unfinished
+from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.summary import summarise
 from study.run.tables import SCHEMAS, RunTables
 from study.scenario.fleet_file import learned_json
@@ -144,6 +144,7 @@ def execute(
         "changes": [change.as_dict() for change in scenario.changes],
         "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
         "ended_because": result.ended_because.value,
+        "outside_design": list(outside_design(result)),
         "unfinished": list(unfinished(result)),
         "broken": list(broken),
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,
