@@ -189,6 +189,8 @@ def run(
         _print_json(done.summary | {"out": str(directory)})
     else:
         _print_run(done, report)
+    for text in done.summary["outside_design"]:
+        _tell(f"outside the design: {text}")
     for text in done.broken:
         _tell(f"broken: {text}")
     raise typer.Exit(BROKEN if done.broken else 0)

@@ -152,7 +152,8 @@ HAZARDS: Final = (
     Hazard(
         "A train runs past the end of what it holds",
         "the driver or the automatic driving does not brake",
-        "supervision brakes by what the brakes are guaranteed to give, from the front that may be furthest ahead",
+        "supervision brakes by what the brakes are guaranteed to give, down to a declared design adhesion, from the front"
+        " that may be furthest ahead; what less adhesion leads to is told apart",
         ("onboard.driving.supervision", "onboard.authority.stop_limit"),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY, Checker.SUMO_COLLISION),
         (),
@@ -246,4 +247,6 @@ REMAINING: Final = (
     "A clock that is slow by as much as its link is late, both more than the age limit: such a telegram counts as new"
     " (`radio.envelope`); sequence, boot, correlation and token still hold it.",
     "Wheels that slide further than the bounds allow for, until the next tag or the tachometer's own check finds it.",
+    "Less adhesion than the design counts on (`[driving] design_adhesion_share`): a train may run past its stop limit;"
+    " every such run says so.",
 )

@@ -23,7 +23,9 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
     }
     portals = [section.id for section in line.sections.values() if section.kind is SectionKind.PORTAL]
     brakes = {stock_id: brake_of(setup, stock_id) for stock_id in stock_ids}
-    return Checkers(net, points, portals, stock_ids, brakes, edge_heights(line))
+    return Checkers(
+        net, points, portals, stock_ids, brakes, edge_heights(line), setup.driving.design_adhesion_share
+    )
 
 
 def brake_of(setup: Setup, stock_id: str) -> Brake:

@@ -88,6 +88,9 @@ class Simulation:
         )
         self.checkers = checkers_of(setup, net, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)
+        self.trains.rail_is = lambda slot, share: self.checkers.rail(
+            self.now_s, self.trains.stock_ids[slot], share
+        )
         self._link = link
         self.on_board = OnBoard(setup, self.trains, units)
         self._books = Books(self.trains, lambda slot: self._duties.finished(slot))  # noqa: PLW0108 - made below
@@ -400,6 +403,8 @@ class Simulation:
             energy=self._books.energy,
             waiting=self._duties.waiting(),
             violations=self.checkers.violations,
+            outside_design=self.checkers.outside_design,
+            slippery=self.checkers.slippery,
             collisions=collisions,
             telegrams=self.wayside.telegrams,
             trace=trace,

@@ -15,6 +15,7 @@ from onboard.driving.tuning import StopRecord as StopWaves
 from simulation.faults.script import Course
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
+from simulation.judge.rail import Slippery
 from simulation.motion_digest import motion_digest
 from simulation.world.records import TRACE_EVERY_STEPS
 
@@ -108,6 +109,8 @@ class RunResult:
     journal: Journal
     ended_because: Ending
     unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
+    outside_design: tuple[Violation, ...] = ()  # what followed from less adhesion than the design counts on
+    slippery: tuple[Slippery, ...] = ()  # when there was less
     courses: tuple[Course, ...] = ()  # what became of the script's faults and acts
     # By stock id, empty where no train learned; then the waves of the last stop that counted.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])

@@ -32,6 +32,14 @@ class Driving(Record):
     emergency_guaranteed_share: Annotated[
         SharePositive, about("of the emergency brake, on which supervision counts", "assumed: the same")
     ] = 0.8
+    design_adhesion_share: Annotated[
+        SharePositive,
+        about(
+            "of the dry rail's adhesion, down to which the guaranteed brakes hold; what follows from less is told as"
+            " outside the design",
+            "assumed: a damp rail, and what the guaranteed brakes need at the speeds of the lines here",
+        ),
+    ] = 0.8
     reaction_reserve_s: Annotated[
         NotNegative, about("beyond dead time and lag of the brake", "assumed: ageing valves")
     ] = 0.5

@@ -23,7 +23,8 @@ class Body:
 
     Nothing changes while the front stays on `edge_id` between `front_m` and `still_to_m`: the fast case.
     `fresh` are edges run onto but not yet touched. `excepted` and `portals` are sections it may occupy without holding
-    them: where it was put on the line (None until it is first seen), and where it stands signed off.
+    them: where it was put on the line (None until it is first seen), and where it stands signed off. `overrun` are
+    those that it came into outside the design (`judge.rail`).
     """
 
     unit_id: str
@@ -42,6 +43,7 @@ class Body:
     sections: frozenset[str] = frozenset()
     excepted: frozenset[str] | None = None
     portals: frozenset[str] = frozenset()
+    overrun: frozenset[str] = frozenset()
     fresh: list[str] = field(default_factory=list)
 
     @property

@@ -38,12 +38,14 @@ from simulation.events import (
     Started,
     TookEffect,
     UnitRestarted,
+    Unsafe,
 )
 from simulation.judge.body import RESOLUTION_M, Body, Heights, Track
 from simulation.judge.liveness import LivenessWatch, Seen
 from simulation.judge.locking import Brake, RouteLocking
 from simulation.judge.log import Checker, Log, Violation
 from simulation.judge.points import PointsFacts, PointsWatch, Proof
+from simulation.judge.rail import RailWatch, Slippery
 from simulation.judge.register import RegisterWatch
 from sumo_cfg.truth_map import NetMap
 
@@ -61,9 +63,11 @@ class Checkers:
         unit_ids: Collection[str],
         brakes: Mapping[str, Brake],
         heights: Heights,
+        design_share: float,
     ) -> None:
         self._log = Log()
         self._track = Track(net, heights)
+        self._rail = RailWatch(design_share, brakes)
         self._locking = RouteLocking(brakes, self._track)
         self._points = PointsWatch(points, self._log)
         self._register = RegisterWatch(self._log)
@@ -83,6 +87,16 @@ class Checkers:
     def violations(self) -> tuple[Violation, ...]:
         """The first breach of each rule by each subject, in order of time."""
         return self._log.violations
+
+    @property
+    def outside_design(self) -> tuple[Violation, ...]:
+        """What followed from less adhesion than the design counts on: told, and no breach of its rules."""
+        return self._log.outside
+
+    @property
+    def slippery(self) -> tuple[Slippery, ...]:
+        """When trains had less than the design adhesion."""
+        return tuple(self._rail.stretches)
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -140,8 +154,15 @@ class Checkers:
             body.front_m = lane_position_m
         elif edge_id != body.turned_from:
             self._settle(t_s, body, edge_id, lane_position_m)
+        if speed_mps == 0.0:
+            self._rail.stood(unit_id)
         for points_id in self._locking.observe(body):
-            self._points.lock_failed(t_s, unit_id, points_id, "did not brake as it is guaranteed to")
+            self._lock_failed(t_s, unit_id, points_id, "did not brake as it is guaranteed to")
+
+    def rail(self, t_s: float, unit_id: str, share: float) -> None:
+        """The adhesion under a train is now this share of the dry rail's."""
+        body = self._bodies.get(unit_id)
+        self._rail.rail(t_s, unit_id, share, 0.0 if body is None else body.speed_mps)
 
     def bounds(
         self,
@@ -185,6 +206,9 @@ class Checkers:
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
         body.excepted = body.sections if body.excepted is None else body.excepted & body.sections
         body.portals &= body.sections
+        body.overrun &= body.sections
+        if self._rail.outside(t_s, body.unit_id):
+            body.overrun |= {s for s in body.sections - sections if self._missing(body, s)}
         for piece_id in self._track.touched(body):
             self._check_entry(t_s, body, piece_id)
         if body.pieces != pieces:
@@ -206,8 +230,10 @@ class Checkers:
             proof: Proof | str | None = self._proofs.get(unit_id, {}).get(need[0])
             if proof is None:
                 proof = self._locking.enters(body, piece_id, need[0])
-            token = self._register.token_of(unit_id, self._points.section_of(need[0]))
-            self._points.check_entry(t_s, unit_id, piece_id, proof, token)
+            section_id, outside = self._points.section_of(need[0]), self._rail.outside(t_s, unit_id)
+            token = self._register.token_of(unit_id, section_id)
+            if self._points.check_entry(t_s, unit_id, piece_id, proof, token, outside=outside) and outside:
+                body.overrun |= {section_id}
 
     def _check_alone(self, t_s: float, body: Body, before: frozenset[str]) -> None:
         """`one-train-a-section`: no other train has any part in a section that this one came into."""
@@ -218,21 +244,29 @@ class Checkers:
             for other in sorted(occupants - {body.unit_id}):
                 text = f"{body.unit_id} came into section {section_id} while {other} is in it"
                 pair = " ".join(sorted((body.unit_id, other)))
-                self._log.note(t_s, Checker.ONE_TRAIN_A_SECTION, f"{section_id} {pair}", text)
+                outside = section_id in body.overrun | self._bodies[other].overrun
+                subject = f"{section_id} {pair}"
+                self._log.note(t_s, Checker.ONE_TRAIN_A_SECTION, subject, text, outside=outside)
             occupants.add(body.unit_id)
 
     def _check_held(self, t_s: float, body: Body) -> None:
         """`inside-holding`: manager and unit both have the unit as holder of all that its train occupies."""
-        unit_id, own = body.unit_id, self._own.get(body.unit_id, frozenset())
-        for section_id in sorted(body.sections - body.exceptions):
-            missing = (
-                [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
-            )
-            if section_id not in own and unit_id not in self._forgetful:
-                missing.append("its unit does not hold it")
+        for section_id in sorted(body.sections):
+            missing = self._missing(body, section_id)
             if missing:
-                text = f"{unit_id} is in section {section_id}: {' and '.join(missing)}"
-                self._log.note(t_s, Checker.INSIDE_HOLDING, f"{section_id} {unit_id}", text)
+                text = f"{body.unit_id} is in section {section_id}: {' and '.join(missing)}"
+                subject, outside = f"{section_id} {body.unit_id}", section_id in body.overrun
+                self._log.note(t_s, Checker.INSIDE_HOLDING, subject, text, outside=outside)
+
+    def _missing(self, body: Body, section_id: str) -> list[str]:
+        """What a train lacks to be in a section; nothing where it holds it, or need not."""
+        if section_id in body.exceptions:
+            return []
+        unit_id = body.unit_id
+        missing = [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
+        if section_id not in self._own.get(unit_id, ()) and unit_id not in self._forgetful:
+            missing.append("its unit does not hold it")
+        return missing
 
     # journal ------------------------------------------------------------------------------------------------
 
@@ -280,7 +314,7 @@ class Checkers:
                 | PointsForced(points_id=points_id)
             ):
                 for unit_id in self._locking.stirred(points_id):
-                    self._points.lock_failed(t_s, unit_id, points_id, "they did not stay locked")
+                    self._lock_failed(t_s, unit_id, points_id, "they did not stay locked")
             case _:
                 pass
         match event:
@@ -292,6 +326,10 @@ class Checkers:
                 self._points.unlocked(t_s, points_id, bodies)
             case PointsForced(points_id=points_id):
                 self._points.lost(t_s, points_id, bodies)
+            case Unsafe(unit_id=unit_id, text=text):
+                body = self._bodies.get(unit_id)
+                if self._rail.outside(t_s, unit_id) or (body is not None and body.overrun):
+                    self._log.note_outside(t_s, "unsafe", f"{unit_id} {text}", f"{unit_id} {text}")
             case Collision(text=text):  # `sumo-collision`: SUMO's own check found two trains in one place
                 self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
             case _:
@@ -338,6 +376,12 @@ class Checkers:
         body = self._bodies.get(unit_id)
         if body is not None:
             self._locking.lost(body, lost)
+
+    def _lock_failed(self, t_s: float, unit_id: str, points_id: str, why: str) -> None:
+        """`proven-before-entry` once more: a train came onto points by a proof that it had lost, and that fails it."""
+        outside = self._points.section_of(points_id) in self._bodies[unit_id].overrun
+        outside = outside or self._rail.outside(t_s, unit_id)
+        self._points.lock_failed(t_s, unit_id, points_id, why, outside=outside)
 
     def _reported(self, t_s: float, unit_id: str, sections: frozenset[str]) -> None:
         """`release-behind-rear`, second half: a report lists every section that the train still occupies."""

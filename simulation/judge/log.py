@@ -42,12 +42,28 @@ class Log:
 
     def __init__(self) -> None:
         self._first: dict[tuple[Checker, str], Violation] = {}
+        self._outside: dict[tuple[str, str], Violation] = {}
         self._counts: Counter[str] = Counter()
 
-    def note(self, t_s: float, checker: Checker, subject: str, text: str) -> None:
-        """Write down a breach; `subject` names what is at fault, so that a lasting breach stays one entry."""
+    def note(self, t_s: float, checker: Checker, subject: str, text: str, *, outside: bool = False) -> None:
+        """Write down a breach; `subject` names what is at fault, so that a lasting breach stays one entry.
+
+        One that is `outside` the design is kept apart and does not count.
+        """
+        if outside:
+            self.note_outside(t_s, checker.value, subject, text)
+            return
         self._counts[checker.value] += 1
         self._first.setdefault((checker, subject), Violation(t_s, checker.value, text))
+
+    def note_outside(self, t_s: float, what: str, subject: str, text: str) -> None:
+        """Write down what is outside the design: a checker's breach, or something else."""
+        self._outside.setdefault((what, subject), Violation(t_s, what, text))
+
+    @property
+    def outside(self) -> tuple[Violation, ...]:
+        """First occurrences of what is outside the design."""
+        return tuple(self._outside.values())
 
     @property
     def violations(self) -> tuple[Violation, ...]:

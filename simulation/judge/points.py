@@ -70,7 +70,8 @@ class PointsWatch:
         """The blades leave their position."""
         for body in self._standing_on(points_id, bodies):
             text = f"points {points_id} thrown under {body.unit_id} at {body.speed_mps:.1f} m/s"
-            self._log.note(t_s, Checker.NO_THROW_UNDER_TRAIN, f"{points_id} {body.unit_id}", text)
+            subject, outside = f"{points_id} {body.unit_id}", self._sections[points_id] in body.overrun
+            self._log.note(t_s, Checker.NO_THROW_UNDER_TRAIN, subject, text, outside=outside)
         self._set(points_id, None, False)
 
     def locked(self, t_s: float, points_id: str, position: Position, bodies: Iterable[Body]) -> None:
@@ -100,12 +101,15 @@ class PointsWatch:
                 lock = "locked" if machine.locked else "not locked"
                 at = "no position" if machine.position is None else machine.position.value
                 text = f"{body.unit_id} is on {piece_id} while points {points_id} are {lock} in {at}"
-                self._log.note(t_s, Checker.POINTS_UNDER_TRAIN, f"{points_id} {body.unit_id}", text)
+                subject, outside = f"{points_id} {body.unit_id}", self._sections[points_id] in body.overrun
+                self._log.note(t_s, Checker.POINTS_UNDER_TRAIN, subject, text, outside=outside)
 
-    def check_entry(self, t_s: float, unit_id: str, piece_id: str, proof: Proof | str, token: int) -> None:
-        """The front of a train came onto a piece of points: by a proof, or in words by none.
+    def check_entry(
+        self, t_s: float, unit_id: str, piece_id: str, proof: Proof | str, token: int, *, outside: bool
+    ) -> bool:
+        """The front of a train came onto a piece of points: by a proof, or in words by none; whether that is a breach.
 
-        `token` is that of the grant of their section.
+        `token` is that of the grant of their section; `outside` the design, see `judge.rail`.
         """
         need = self._needs[piece_id]
         points_id, position = need
@@ -116,16 +120,17 @@ class PointsWatch:
         elif position is not None and proof.position is not position:
             why = f"with a proof for {proof.position.value}"
         else:
-            return
+            return False
         text = f"{unit_id} came onto {piece_id} of points {points_id} {why}"
-        self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text)
+        self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text, outside=outside)
+        return True
 
-    def lock_failed(self, t_s: float, unit_id: str, points_id: str, why: str) -> None:
+    def lock_failed(self, t_s: float, unit_id: str, points_id: str, why: str, *, outside: bool) -> None:
         """Something fails under a train that came onto points without a proof, which it had lost too late to stop."""
         text = (
             f"{unit_id} came onto points {points_id} without a proof, lost too late to stop, and then {why}"
         )
-        self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text)
+        self._log.note(t_s, Checker.PROVEN_BEFORE_ENTRY, f"{points_id} {unit_id}", text, outside=outside)
 
     def under(self, body: Body) -> set[str]:
         """The points that a train is on."""

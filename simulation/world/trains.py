@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -103,6 +103,7 @@ class Trains:
         self.energy_marks = [EnergyMark() for _ in range(n)]
         self.premises = Premises(self.tachometers, self.units)
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
+        self.rail_is: Callable[[int, float], None] = lambda _slot, _share: None  # who is told of the adhesion
         self._brake_factors = np.ones(n)
         self._brake_drawn = np.ones(n)  # of the leg
         self._brake_reserve = np.ones(n)  # what faults leave beyond the guaranteed share
@@ -291,6 +292,7 @@ class Trains:
         """What faults of the rail leave of the weather's adhesion."""
         self._rail[slot] = share
         self.plants[slot].adhesion_factor = self._adhesion[slot] * share
+        self.rail_is(slot, float(self._adhesion[slot] * share))
 
     def _onward(self, path: Path) -> Path:
         """The path with the track that really goes on beyond it, to the end of the line: for who overruns."""

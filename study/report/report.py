@@ -82,8 +82,8 @@ def write_report(
 
     `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
-    "broken_expectations" (text), "changes" (objects with file, key, old and new), "ended_because" (text) and
-    "unfinished" (texts: what was missing then). Figures of
+    "broken_expectations" (text), "changes" (objects with file, key, old and new), "ended_because" (text),
+    "unfinished" (texts: what was missing then) and "outside_design" (texts). Figures of
     `study.run.summary.summarise` found in it are used as they are.
     `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of.
     Raises OSError when the file cannot be written.
@@ -181,7 +181,7 @@ def _stops(facts: Mapping[str, Any]) -> str:
 
 
 def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
-    """Broken invariants and expectations as lines of text."""
+    """Broken invariants, what happened outside the design, and broken expectations, as lines of text."""
     lines: list[str] = []
     for item in facts.get("violations", ()):
         if is_table(item):
@@ -189,6 +189,7 @@ def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
             lines.append(f"{at}{item.get('checker', '')}: {item.get('text', '')}")
         else:
             lines.append(str(item))
+    lines += [f"Outside the design: {text}" for text in facts.get("outside_design", ())]
     return (*lines, *(f"Expected: {text}" for text in facts.get("broken_expectations", ())))
 
 

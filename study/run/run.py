@@ -33,7 +33,7 @@ from study.report.tasc import Tuned
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
 from study.run.directory import JOURNAL_FILE, LEARNED_FILE, replaced
-from study.run.outcome import broken_rules, unfinished
+from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.summary import summarise
 from study.run.tables import RunTables
 from study.scenario.fleet_file import learned_json
@@ -139,6 +139,7 @@ def execute(
         "changes": [change.as_dict() for change in scenario.changes],
         "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
         "ended_because": result.ended_because.value,
+        "outside_design": list(outside_design(result)),
         "unfinished": list(unfinished(result)),
         "broken": list(broken),
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,

@@ -14,7 +14,7 @@ from simulation.events import Entry
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
-from study.run.outcome import broken_rules, unfinished
+from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.tables import RunTables
 
 KMH_PER_MPS: Final = 3.6
@@ -122,7 +122,9 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
 def _judge_safety(expectation: Expectation, result: RunResult) -> Verdict:
     """No broken invariant, no collision, nothing that the world calls unsafe."""
     broken = broken_rules(result)
-    at_s, happened = min(broken, default=(None, "none broken"))
+    outside = outside_design(result)
+    none = "; outside the design: ".join(("none broken", *outside))
+    at_s, happened = min(broken, default=(None, none))
     return Verdict(expectation.text, (not broken) is not expectation.absent, happened, at_s)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Collection, Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,8 +13,10 @@ from network.errors import InputError
 from network.files.raw import is_table
 from network.files.toml_input import one_of, read_text
 from onboard.driving.tuning import Learned, learned_from
-from simulation.settings import Tuning, Vision
+from simulation.design import overrated
+from simulation.settings import Driving, Tuning, Vision
 from simulation.world.scatter import Scatter
+from vehicle.train_file import TrainType
 
 
 def check_scatter(file: str, scatter: Scatter, stock_ids: Iterable[str]) -> None:
@@ -34,6 +37,23 @@ def check_vision(file: str, vision: Vision, stations: Collection[str]) -> None:
         if station_id not in stations:
             expected = f"a station id, {one_of(stations, station_id)}, or all"
             raise InputError(file, f"vision.stations[{index}]", station_id, expected)
+
+
+def check_grip(file: str, driving: Driving, trains: Mapping[str, TrainType], line_max_mps: float) -> None:
+    """No brake is guaranteed more than the design adhesion gives it on this line, or InputError."""
+    for stock_id, train in trains.items():
+        found = overrated(driving, train, line_max_mps)
+        if found is None:
+            continue
+        key, asked_mps2, grip_mps2 = found
+        share, design = getattr(driving, key), driving.design_adhesion_share
+        most = math.floor(100.0 * share * grip_mps2 / asked_mps2) / 100.0
+        expected = (
+            f"at most {most:.2f}: on driving.design_adhesion_share = {design:g} of the dry rail's adhesion,"
+            f" {stock_id} ({train.id}) has grip for {grip_mps2:.2f} m/s^2 at its greatest speed here,"
+            f" and this guarantees {asked_mps2:.2f}"
+        )
+        raise InputError(file, f"driving.{key}", share, expected)
 
 
 def learned_of(path: Path, tuning: Tuning, stock_ids: Iterable[str]) -> dict[str, Learned]:

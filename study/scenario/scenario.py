@@ -23,7 +23,7 @@ from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
 from study.scenario.belief import belief_of
-from study.scenario.fleet_file import check_scatter, check_vision, learned_of
+from study.scenario.fleet_file import check_grip, check_scatter, check_vision, learned_of
 from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
@@ -70,6 +70,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), model.scatter, trains)
     check_vision(str(path), model.vision, line.stations)
+    check_grip(str(path), model.driving, trains, line.max_speed_mps)
     setup = Setup(
         name=model.id,
         line=line,

@@ -101,6 +101,10 @@ CASES: Mapping[str, tuple[dict[str, str], tuple[str, ...]]] = {
         {"s.toml": BASE + "[driving]\nservice_guaranteed_share = 1.5"},
         ("s.toml: driving.service_guaranteed_share is 1.5", "at most 1"),
     ),
+    "a brake for which the rail has no grip": (
+        {"s.toml": BASE + "[driving]\ndesign_adhesion_share = 0.5"},
+        ("s.toml: driving.emergency_guaranteed_share is 0.8", "at most 0.64", "design_adhesion_share = 0.5"),
+    ),
     "wheels five times too large": (
         {"s.toml": BASE + "[sensors]\nwheel_factor_sigma = 5.0"},
         ("s.toml: sensors.wheel_factor_sigma is 5.0", "at most 0.1"),

@@ -37,6 +37,7 @@ POINTS = {
     "2": PointsFacts("P2", "stem2", "normal2", "reverse2", Position.NORMAL),
 }
 TRAIN_M = 40.0
+DESIGN = 0.8
 BRAKE = Brake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)
 
 
@@ -55,7 +56,9 @@ class Stage:
     """Checkers and a clock; each act takes one second."""
 
     def __init__(self, unit_ids: tuple[str, ...] = ("A", "B")) -> None:
-        self.checkers = Checkers(net(), POINTS, ("W", "E"), unit_ids, dict.fromkeys(unit_ids, BRAKE), {})
+        self.checkers = Checkers(
+            net(), POINTS, ("W", "E"), unit_ids, dict.fromkeys(unit_ids, BRAKE), {}, DESIGN
+        )
         self.t_s = 0.0
         self.token = 0
 

@@ -17,10 +17,12 @@ from radio.noted import TelegramDropped
 from simulation.events import WORLD, Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
+from simulation.judge.rail import Slippery
 from simulation.result import Ending, RunResult, Waiting
 from simulation.setup import Setup
 from simulation.world.records import TRACE
 from study.run.directory import RUN_FILES, check_out
+from study.run.outcome import outside_design
 from study.run.run import (
     CarrierKind,
     Link,
@@ -105,6 +107,24 @@ def test_a_run_that_was_cut_short_is_a_failure_though_all_have_arrived(because: 
     setup = load_scenario("rtri_test_line").setup
     told = broken_by(result(ended_because=because), setup)
     assert told == (f"the run was cut short: {because.value}",)
+
+
+def test_what_is_outside_the_design_is_told_and_makes_no_failure_but_a_collision_does() -> None:
+    setup = load_scenario("rtri_test_line").setup
+    slid = "ran through points P5 set against it"
+    apart = (Violation(5.0, "inside-holding", "K1 is in section 5"), Violation(5.0, "unsafe", f"K1 {slid}"))
+    stretch = Slippery("K1", 36_000.0, 0.1, 36_060.0)
+    run = replace(result(unsafe=slid), outside_design=apart, slippery=(stretch, replace(stretch, least=0.05)))
+    assert broken_by(run, setup) == ()
+    assert outside_design(run) == (
+        "K1 had less adhesion than the design counts on 2 times from 10:00:00 to 10:01:00,"
+        " at least 0.05 of the dry rail's",
+        "00:00:05 inside-holding: K1 is in section 5",
+        f"00:00:05 unsafe: K1 {slid}",
+    )
+    assert broken_by(replace(run, collisions=("a frontal collision",)), setup) == ("a frontal collision",)
+    other = replace(run, outside_design=(Violation(4.0, "unsafe", f"K1 {slid}"),))
+    assert broken_by(other, setup) == (f"K1 {slid}",)
 
 
 def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> None:

@@ -132,6 +132,15 @@ def test_broken_invariants_and_collisions_are_not_passed_over() -> None:
     assert verdict(sound, result_of(violations=(late,)))[0]
 
 
+def test_what_is_outside_the_design_is_said_with_the_verdict_and_does_not_fail_it() -> None:
+    apart = (Violation(5.0, "inside-holding", "K1 is in section 5"),)
+    passed, happened = verdict(
+        Expectation("t", holds=Property.NO_INVARIANT_BROKEN), result_of(outside_design=apart)
+    )
+    assert passed
+    assert happened == "none broken; outside the design: 00:00:05 inside-holding: K1 is in section 5"
+
+
 def test_every_train_must_arrive_empty_ones_too() -> None:
     all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
     assert verdict(all_arrive)[0]
