@@ -11,7 +11,7 @@ functions on the register; persons' inputs themselves are in `wayside.acts`.
 | its own fresh claim, nobody else claims the same| yes                     | (then it is not silent)       |
 | two persons: it left by this portal             | yes                     | yes                           |
 | two persons: it stands in a station, and holds  | yes                     | yes                           |
-| two persons: it holds open line                 | no                      | no                            |
+| two persons: it holds open line                 | if heard                | no                            |
 | one person: it is outside                       | if not on the ledger    | yes                           |
 | one person: it holds sections                   | no                      | no                            |
 | nobody entered anything for it                  | no                      | yes: nothing was ever granted |
@@ -137,7 +137,8 @@ def vouched(register: Register, unit_id: str) -> bool:
     standing = register.unit(unit_id).standing
     if standing is not Standing.UNKNOWN:
         return standing is not Standing.DISPUTED
-    if (held := agreed(register, unit_id)) is not None and in_station(register, held):
+    heard = unit_id in register.reentry.heard_s  # it is not silent: it does not know, and runs on sight
+    if (held := agreed(register, unit_id)) is not None and (heard or in_station(register, held)):
         return True
     if unit_id in register.ledger or entered_for(register, unit_id):
         return False
