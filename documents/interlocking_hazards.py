@@ -139,8 +139,8 @@ HAZARDS: Final = (
     Hazard(
         "A train runs past the end of what it holds",
         "the driver or the automatic driving does not brake",
-        "supervision brakes by what the brakes are guaranteed to give, down to a declared design adhesion, from the front"
-        " that may be furthest ahead; what less adhesion leads to is told apart",
+        "supervision brakes by what the brakes are guaranteed to give, down to a declared design adhesion, from the"
+        " front that may be furthest ahead; what less adhesion leads to is told apart",
         ("onboard.driving.supervision", "onboard.authority.stop_limit"),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY, Checker.SUMO_COLLISION),
         (),
