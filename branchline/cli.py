@@ -1,6 +1,6 @@
 """The command `branchline`: reads arguments, shows progress, prints results, sets exit codes.
 
-Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 130 Ctrl-C, 143 SIGTERM.
+Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 70 a bug, 130 Ctrl-C, 143 SIGTERM.
 Heavy imports are inside the commands, so that help is quick. With `--json` stdout carries one object and nothing
 else; all else is on stderr.
 """
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 BROKEN: Final = 1
 BAD_INPUT: Final = 2
+BUG: Final = 70  # EX_SOFTWARE of sysexits.h
 SIGNALLED: Final = 128  # plus the number of the signal: Ctrl-C gives 130
 STOPS: Final = (signal.SIGINT, signal.SIGTERM)
 
@@ -73,6 +74,9 @@ def main() -> None:
     except _StoppedError as stopped:
         _tell("interrupted")
         sys.exit(stopped.args[0])
+    except Exception as error:
+        _tell_bug(error)
+        sys.exit(BUG)
 
 
 def _stop(number: int, _frame: FrameType | None) -> None:
@@ -80,6 +84,28 @@ def _stop(number: int, _frame: FrameType | None) -> None:
     for stop in STOPS:
         signal.signal(stop, signal.SIG_IGN)
     raise _StoppedError(SIGNALLED + number)
+
+
+def _tell_bug(error: Exception) -> None:
+    """One line; the traceback, and the journal of a run that was under way, go into files."""
+    from study.run.crash import Crashed, keep, keep_traceback, named
+
+    if isinstance(error, Crashed):
+        _tell(f"bug: {error}; its journal so far and the traceback are in {keep(error)}")
+    else:
+        _tell(f"bug: {named(error)}; the traceback is in {keep_traceback(error)}")
+
+
+@contextmanager
+def _crashes_into(directory: Path | None) -> Generator[None]:
+    """Where a run leaves its journal if a bug ends it."""
+    from study.run.crash import Crashed
+
+    try:
+        yield
+    except Crashed as crashed:
+        crashed.out = directory
+        raise
 
 
 def _tell(text: str) -> None:
@@ -144,7 +170,8 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html."""
-    from study.run.run import CarrierKind, check_out, execute, link_of, units_at, write_run
+    from study.run.directory import check_out
+    from study.run.run import CarrierKind, execute, link_of, units_at, write_run
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
@@ -154,7 +181,7 @@ def run(
     loaded = load_scenario(scenario, seed)
     directory = (out or Path("runs") / loaded.id).resolve()
     check_out(directory)
-    with _progress(loaded.id) as progress:
+    with _crashes_into(directory), _progress(loaded.id) as progress:
         done = execute(loaded, chosen, units=hosted, carrier=CarrierKind(carrier), progress=progress)
     _tell("writing the report")
     report = write_run(done, directory)
@@ -222,8 +249,9 @@ def drill(
     as_json: Json = False,
 ) -> None:
     """Run a drill and print it expectation by expectation; exit code 1 if one is not met."""
+    from study.run.directory import check_out
     from study.run.drill import run_drill, score_text, sentence_of, shipped_drills, write_drill
-    from study.run.run import check_out, link_of, units_at
+    from study.run.run import link_of, units_at
 
     if file == "list":
         sentences = {name: sentence_of(name) for name in shipped_drills()}
@@ -235,7 +263,8 @@ def drill(
         return
     if out is not None:
         check_out(out.resolve())
-    with _progress(Path(file).stem) as progress:
+    into = None if out is None else out.resolve()
+    with _crashes_into(into), _progress(Path(file).stem) as progress:
         chosen = link_of(link)
         done = run_drill(file, chosen, seed, progress, units_at(units, chosen))
     if out is not None:
@@ -359,11 +388,13 @@ def check(
 ) -> None:
     """Read a scenario with all that it names and say whether its trains can meet; runs nothing."""
     from network.meets import meet_text, planned_meets, unresolvable_meets
+    from study.evaluate.release import RELEASED_BY_ODOMETER, released_by_odometer
     from study.scenario.scenario import load_scenario
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
     impossible = [meet_text(meet, line) for meet in unresolvable_meets(line, timetable)]
+    weaker = released_by_odometer(loaded.setup)
     figures = {
         "scenario": loaded.id,
         "line": line.id,
@@ -371,15 +402,18 @@ def check(
         "stocks": len(timetable.diagrams),
         "meets": len(planned_meets(line, timetable)),
         "impossible_meets": impossible,
+        "released_by_odometer": weaker,
     }
     if as_json:
         _print_json(figures)
     else:
         for key, value in figures.items():
-            if key != "impossible_meets":
+            if key not in ("impossible_meets", "released_by_odometer"):
                 sys.stdout.write(f"{key}: {value}\n")
         for text in impossible:
             sys.stdout.write(f"impossible: {text}\n")
+        for place, trains in weaker.items():
+            sys.stdout.write(f"weaker: {place}: {RELEASED_BY_ODOMETER} ({', '.join(trains)})\n")
     raise typer.Exit(BROKEN if impossible else 0)
 
 

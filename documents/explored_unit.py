@@ -14,6 +14,7 @@ from network.model import Position, SectionKind, TagPurpose
 from onboard.authority.records import (
     Ask,
     Confirmed,
+    Contested,
     Granted,
     PeerRestarted,
     PointsDenied,
@@ -24,7 +25,7 @@ from onboard.authority.records import (
     SignedOn,
 )
 from onboard.authority.records import Event as AuthorityEvent
-from onboard.duty.machine import command_of, step
+from onboard.duty.machine import step
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Span, Stop, Tag
 from onboard.duty.records import (
     ASK,
@@ -34,11 +35,13 @@ from onboard.duty.records import (
     Begin,
     ChangeEnds,
     DutyState,
+    EndOfHeld,
     Event,
     Heard,
     How,
     Leave,
     Looked,
+    NotAtMark,
     Order,
     Phase,
     Place,
@@ -52,6 +55,7 @@ from onboard.duty.records import (
     TagPassed,
     TimerDue,
 )
+from onboard.duty.shown import command_of
 from onboard.duty.turn import Action, DutyParameters
 
 X: Final = PointsNeeded("PX", Position.NORMAL, "X", "terminal")
@@ -77,8 +81,8 @@ def _plan(number: str, section_ids: tuple[str, ...], tags: tuple[Tag, ...]) -> P
 
 
 PLANS: Final = (
-    _plan("out", ("A", "O", "X", "B"), (Tag(1, TagPurpose.APPROACH, 2), Tag(2, TagPurpose.ARRIVAL, 4))),
-    _plan("back", ("B", "X", "O", "A"), (Tag(3, TagPurpose.DEPARTED, 3), Tag(4, TagPurpose.ARRIVAL, 4))),
+    _plan("out", ("A", "O", "X", "B"), (Tag(1, TagPurpose.APPROACH, 2), Tag(2, TagPurpose.ARRIVAL, 4, 3))),
+    _plan("back", ("B", "X", "O", "A"), (Tag(3, TagPurpose.DEPARTED, 3), Tag(4, TagPurpose.ARRIVAL, 4, 3))),
 )
 _TAGS: Final = ({3: 0, 9: 1}, {6: 0, 9: 1})  # by plan: where a tag lies, and its index
 END: Final = 9
@@ -141,8 +145,9 @@ def steps(run: Run) -> Iterator[Step]:
 def taken(event: Event, run: Run) -> Step:
     """The real machine takes the event where the train then is."""
     state, actions = step(PLANS[run.plan], _TIMES, run.state, event, run.place, _NOW_S)
-    emergency = run.emergency and Order.RELEASE not in actions
-    return Step(event, run._replace(state=state, emergency=emergency), actions)
+    lost = Order.LOSE in actions
+    emergency = (run.emergency or lost or Order.STOP in actions) and Order.RELEASE not in actions
+    return Step(event, run._replace(state=state, emergency=emergency, known=run.known and not lost), actions)
 
 
 def event_name(event: Event) -> str:
@@ -198,14 +203,18 @@ def _people(run: Run) -> Iterator[_Happening]:
         other = 1 - run.plan
         if run.spot == END and set(run.state.authority.held) == set(run.under):
             yield Begin(PLANS[other], signs_on=False), run._replace(plan=other, spot=0, moves=False, read=-1)
-    if phase is Phase.STANDING:
+    if phase is Phase.STANDING or (phase is Phase.RUNNING and not run.moves):
         yield SetBack(60.0), run
+    if command_of(PLANS[run.plan], run.state).confirm:
+        yield (AtMark(run.state.at) if run.spot == END else NotAtMark()), run
     if phase is Phase.ON_SIGHT and not run.moves:
         if not run.known and PLANS[run.plan].spans[run.spot // _PLACES_A_SPAN + (run.spot < END)].points:
             yield PointsSeen(X), run
             yield PointsWrong(X), run
         if not run.known and run.spot == END and run.state.stands_at != 1:
             yield AtMark(1), run
+        if not run.known and not run.state.authority.holds(PLANS[run.plan].spans[-1].section_id):
+            yield EndOfHeld(run.spot // _PLACES_A_SPAN), run
 
 
 def _movement(run: Run) -> Iterator[_Happening]:
@@ -233,7 +242,7 @@ def _movement(run: Run) -> Iterator[_Happening]:
 def _time(run: Run) -> Iterator[_Happening]:
     state = run.state
     waits = state.phase is Phase.STANDING or (state.phase is Phase.ON_SIGHT and state.stands_at is not None)
-    if waits and not state.may_ask:
+    if (waits or state.phase is Phase.RUNNING) and not state.may_ask:
         yield TimerDue(ASK), run
     if waits and not state.may_leave:
         yield TimerDue(LEAVE), run
@@ -247,6 +256,8 @@ def _telegrams(run: Run) -> Iterator[_Happening]:
     if run.state.phase not in (Phase.OFF, Phase.GONE):
         for event in (*_answers(run), *_of_points(run), Queried(), PeerRestarted()):
             yield Heard(event), run
+        if run.state.authority.on_line:
+            yield Heard(Contested(run.state.authority.held[:1])), run
 
 
 def _answers(run: Run) -> Iterator[AuthorityEvent]:
@@ -273,6 +284,8 @@ def _answers(run: Run) -> Iterator[AuthorityEvent]:
                 yield Confirmed(state.held, answers=True, newer=False)
                 yield Confirmed(state.held, answers=True, newer=True)
                 yield Confirmed((*state.held, "elsewhere"), answers=True, newer=True)
+                yield Confirmed(state.held, answers=True, newer=False, contested=state.held[:1])
+                yield Confirmed(state.held[1:], answers=True, newer=False)
 
 
 def _with_points(section_ids: tuple[str, ...]) -> tuple[str, ...]:

@@ -80,6 +80,19 @@ HAZARDS: Final = (
         ("an old grant obeyed after a restart", "tokens begin anew after a restart"),
     ),
     Hazard(
+        "A telegram is older than its receiver takes it for",
+        "the clock of a party is wrong",
+        "by its own clock a receiver drops what is too old and what comes from the future; timers go by what passes",
+        ("radio.envelope", "radio.elapsed"),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
+        (
+            "rtri/40_clock_wrong",
+            "rtri/41_clock_drifts",
+            "karasuyama/40_clock_wrong",
+            "karasuyama/41_clock_drifts",
+        ),
+    ),
+    Hazard(
         "A telegram acts twice",
         "the air delivers copies",
         "sequence numbers; requests are repeated with the same correlation, and answers count once",
@@ -147,6 +160,14 @@ HAZARDS: Final = (
         ("supervision leaves no room to brake", "a train runs beyond what it holds"),
     ),
     Hazard(
+        "A train starts or runs on that is not fit to",
+        "a door that is not closed, a brake without its pressure",
+        "no departure before the unit sees both in order; on the way the emergency brake, until all is in order again",
+        ("onboard.vehicle", "onboard.duty.fitness"),
+        (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
+        ("rtri/42_doors", "rtri/43_brake", "karasuyama/42_doors", "karasuyama/43_brake"),
+    ),
+    Hazard(
         "The unit believes a false position",
         "a tag that reads as another or is missing, tags swapped, a tachometer that lies, worn or sliding wheels",
         "bounds that grow with the way; a tag counts only where it may lie, a missing one is noticed: stop, on sight",
@@ -161,6 +182,8 @@ HAZARDS: Final = (
             "rtri/25_wrong_tag_id",
             "rtri/26_tags_swapped",
             "rtri/27_slippery_rail",
+            "rtri/45_tags_by_bits",
+            "karasuyama/45_tags_by_bits",
         ),
         (
             "a tag accepted outside its window",
@@ -185,6 +208,15 @@ HAZARDS: Final = (
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
         ("rtri/05_unit_power_position_unknown",),
         ("the crew does not look at the points",),
+    ),
+    Hazard(
+        "Points are thrown after a crew has looked at them",
+        "another's command, or the own unit's under the same token, once the train passes on sight",
+        "the crew locks the machine on the spot and keeps its key until the rear has left; its terminal refuses",
+        ("simulation.world.crew", "simulation.world.point_machine", "wayside.point_terminal"),
+        (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
+        ("rtri/44_points_locked_by_crew", "karasuyama/44_points_locked_by_crew"),
+        ("the crew does not lock the points that it passes",),
     ),
     Hazard(
         "Everything stands for ever",
@@ -212,6 +244,8 @@ REMAINING: Final = (
     "Two persons who agree on the same wrong word about a silent unit that is on the line (`wayside.reentry`).",
     "A crew that passes points without looking, while their unit has no position: handling outside the system"
     " (section 4.4 (3) of the paper).",
+    "A clock that is slow by as much as its link is late, both more than the age limit: such a telegram counts as new"
+    " (`radio.envelope`); sequence, boot, correlation and token still hold it.",
     "Wheels that slide further than the bounds allow for, until the next tag or the tachometer's own check finds it.",
     "Less adhesion than the design counts on (`[driving] design_adhesion_share`): a train may run past its stop limit;"
     " every such run says so.",

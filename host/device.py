@@ -1,7 +1,8 @@
 """A device: envelopes around a protocol machine, its durable state, its journal. The same in any process.
 
 `advance(now_s, telegrams, inputs)` first takes the inputs, then the telegrams in order, then looks at its
-timers; what must outlive a power cut is saved before anything that follows from it leaves the device.
+timers. `now_s` is what the device's clock shows: telegrams are stamped and judged by it, timers run by what passes of
+it. What must outlive a power cut is saved before anything that follows from it leaves the device.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from host.devices import CODEC, DeviceAdvance, DeviceSaid
 from host.party import Advance, PartySpec
 from host.store import Durable, Store, raise_epoch
 from network.errors import InputError
+from radio.elapsed import Elapsed
 from radio.envelope import Dropped, DropReason, Endpoint, Received
 from radio.keys import KeyRing
 from radio.messages import PointsCommand, Restarted
@@ -42,8 +44,8 @@ class _Machine(Protocol):
 
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
-        ledger = _ledger(durable.spare)
-        self.register = start_register(config, durable.epoch, keys.capabilities, ledger)
+        ledger, unswept = _remembered(durable.spare)
+        self.register = start_register(config, durable.epoch, keys.capabilities, ledger, unswept)
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
@@ -65,8 +67,8 @@ class _Manager:
         return block_manager.wake_at_s(self.register)
 
     def kept(self, before: Durable) -> Durable:
-        kept = msgspec.msgpack.encode(tuple(sorted(self.register.ledger)))
-        return msgspec.structs.replace(before, spare=kept)
+        kept = tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept))
+        return msgspec.structs.replace(before, spare=msgspec.msgpack.encode(kept))
 
 
 class _Terminal:
@@ -109,14 +111,14 @@ def _memory(kept: bytes) -> Memory:
         ) from None
 
 
-def _ledger(kept: bytes | None) -> tuple[str, ...] | None:
-    """The units that were on the line; a manager that never ran has none. None: lost, so any may be."""
+def _remembered(kept: bytes | None) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
+    """The units that were on the line and the sections not swept; a manager that never ran has none. None: lost."""
     if not kept:
-        return None if kept is None else ()
+        return (None if kept is None else ()), ()
     try:
-        return msgspec.msgpack.decode(kept, type=tuple[str, ...])
+        return msgspec.msgpack.decode(kept, type=tuple[tuple[str, ...], tuple[str, ...]])
     except msgspec.MsgspecError:
-        return None
+        return None, ()
 
 
 def _not_for_device(given: Input) -> Sequence[Action]:
@@ -137,6 +139,7 @@ class DeviceHost:
             self._machine = _Manager(config, keys, self._durable)
         else:
             self._machine = _Terminal(config, keys, self._durable)
+        self._elapsed = Elapsed()
         self._notes: list[Note] = [Started(epoch=self._durable.epoch)]
 
     @property
@@ -150,8 +153,9 @@ class DeviceHost:
         """Act at `now_s` on inputs, telegrams and timers."""
         sends: list[Send] = []
         outputs: list[Output] = []
+        elapsed_s = self._elapsed.at(now_s)
         for given in inputs:
-            self._sort(self._machine.take(given, now_s), sends, outputs)
+            self._sort(self._machine.take(given, elapsed_s), sends, outputs)
         for data in telegrams:
             opened = self._endpoint.open(data, now_s)
             if isinstance(opened, Dropped):
@@ -159,8 +163,8 @@ class DeviceHost:
                 continue
             self._notes.append(opened.noted(self._endpoint.owner))
             if not isinstance(opened.message, Restarted):
-                self._sort(self._machine.take(opened, now_s), sends, outputs)
-        self._sort(self._machine.take(None, now_s), sends, outputs)
+                self._sort(self._machine.take(opened, elapsed_s), sends, outputs)
+        self._sort(self._machine.take(None, elapsed_s), sends, outputs)
         if (durable := self._machine.kept(self._durable)) != self._durable:
             self._durable = durable
             self._store.save(durable)
@@ -169,7 +173,9 @@ class DeviceHost:
             for send in sends
         )
         notes, self._notes = tuple(self._notes), []
-        return DeviceAdvance(sealed, tuple(outputs), self._machine.wake_at_s(), notes)
+        wake_s = self._machine.wake_at_s()
+        wake_at_s = None if wake_s is None else self._elapsed.shown_at(wake_s)
+        return DeviceAdvance(sealed, tuple(outputs), wake_at_s, notes)
 
     def _sort(self, actions: Iterable[Action], sends: list[Send], outputs: list[Output]) -> None:
         for action in actions:

@@ -34,6 +34,7 @@ from onboard.duty.records import (
     Started,
     Stopped,
     TagPassed,
+    VehicleChecked,
 )
 from onboard.duty.timekeeping import cruise_for
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
@@ -58,10 +59,12 @@ from onboard.records import (
     UnitRow,
 )
 from onboard.unit_records import UnitParameters
+from onboard.vehicle import IN_ORDER, Vehicle
 from vehicle.record import cells_of
 from vehicle.records import TrainRow
 
 SIGN: Final = sign.__name__
+STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 
@@ -93,6 +96,7 @@ class Motion:
         self.keeper: Final = keeper
         self.command = Command()
         self.load_share = 0.0
+        self.vehicle = IN_ORDER
         self.notes: list[notes.Note] = []
         row.due_s = math.inf
         self._line: Final = line
@@ -109,6 +113,9 @@ class Motion:
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
+        self._stood_m: float | None = (
+            None  # what the tachometer showed when it last came to a stand, if it stands
+        )
         self._look_for_sign(None)
 
     # the path that the train is on ------------------------------------------------------------------------------
@@ -182,7 +189,7 @@ class Motion:
         emergency = bool(row.intervention == EMERGENCY_INTERVENTION)
         stands = bool(row.speed_mps == 0.0)
         if mission is None or not row.position_known:  # who does not know where it is can only try the radio
-            return Place(stands=stands, emergency=emergency)
+            return Place(stands=stands, emergency=emergency, unfit=self.vehicle.unfit)
         position_m = float(row.position_m)
         rear_m = position_m - float(row.bound_behind_m) - self._length_m
         joints_m = [*self._starts_m, self._ends_m[-1]]
@@ -203,7 +210,14 @@ class Motion:
             reach=bisect_right(joints_m, position_m + 2.0 * self._parameters.standoff_m),
             near=near if abs(marks_m[near] - position_m) < ARRIVED_WITHIN_M else -1,
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
+            unfit=self.vehicle.unfit,
         )
+
+    def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
+        """What the vehicle shows of itself now."""
+        changed = vehicle.unfit != self.vehicle.unfit
+        self.vehicle = vehicle
+        return [VehicleChecked()] if changed else []
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""
@@ -212,6 +226,8 @@ class Motion:
 
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
+        if self._stood_m is not None and abs(odometer_m - self._stood_m) < STANDS_WITHIN_M:
+            return self._lose("a tag was passed while the tachometer shows a stand")
         known = self._tags.get(tag_id)
         row, tolerance_m = self.row, self._parameters.tag_accuracy_m
         if known is None:
@@ -251,8 +267,10 @@ class Motion:
         if bits & EVENT_INTERVENTION:
             self.notes.append(notes.Intervention(level=int(row.intervention)))
         if bits & EVENT_MOVING:
+            self._stood_m = None
             happened.append(Started())
         if bits & EVENT_STOPPED:
+            self._stood_m = float(row.odometer_m)
             happened += self._stopped()
         if bits & (EVENT_POSITION | EVENT_SAFE_REAR):
             happened.append(Looked())
@@ -354,7 +372,11 @@ class Motion:
         self._look_for_sign(None if command.target is None else self._next_target())
         if Order.RELEASE in command.orders:
             row.intervention = NO_INTERVENTION
-        restricted = command.on_sight or not row.position_known
+        if Order.STOP in command.orders:
+            row.intervention = EMERGENCY_INTERVENTION
+        if Order.LOSE in command.orders:
+            self._lose("the bounds leave no room to go on")
+        restricted = command.on_sight or command.sweeps or not row.position_known
         row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
         if command.on_sight:
             self._run_on_sight(command)

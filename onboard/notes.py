@@ -94,6 +94,16 @@ class Intervention(Noted, frozen=True, kw_only=True, tag="intervention"):
     level: int
 
 
+class VehicleUnfit(Noted, frozen=True, kw_only=True, tag="vehicle_unfit"):
+    """The vehicle or its brake is not in order: no start, and a train on its way is stopped."""
+
+    why: str
+
+
+class VehicleFit(Noted, frozen=True, kw_only=True, tag="vehicle_fit"):
+    """The vehicle and its brake are in order again."""
+
+
 class EmergencyReleased(Noted, frozen=True, kw_only=True, tag="emergency_released"):
     """The driver has acknowledged an emergency stop."""
 
@@ -167,6 +177,16 @@ class SignOffDenied(Noted, frozen=True, kw_only=True, tag="sign_off_refused"):
     """The manager refused the sign-off; it is repeated."""
 
     why: str
+
+
+class Mismatch(Noted, frozen=True, kw_only=True, tag="mismatch"):
+    """Register and unit contradict each other: the train is stopped until they agree."""
+
+    why: str
+
+
+class Agreed(Noted, frozen=True, kw_only=True, tag="agreed"):
+    """Register and unit have the same again."""
 
 
 class Holds(Noted, frozen=True, kw_only=True, tag="holds"):
@@ -278,6 +298,8 @@ Note = (
     | StopImpossible
     | LearnedFromStop
     | Intervention
+    | VehicleUnfit
+    | VehicleFit
     | EmergencyReleased
     | TagRead
     | TagDoubted
@@ -290,6 +312,8 @@ Note = (
     | SignOnDenied
     | SignedOff
     | SignOffDenied
+    | Mismatch
+    | Agreed
     | Holds
     | Claimed
     | Reported

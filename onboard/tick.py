@@ -11,7 +11,15 @@ from onboard.driving.stopping import hold, issued, ride_over_slide
 from onboard.driving.supervision import supervise
 from onboard.localisation.table import read_all
 from onboard.localisation.tachometer import locate
-from onboard.records import EVENT_MOVING, EVENT_POSITION, EVENT_STOPPED, MODE_DRIVE
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_MOVING,
+    EVENT_POSITION,
+    EVENT_STOPPED,
+    EVENT_TACHOMETER,
+    EVENT_TAG_OVERDUE,
+    MODE_DRIVE,
+)
 from vehicle.compiled import compiled
 
 
@@ -24,6 +32,8 @@ def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void], plan: NDArr
     run_m = sensed.odometer_m - unit.odometer_m
     unit.wheel_slide = sensed.wheel_slide
     events = locate(unit, train, sensed.odometer_m, speed_mps, step_s)
+    if events & (EVENT_TACHOMETER | EVENT_TAG_OVERDUE) != 0:
+        unit.intervention = EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when
     events |= read_all(board.readers, sensed.readings, unit, step_s)
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0

@@ -2,21 +2,21 @@
 
 `advance(now_s, telegrams, sensed) -> (telegrams, command, notes)`: whatever has come over the air, from the sensors
 and the crew, and through time, is put to the duty machine one by one; what that does is turned into telegrams, timers
-and the command for the driving part (`onboard.motion`). The unit keeps no metres and draws no chance: what it says is
-a function of what it was told.
+and the command for the driving part (`onboard.motion`). `now_s` is what the unit's own clock shows. The unit keeps no
+metres and draws no chance: what it says is a function of what it was told.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
 from onboard import notes
 from onboard.authority import records as auth
 from onboard.authority.letters import Letters
-from onboard.duty.machine import command_of, step
+from onboard.duty.machine import step
 from onboard.duty.plan import NO_PLAN, Plan
 from onboard.duty.records import (
     Begin,
@@ -33,7 +33,9 @@ from onboard.duty.records import (
     TimerDue,
     Told,
 )
-from onboard.duty.turn import Action, DutyParameters
+from onboard.duty.shown import command_of
+from onboard.duty.turn import NEVER_S, Action, DutyParameters
+from radio.elapsed import Elapsed
 from radio.envelope import Dropped, Endpoint
 
 TIMES_ALIKE_S: Final = 1e-6
@@ -66,6 +68,13 @@ class Answer(msgspec.Struct, frozen=True):
     wake_at_s: float | None
 
 
+class _RunsOut(NamedTuple):
+    """When a timer runs out: so much has elapsed, and the clock shows this."""
+
+    elapsed_s: float
+    clock_s: float
+
+
 class Unit:
     """One boot of one on-board unit."""
 
@@ -76,7 +85,8 @@ class Unit:
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint
         self._letters: Final = Letters(unit_id, manager_id)
-        self._timers: dict[auth.Timer, float] = {}
+        self._elapsed: Final = Elapsed()
+        self._timers: dict[auth.Timer, _RunsOut] = {}
         self._telegrams: list[Telegram] = []
         self._told: list[Told] = []
         self._notes: list[notes.Note] = []
@@ -84,6 +94,7 @@ class Unit:
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
         """Act at `now_s` on what happened, on telegrams, on timers, in this order."""
+        self._elapsed.at(now_s)
         for event in sensed.happened:
             self._take(event, sensed.place, now_s)
         for data in telegrams:
@@ -96,12 +107,14 @@ class Unit:
             msgspec.structs.replace(command_of(self.plan, self.state), orders=tuple(self._orders)),
             tuple(self._told),
             tuple(self._notes),
-            min(self._timers.values(), default=None),
+            min(map(self._shown_at, self._timers.values()), default=None),
         )
         self._telegrams, self._told, self._notes, self._orders = [], [], [], []
         return answer
 
     def _take(self, event: Event, place: Place, now_s: float) -> None:
+        if Order.LOSE in self._orders:  # its driving part has yet to obey
+            place = msgspec.structs.replace(place, known=False, emergency=True)
         if isinstance(event, Begin | SwitchedOn):
             self.plan = event.plan
         if isinstance(event, SwitchedOn):
@@ -121,9 +134,13 @@ class Unit:
         if event is not None:
             self._take(Heard(event), place, now_s)
 
+    def _shown_at(self, runs_out: _RunsOut) -> float:
+        """What the clock shows when a timer runs out."""
+        return max(self._elapsed.shown_at(runs_out.elapsed_s), runs_out.clock_s)
+
     def _next_due(self, now_s: float) -> auth.Timer | None:
-        due = [(at_s, timer) for timer, at_s in self._timers.items() if at_s <= now_s + TIMES_ALIKE_S]
-        return min(due)[1] if due else None
+        at = [(self._shown_at(runs_out), timer) for timer, runs_out in self._timers.items()]
+        return min(((s, timer) for s, timer in at if s <= now_s + TIMES_ALIKE_S), default=(0.0, None))[1]
 
     def _do(self, action: Action, now_s: float) -> None:
         match action:
@@ -134,9 +151,9 @@ class Unit:
             case auth.Renew() | auth.Commit() | auth.Take():
                 self._letters.keep(action)
             case auth.SetTimer(timer, after_s):
-                self._timers[timer] = now_s + after_s
-            case SetTimerAt(timer, at_s):
-                self._timers[timer] = at_s
+                self._timers[timer] = _RunsOut(self._elapsed.at(now_s) + after_s, NEVER_S)
+            case SetTimerAt(timer, at_s, after_s):
+                self._timers[timer] = _RunsOut(self._elapsed.at(now_s) + after_s, at_s)
             case auth.StopTimer(timer):
                 self._timers.pop(timer, None)
             case auth.Write(note):

@@ -9,12 +9,21 @@
 |               | boot of the destination                                       | EARLIER_BOOT             |
 | re-sequencing | sequence number, boot epoch of the source                     | OUT_OF_ORDER, OLD_EPOCH  |
 | corruption    | HMAC-SHA256, 128 bits                                         | CORRUPTED                |
-| delay         | time sent, age limit; echo of the peer's time (round trip)    | STALE, IMPLAUSIBLE_TIME  |
+| delay         | time sent, age limit by the receiver's own clock              | STALE, IMPLAUSIBLE_TIME  |
 | masquerade    | HMAC with a key that only the two parties have                | CORRUPTED                |
 
 A party that restarts has forgotten the sequence numbers. So every telegram names the boot of the
 *destination* as last heard (0: never), and one meant for an earlier boot is dropped: nothing sent to a
-predecessor takes effect. Wire format: MessagePack array (`Envelope`) followed by 16 bytes of code.
+predecessor takes effect.
+
+Every party has a clock of its own. A telegram older than `AGE_MAX_S` by its receiver's clock is STALE, one that comes
+from more than `CLOCK_SKEW_MAX_S` ahead of it has an IMPLAUSIBLE_TIME: so two parties whose clocks differ by more than
+that hear each other no longer, and silence frees and proves nothing. Clocks that differ by less move the age limit
+by no more than they differ. The echo of the receiver's own last time is no ground to drop (its clock may have been
+set back since, and two parties that both were ahead would never hear each other again); it gives the round trip, by
+one clock alone, where there is one. What this cannot see: a link that delays by as much as its receiver is slow.
+
+Wire format: MessagePack array (`Envelope`) followed by 16 bytes of code.
 """
 
 from __future__ import annotations
@@ -33,7 +42,8 @@ from radio.noted import TelegramDropped, TookEffect
 AGE_MAX_S: Final = 5.0
 TELEGRAM_BYTES_MAX: Final = 4096
 SEQUENCE_WINDOW: Final = 64
-_CLOCK_TOLERANCE_S: Final = 1e-6
+CLOCK_SKEW_MAX_S: Final = 1.0  # two clocks in order differ by no more
+_ROUNDING_S: Final = 1e-6
 
 
 class DropReason(Enum):
@@ -51,8 +61,8 @@ class DropReason(Enum):
 
 
 class Envelope(msgspec.Struct, frozen=True, array_like=True):
-    """Header and payload of a telegram. Times are simulated seconds; `peer_epoch` 0 and `echo_s` None:
-    never heard.
+    """Header and payload of a telegram. `sent_s` is by the sender's clock, `echo_s` the peer's last `sent_s`;
+    `peer_epoch` 0 and `echo_s` None: never heard.
     """
 
     source: str
@@ -182,11 +192,9 @@ def check(
         return peer, DropReason.EARLIER_BOOT
     if envelope.epoch < peer.heard_epoch:
         return peer, DropReason.OLD_EPOCH
-    echo_s = envelope.sent_s if envelope.echo_s is None else envelope.echo_s
-    # Written so that a NaN fails too.
-    if not (echo_s <= now_s + _CLOCK_TOLERANCE_S and envelope.sent_s <= now_s + _CLOCK_TOLERANCE_S):
+    if not envelope.sent_s <= now_s + CLOCK_SKEW_MAX_S + _ROUNDING_S:  # written so that a NaN fails too
         return peer, DropReason.IMPLAUSIBLE_TIME
-    if now_s - envelope.sent_s > age_max_s + _CLOCK_TOLERANCE_S:
+    if now_s - envelope.sent_s > age_max_s + _ROUNDING_S:
         return peer, DropReason.STALE
     known = peer.heard_epoch == envelope.epoch
     last, window = (peer.heard_sequence, peer.window) if known else (-1, 0)
@@ -204,6 +212,12 @@ def check(
         heard_sent_s=envelope.sent_s,
     )
     return heard, None
+
+
+def _round_trip_s(envelope: Envelope, now_s: float) -> float | None:
+    """Since the peer's last telegram that its sender has heard; None where the own clock was set back since."""
+    echo_s = envelope.echo_s
+    return now_s - echo_s if echo_s is not None and echo_s <= now_s + _ROUNDING_S else None
 
 
 class Endpoint:
@@ -266,7 +280,7 @@ class Endpoint:
             envelope.peer_epoch == self.epoch,
             envelope.correlation,
             envelope.sent_s,
-            None if envelope.echo_s is None else now_s - envelope.echo_s,
+            _round_trip_s(envelope, now_s),
             missing,
             message,
         )

@@ -12,6 +12,8 @@ What a unit owes, so that no late answer gives it back what it has released:
   is greater than the unit's own.
 - SignOnAccepted takes effect once, for the sign-on outstanding or the claim just made. A unit that knows
   what it holds takes token and capabilities from it, never sections.
+- A refused claim, a confirmation of less than it holds, or Contested stops its train; it moves again when a
+  HoldingConfirmed has all that it holds and nothing contested.
 - HoldingConfirmed never adds a section. A unit may take a greater token from it or from SignOnAccepted, and
   then gives up the request outstanding.
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
@@ -53,6 +55,7 @@ class PointsRefusalReason(Enum):
     OLD_TOKEN = 4  # a newer holder has commanded since
     LOCKED = 5  # this holder already has the points locked the other way
     NOT_DETECTED = 6  # thrown, but position or lock did not prove in time
+    LOCKED_BY_HAND = 7  # a crew passes them on sight and has the key
 
 
 class Capability(msgspec.Struct, frozen=True, array_like=True):
@@ -76,12 +79,13 @@ class RouteRequest(Message, frozen=True, array_like=True, tag=1):
 
 
 class RouteGranted(Message, frozen=True, array_like=True, tag=2):
-    """Manager to unit: all of them are yours under `token`."""
+    """Manager to unit: all of them are yours under `token`; those of `on_sight` must be swept: run through on sight."""
 
     route_id: str
     section_ids: tuple[str, ...]
     token: int
     capabilities: tuple[Capability, ...]
+    on_sight: tuple[str, ...] = ()
 
 
 class RouteRefused(Message, frozen=True, array_like=True, tag=3):
@@ -95,18 +99,23 @@ class RouteRefused(Message, frozen=True, array_like=True, tag=3):
 
 class HoldingReport(Message, frozen=True, array_like=True, tag=4):
     """Unit to manager: all that it holds now, in order of travel. What it no longer lists is free
-    (閉そく解除).
+    (閉そく解除). `swept`: what it has run through on sight from end to end, and found empty.
     """
 
     section_ids: tuple[str, ...]
     token: int
+    swept: tuple[str, ...] = ()
 
 
 class HoldingConfirmed(Message, frozen=True, array_like=True, tag=5):
-    """Manager to unit: what the register says it holds, and its current token; the answer to every report."""
+    """Manager to unit: what the register says it holds, and its current token; the answer to every report.
+
+    `contested`: what of it another claims, or may be in. While there is any, the train is not to move.
+    """
 
     section_ids: tuple[str, ...]
     token: int
+    contested: tuple[str, ...] = ()
 
 
 class SignOn(Message, frozen=True, array_like=True, tag=6):
@@ -121,12 +130,16 @@ class SignOn(Message, frozen=True, array_like=True, tag=6):
 
 
 class SignOnAccepted(Message, frozen=True, array_like=True, tag=7):
-    """Manager to unit: the answer to SignOn and Claim, all the unit holds. It may be more than it claimed."""
+    """Manager to unit: the answer to SignOn and Claim, all the unit holds. It may be more than it claimed.
+
+    `on_sight` as in a grant.
+    """
 
     section_ids: tuple[str, ...]
     token: int
     route_id: str | None
     capabilities: tuple[Capability, ...]
+    on_sight: tuple[str, ...] = ()
 
 
 class SignOnRefused(Message, frozen=True, array_like=True, tag=8):
@@ -201,6 +214,15 @@ class Restarted(Message, frozen=True, array_like=True, tag=17):
     """
 
 
+class Contested(Message, frozen=True, array_like=True, tag=18):
+    """Manager to unit, unasked: of what you hold, another claims these, or may be in them: stop, and report.
+
+    It only restricts. Lost, it is said again with the answer to every report, and while the contradiction lasts.
+    """
+
+    section_ids: tuple[str, ...]
+
+
 AnyMessage = (
     RouteRequest
     | RouteGranted
@@ -219,4 +241,5 @@ AnyMessage = (
     | PointsProof
     | PointsRefused
     | Restarted
+    | Contested
 )

@@ -5,6 +5,9 @@ from __future__ import annotations
 import heapq
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Final
+
+EARLY_MAX: Final = 1_000_000  # items that may be put in first
 
 
 class Due(IntEnum):
@@ -35,11 +38,17 @@ class Agenda:
     def __init__(self) -> None:
         self._heap: list[Item] = []
         self._order = 0
+        self._early = -EARLY_MAX
 
     def put(self, step: int, kind: Due, subject: str, data: bytes | None = None) -> None:
         """Add an item."""
         self._order += 1
         heapq.heappush(self._heap, Item(step, kind, self._order, subject, data))
+
+    def put_first(self, step: int, kind: Due, subject: str) -> None:
+        """Add an item as if it had been put in before all others, though after those that this was said of."""
+        self._early += 1
+        heapq.heappush(self._heap, Item(step, kind, self._early, subject))
 
     def next_step(self) -> int | None:
         """Step of the earliest item; None when nothing is due ever again."""

@@ -13,9 +13,11 @@ from typing import Final
 from onboard.duty.records import Person, Sensed, SetBack, Told
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, PowerOff, PowerOn
+from simulation.faults.fault import VehiclePart
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.books import Books
+from simulation.world.clock import Clock
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
@@ -42,7 +44,7 @@ class Cabs:
         self._books = books
         self._agenda = agenda
         self._journal = journal
-        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal)
+        self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal, wayside)
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
@@ -84,7 +86,10 @@ class Cabs:
     def _look(self, slot: int, step: int) -> None:
         """Stops are booked by the truth; the crew looks at the unit's display and at the line."""
         self._books.look_for_arrival(slot, step / STEPS_PER_S)
+        shown = self._on_board.shown(slot)
+        (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
         self._keep_looking(slot, step)
         self.looked_ahead(slot)
 
@@ -93,6 +98,15 @@ class Cabs:
         if self._timer_steps.get(slot) == step and slot not in self._on_board.unpowered:
             del self._timer_steps[slot]
             self.tell(slot, step)
+
+    def set_clock(self, slot: int, step: int, clock: Clock) -> None:
+        """The clock of a unit shows another time from now on; its timers may have run out by it."""
+        self._on_board.clocks[slot] = clock
+        self.tell(slot, step)
+
+    def vehicle_shows(self, slot: int, step: int, part: VehiclePart, *, good: bool) -> None:
+        """A part of the vehicle is in order or not: its inputs at the unit change."""
+        self.tell(slot, step, self._on_board.vehicle_shows(slot, part, good=good))
 
     def freeze(self, slot: int, step: int, *, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up, in its order.
@@ -106,6 +120,13 @@ class Cabs:
         for happened, telegrams in self._frozen.pop(slot, []):
             self.tell(slot, step, happened, telegrams)
 
+    def watch_out(self) -> bool:
+        """While trains run on sight, every driver looks out for others; whether two are so near that it matters."""
+        if not self._crew.on_sight:
+            return False
+        near = [self._crew.watch_out(slot) for slot in self._trains.active()]
+        return any(near)
+
     # what is seen of a unit ----------------------------------------------------------------------------------------
 
     def answers(self, slot: int) -> bool:
@@ -117,10 +138,14 @@ class Cabs:
         return slot in self._wakes
 
     def waits_for(self, slot: int) -> str:
-        """What the train waits for by what its unit shows; what ails a unit that shows nothing any more."""
+        """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
         if slot in self._on_board.unpowered:
             return "its unit to be switched on"
-        return "its unit, which is frozen" if slot in self._frozen else self._on_board.shown(slot).waits_for
+        if slot in self._frozen:
+            return "its unit, which is frozen"
+        if self._crew.sees_train(slot):
+            return "the track ahead: the driver sees a train on it"
+        return self._on_board.shown(slot).waits_for
 
     # crews ----------------------------------------------------------------------------------------------------------
 
@@ -137,11 +162,16 @@ class Cabs:
             self.tell(slot, step, happened)
 
     def crew_watches(self, slot: int) -> bool:
-        """Whether the crew stands before points and looks again until they lie right."""
-        return slot in self._looking and self._crew.watches(slot)
+        """Whether the crew stands before points and looks again until they lie right, or sees to its vehicle."""
+        return self._on_board.ails(slot) or (slot in self._looking and self._crew.watches(slot))
+
+    def rear_passed(self, slot: int, step: int) -> None:
+        """The rear of a train has left a piece of track: its crew may have no more use for a key of points."""
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
 
     def _keep_looking(self, slot: int, step: int) -> None:
-        if slot in self._looking or not self._on_board.drives_on_sight(slot):
+        asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm
+        if slot in self._looking or not asked:
             return
         self._looking.add(slot)
         again = step + round(LOOKS_AGAIN_S * STEPS_PER_S)

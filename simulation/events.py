@@ -93,6 +93,20 @@ class PointsForced(Noted, frozen=True, kw_only=True, tag="points_forced"):
     points_id: str
 
 
+class PointsLockedByHand(Noted, frozen=True, kw_only=True, tag="points_locked_by_hand"):
+    """A crew has locked points on the spot for its passage and has the key: their motor is cut out (鎖錠)."""
+
+    points_id: str
+    unit_id: str
+
+
+class PointsKeyBack(Noted, frozen=True, kw_only=True, tag="points_key_back"):
+    """The key of points locked by hand is back, and their motor may run again."""
+
+    points_id: str
+    unit_id: str
+
+
 class PointsSetByHand(Noted, frozen=True, kw_only=True, tag="points_set_by_hand"):
     """Staff set points by hand, locked them and took their faults away (手回し)."""
 
@@ -159,6 +173,8 @@ WorldEvent = (
     | PointsMoving
     | PointsLocked
     | PointsForced
+    | PointsLockedByHand
+    | PointsKeyBack
     | PowerOff
     | PowerOn
     | FaultBegan

@@ -24,12 +24,15 @@ from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
 from simulation.events import WORLD, Collision, TagPassed, Unsafe
 from simulation.facts import checkers_of
+from simulation.faults.fault import VehiclePart
 from simulation.faults.injector import Injector
+from simulation.faults.script import Script
 from simulation.journal import Journal
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
 from simulation.world.books import Books
+from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
@@ -45,13 +48,14 @@ from simulation.world.trains import SIGN, Trains
 from sumo_cfg.truth_map import NetMap
 
 TRACE_ROWS_FIRST: Final = 200_000
+WATCHING_STEPS: Final = 5  # while drivers on sight look out for another train
 OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 
 Progress = Callable[[float, float, int], None]  # now s, end s, trains arrived
 
 
 class Simulation:
-    """One run. `run` may be called once."""
+    """One run. `run` may be called once, or its parts, in their order."""
 
     def __init__(
         self,
@@ -111,9 +115,11 @@ class Simulation:
         self._vigil = Vigil(
             self.trains, self._cabs, self._duties, self._agenda, self.checkers, self._begin_step
         )
+        self._closed = False
+        self._collisions: tuple[str, ...] = ()
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
-        self._injector = Injector(
+        self.injector: Final = Injector(
             setup.script,
             setup.seed,
             self.trains,
@@ -124,7 +130,14 @@ class Simulation:
             self._unit_power,
             self._unit_freeze,
             self._give_back,
+            self._unit_clock,
+            self._unit_vehicle,
         )
+
+    @property
+    def step(self) -> int:
+        """The present step."""
+        return self._step
 
     @property
     def now_s(self) -> float:
@@ -134,34 +147,63 @@ class Simulation:
     def run(self, progress: Progress | None = None) -> RunResult:
         """Run to the end: all trains done, the time limit, a stall, or a collision."""
         try:
-            self.wayside.start(self._step)
-            self._injector.start(self._step)
-            self._duties.open(self._step)
-            because = self._loop(progress)
+            self.begin()
+            return self.finish(progress)
         finally:
-            collisions = self._carrier.collisions()
+            self.close()
+
+    def close(self) -> None:
+        """Release the carrier. May be called more than once."""
+        if not self._closed:
+            self._closed = True
+            self._collisions = self._carrier.collisions()
             self._carrier.close()
-        return self._result(because, collisions)
 
-    # the course of the run ---------------------------------------------------------------------------------------
+    # the course of the run: `begin`, then `settle` and `advance` in turn, then `finish` ---------------------------
 
-    def _loop(self, progress: Progress | None) -> Ending:
+    def begin(self) -> None:
+        """Let everything begin that has a time of its own."""
+        self.wayside.start(self._step)
+        self.injector.start(self._step)
+        self._duties.open(self._step)
+
+    def finish(self, progress: Progress | None = None) -> RunResult:
+        """Run on to the end."""
         end_s = self._limit_step / STEPS_PER_S
-        while True:
-            while (item := self._agenda.pop_due(self._step)) is not None:
-                self._handle(item)
-            if self._duties.all_done():
-                return Ending.FINISHED
-            if self._broken is not None:
-                return self._broken
-            if self._step >= self._limit_step:
-                return Ending.TIME_LIMIT
-            if self._stalled():
-                return Ending.STALLED
-            self._advance()
+        while (because := self.settle()) is None:
+            self.advance()
             self._vigil.look(self._step)
             if progress is not None:
                 progress(self.now_s, end_s, len(self._books.arrived))
+        self.close()
+        return self._result(because, self._collisions)
+
+    def settle(self) -> Ending | None:
+        """Do what is due now. Returns why the run is over; None while it goes on."""
+        while (item := self._agenda.pop_due(self._step)) is not None:
+            self._handle(item)
+        if self._duties.all_done():
+            return Ending.FINISHED
+        if self._broken is not None:
+            return self._broken
+        if self._step >= self._limit_step:
+            return Ending.TIME_LIMIT
+        return Ending.STALLED if self._stalled() else None
+
+    @property
+    def horizon_step(self) -> int:
+        """No stretch that begins now goes beyond this step."""
+        horizon = min(self._step + STANDING_STEPS_MAX, self._limit_step)
+        next_due = self._agenda.next_step()
+        return horizon if next_due is None else min(horizon, next_due)
+
+    def done(self, stock_id: str) -> bool:
+        """Whether nothing follows for a stock."""
+        return self._duties.finished(self.trains.slot_of[stock_id])
+
+    def happens(self, script: Script) -> None:
+        """From now on a script is carried out, as if it had been that of the setup, which must have had none."""
+        self.injector.take_up(script, self._step)
 
     def _handle(self, item: Item) -> None:
         step, subject = self._step, item.subject
@@ -179,7 +221,7 @@ class Simulation:
             case Due.SCRIPT if subject.startswith(CREW):
                 self._cabs.crew_looks(self.trains.slot_of[subject.removeprefix(CREW)], step)
             case Due.SCRIPT:
-                self._injector.due(step, subject)
+                self.injector.due(step, subject)
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
 
@@ -196,13 +238,13 @@ class Simulation:
             self._unsafe(slot, "overran its track and cannot turn back")
             self._broken = Ending.CANNOT_TURN
 
-    def _advance(self) -> None:
+    def advance(self) -> None:
         """Let the kernel run to the next event, the carrier after it, then look at what happened."""
         trains, sheet = self.trains, self._sheet
-        steps = min(STANDING_STEPS_MAX, self._limit_step - self._step)
-        next_due = self._agenda.next_step()
-        if next_due is not None:
-            steps = min(steps, next_due - self._step)
+        horizon = self.horizon_step
+        if self._cabs.watch_out():
+            horizon = min(horizon, self._step + WATCHING_STEPS)
+        steps = horizon - self._step
         if self._trace_used + steps * len(trains.stock_ids) > self._trace.size:
             self._trace = np.concatenate([self._trace, np.zeros(self._trace.size, dtype=TRACE)])
         done, self._trace_used, count = advance(
@@ -287,6 +329,8 @@ class Simulation:
         trains, cabs, step = self.trains, self._cabs, self._step
         if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(slot)
+        if passed & PASSED_REAR:
+            cabs.rear_passed(slot, step)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
         if passed & PASSED_TAG:
@@ -313,6 +357,14 @@ class Simulation:
     def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up."""
         self._cabs.freeze(self.trains.slot_of[stock_id], self._step, frozen=frozen)
+
+    def _unit_clock(self, stock_id: str, clock: Clock) -> None:
+        """The clock of an on-board unit is set, or goes wrong."""
+        self._cabs.set_clock(self.trains.slot_of[stock_id], self._step, clock)
+
+    def _unit_vehicle(self, stock_id: str, part: VehiclePart, good: bool) -> None:
+        """Doors or brake of a train show another state from now on."""
+        self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, good=good)
 
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""
@@ -364,7 +416,7 @@ class Simulation:
                 for slot, stock_id in enumerate(self.trains.stock_ids)
                 if not self._duties.truly_done(slot)
             ),
-            courses=self._injector.courses,
+            courses=self.injector.courses,
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
         )

@@ -47,6 +47,6 @@ class Vigil:
             run_m=float(trains.plants[slot].travelled_m),
             timer=cabs.wakes(slot),
             pulls=bool(trains.units[slot].notch > 0.0),
-            awaits=stock_id in awaited or cabs.crew_watches(slot),
+            awaits=stock_id in awaited or cabs.crew_watches(slot) or trains.premises.lies(slot),
             waits_for=cabs.waits_for(slot),
         )

@@ -18,6 +18,16 @@ from hypothesis import settings
 settings.register_profile("branchline", deadline=None, derandomize=True)
 settings.load_profile("branchline")
 
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """What tests record as `figures`, one line each, at the end."""
+    for reports in terminalreporter.stats.values():
+        for report in reports:
+            for name, value in getattr(report, "user_properties", ()):
+                if name == "figures" and getattr(report, "when", "call") == "call":
+                    terminalreporter.write_line(str(value))
+
+
 TURN_BACK_TIMETABLE = """
 [timetable]
 id = "turn_back"

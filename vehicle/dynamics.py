@@ -56,6 +56,7 @@ def _build_up(plant: PlantRow, train: TrainRow, dt_s: float) -> None:
     )
     slot = _slot(plant, train.emergency_dead_time_s, dt_s)
     emergency = train.emergency_deceleration_mps2 if plant.command_emergency[slot] != 0 else 0.0
+    emergency *= plant.emergency_factor
     plant.emergency_deceleration_mps2 = approach(
         plant.emergency_deceleration_mps2, emergency, train.emergency_lag_s, 0.0, dt_s
     )

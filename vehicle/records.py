@@ -93,6 +93,7 @@ class PlantRow(Protocol):
     load_share: Annotated[float, "0 empty, 1 full"]
     adhesion_factor: Annotated[float, "1 dry; the weather, set by the scenario"]
     brake_factor: Annotated[float, "real over nominal service brake deceleration"]
+    emergency_factor: Annotated[float, "real over nominal emergency brake deceleration"]
     travelled_m: Annotated[float, "distance run since the record was made, by the trapezoid"]
     speed_mps: float
     acceleration_mps2: float

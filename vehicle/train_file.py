@@ -276,6 +276,7 @@ def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
     plants = np.zeros(n, dtype=PLANT)
     plants["adhesion_factor"] = 1.0
     plants["brake_factor"] = 1.0
+    plants["emergency_factor"] = 1.0
     plants["speed_mps"] = speed_mps
     plants["wheel_speed_mps"] = speed_mps
     if speed_mps <= 0.0:

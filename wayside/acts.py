@@ -1,6 +1,7 @@
-"""Invariant: one person's word never frees what a unit may hold. It is taken at once only where it adds, or
-says that a unit is outside which the ledger does not have on the line; else a second, different person must
-say the same. Against a unit that speaks for itself no word counts.
+"""Invariant: one person's word never frees what a unit may hold. It is taken at once only where it adds or takes
+back, or says that a unit is outside which the ledger does not have on the line; else a second, different person
+must say the same, and where the unit stands: in a station, or by which portal it left. What it may have held is then
+locked but for trains on sight. Against a unit that speaks for itself no word counts, nor while it answers.
 
 What persons enter at the block manager, as a pure machine: `act(register, event, now_s) -> (register,
 actions)`. `UNIT_ACTS` and `LINE_ACTS` are the whole table; what is refused changes nothing but the count of
@@ -15,6 +16,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Any, Final
 
+from radio.envelope import CLOCK_SKEW_MAX_S
 from wayside import reentry
 from wayside.actions import Show
 from wayside.reentry import Step
@@ -29,10 +31,13 @@ from wayside.said import (
     Freed,
     Outside,
     Refused,
+    TakeBack,
+    TakenBack,
     WordTaken,
 )
 
-Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture
+Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture | TakeBack
+ASKED_IN_VAIN: Final = 3  # assumed: so often a unit that reported must have been silent, at `ask_interval_s`
 
 
 class Phase(Enum):
@@ -56,11 +61,21 @@ def act(register: Register, event: Act, now_s: float) -> Step:
     if unit_id is not None and unit_id not in register.plan.unit_ids:
         return register, (_refused(event, "not on the fleet list"),)
     # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
-    if register.epoch > 1 and now_s <= started_s + register.plan.telegram_age_max_s:
+    on_the_air_s = register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S
+    if register.epoch > 1 and now_s <= started_s + on_the_air_s:
         return register, (_refused(event, "too early"),)
     if isinstance(event, EnterSection | AcceptPicture):
         return LINE_ACTS[phase, type(event)](register, event)
     return UNIT_ACTS[phase, register.unit(event.unit_id).standing, type(event)](register, event)
+
+
+def spoke(register: Register, unit_id: str) -> Step:
+    """A unit is heard of which a person has said something after it had reported: no word counts."""
+    if unit_id not in register.doubted:
+        return register, ()
+    doubted = {other: times for other, times in register.doubted.items() if other != unit_id}
+    register = reentry.without_words(replace(register, doubted=doubted), unit_id)
+    return register, (Show(Refused(unit_id=unit_id, why="it speaks for itself: no word counts")),)
 
 
 def person_key(name: str) -> str:
@@ -79,7 +94,9 @@ def _refused(event: Act, why: str, section_ids: tuple[str, ...] = ()) -> Show:
 
 def _senseless(register: Register, event: ConfirmOutside | ConfirmHolding) -> Show | None:
     if isinstance(event, ConfirmOutside):
-        return None
+        silent = event.unit_id in register.ledger
+        placed = event.place in register.plan.portals or not (event.place or silent)
+        return None if placed else _refused(event, "say by which portal it left the line")
     unknown = tuple(section for section in event.section_ids if section not in register.plan.order)
     if unknown:
         return _refused(event, "unknown section", unknown)
@@ -89,15 +106,25 @@ def _senseless(register: Register, event: ConfirmOutside | ConfirmHolding) -> Sh
 def _confirm_outside(register: Register, event: ConfirmOutside) -> Step:
     """Outside at once; a unit on the ledger only when a second person says so."""
     unit_id = event.unit_id
+    if (senseless := _senseless(register, event)) is not None:
+        return register, (senseless,)
     if unit_id in register.ledger:
-        register = reentry.with_word(register, person_key(event.person), unit_id, ())
+        register = reentry.with_word(register, person_key(event.person), unit_id, (), event.place)
         if reentry.agreed(register, unit_id) is None:
             return register, (_refused(event, _SECOND_PERSON),)
+    return _set_outside(register, event)
+
+
+def _set_outside(register: Register, event: ConfirmOutside) -> Step:
+    unit_id, before = event.unit_id, register.unit(event.unit_id)
     freed = register.held_by(unit_id)
-    unit = Unit(Standing.OUTSIDE, register.unit(unit_id).epoch)
+    barred = before.barred or before.standing is Standing.REPORTED
+    silent = unit_id in register.ledger
+    unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=barred, silent=silent)
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
+    register, swept = reentry.to_be_swept(register, freed)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, by=event.person))] if freed else []
-    return register, (*shows, Show(Outside(unit_id=unit_id, by=event.person)))
+    return register, (*shows, *swept, Show(Outside(unit_id=unit_id, by=event.person)))
 
 
 def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
@@ -112,18 +139,77 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
         )
         return register, (Show(against),)
     freed = tuple(section_id for section_id in register.held_by(unit_id) if section_id not in section_ids)
+    if freed and not reentry.in_station(register, section_ids):
+        return register, (_refused(event, _IN_STATION, freed),)
     if freed:
         register = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
         if reentry.agreed(register, unit_id) is None:
             return register, (_refused(event, _SECOND_PERSON, freed),)
+    return _set_by_hand(register, event, freed)
+
+
+def _set_by_hand(register: Register, event: ConfirmHolding, freed: tuple[str, ...]) -> Step:
+    unit_id, by, before = event.unit_id, event.person, register.unit(event.unit_id)
     register, token = reentry.without_words(register, unit_id).next_token()
-    register = register.with_held(unit_id, section_ids)
-    register = register.with_unit(unit_id, Unit(Standing.BY_HAND, register.unit(unit_id).epoch, token))
-    by = event.person
+    register = register.with_held(unit_id, event.section_ids)
+    barred = before.barred or before.standing is Standing.REPORTED
+    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=barred, silent=True)
+    register = register.with_unit(unit_id, unit)
+    register, swept = reentry.to_be_swept(register, freed)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
     held = register.held_by(unit_id)
     confirmed = ConfirmedByHand(unit_id=unit_id, section_ids=held, token=token, by=by)
-    return register, (*shows, Show(confirmed))
+    return register, (*shows, *swept, Show(confirmed))
+
+
+def _doubt_speaker(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
+    """Taken down, and the unit asked; it counts if two persons say so and the unit has been asked in vain."""
+    unit_id, section_ids = event.unit_id, _sections(event)
+    senseless = _senseless(register, event)
+    if senseless is None and not reentry.in_station(register, section_ids):
+        senseless = _refused(event, _IN_STATION)
+    if senseless is None and (conflict := register.other_holder(unit_id, section_ids)) is not None:
+        senseless = _refused(event, f"section {conflict[0]} is held by {conflict[1]}")
+    if senseless is not None:
+        return register, (senseless,)
+    place = event.place if isinstance(event, ConfirmOutside) else ""
+    register = reentry.with_word(register, person_key(event.person), unit_id, section_ids, place)
+    if unit_id not in register.doubted:
+        register = replace(register, doubted={**register.doubted, unit_id: 0}, ask_at_s=0.0)
+    alone = reentry.agreed(register, unit_id) is None
+    if alone or register.doubted[unit_id] < ASKED_IN_VAIN:
+        return register, (_refused(event, _SECOND_PERSON if alone else _STILL_ASKED),)
+    doubted = {other: times for other, times in register.doubted.items() if other != unit_id}
+    register = replace(register, doubted=doubted)
+    if isinstance(event, ConfirmOutside):
+        return _set_outside(register, event)
+    freed = tuple(section for section in register.held_by(unit_id) if section not in section_ids)
+    return _set_by_hand(register, event, freed)
+
+
+def _take_back(register: Register, event: TakeBack) -> Step:
+    """Unknown again, and asked: nothing is granted; who holds what it may be in is told to stop."""
+    unit = register.unit(event.unit_id)
+    if not unit.by:
+        return register, (_refused(event, "it has said so itself"),)
+    unknown = Unit(Standing.UNKNOWN, unit.epoch, barred=unit.barred, taken_back=True)
+    register = register.with_unit(event.unit_id, unknown)
+    # It may be on the line after all, so one person's word does not suffice the next time.
+    register = replace(register, ledger=register.ledger | {event.unit_id}, ask_at_s=0.0)
+    return register, (Show(TakenBack(unit_id=event.unit_id, by=event.person)),)
+
+
+def _nothing_to_take_back(register: Register, event: TakeBack) -> Step:
+    """Refused: no person's word counts for it; a first word that waits for a second is forgotten."""
+    register = reentry.without_words(register, event.unit_id, person_key(event.person))
+    return register, (_refused(event, "no word of a person counts for it"),)
+
+
+def _take_back_word(register: Register, event: TakeBack) -> Step:
+    """What this person has entered for the unit is forgotten."""
+    changed = reentry.without_words(register, event.unit_id, person_key(event.person))
+    note = Show(TakenBack(unit_id=event.unit_id, by=event.person))
+    return _as_changed(register, changed), (note,)
 
 
 def _refuse_unit_speaks(register: Register, event: ConfirmOutside | ConfirmHolding) -> Step:
@@ -137,7 +223,8 @@ def _take_word(register: Register, event: ConfirmOutside | ConfirmHolding) -> St
     unit_id, section_ids = event.unit_id, _sections(event)
     if (senseless := _senseless(register, event)) is not None:
         return register, (senseless,)
-    changed = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
+    place = event.place if isinstance(event, ConfirmOutside) else ""
+    changed = reentry.with_word(register, person_key(event.person), unit_id, section_ids, place)
     if not section_ids and unit_id in register.ledger and reentry.agreed(changed, unit_id) is None:
         return _as_changed(register, changed), (_refused(event, _SECOND_PERSON),)
     note = Show(WordTaken(unit_id=unit_id, section_ids=section_ids, by=event.person))
@@ -192,6 +279,8 @@ def _new_contradictions(before: Register, after: Register) -> tuple[Show, ...]:
 
 
 _SECOND_PERSON: Final = "it may be on the line; a second person must say the same"
+_IN_STATION: Final = "a silent unit must stand in a station"
+_STILL_ASKED: Final = "the unit is still being asked; say it again if it stays silent"
 _Handler = Callable[[Register, Any], Step]
 
 UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxyType(
@@ -202,8 +291,8 @@ UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxy
         (Phase.RUNNING, Standing.OUTSIDE, ConfirmHolding): _confirm_holding,
         (Phase.RUNNING, Standing.BY_HAND, ConfirmOutside): _confirm_outside,
         (Phase.RUNNING, Standing.BY_HAND, ConfirmHolding): _confirm_holding,
-        (Phase.RUNNING, Standing.REPORTED, ConfirmOutside): _refuse_unit_speaks,
-        (Phase.RUNNING, Standing.REPORTED, ConfirmHolding): _refuse_unit_speaks,
+        (Phase.RUNNING, Standing.REPORTED, ConfirmOutside): _doubt_speaker,
+        (Phase.RUNNING, Standing.REPORTED, ConfirmHolding): _doubt_speaker,
         (Phase.RUNNING, Standing.DISPUTED, ConfirmOutside): _refuse_unit_speaks,
         (Phase.RUNNING, Standing.DISPUTED, ConfirmHolding): _refuse_unit_speaks,
         (Phase.RESTORING, Standing.UNKNOWN, ConfirmOutside): _take_word,
@@ -216,6 +305,13 @@ UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxy
         (Phase.RESTORING, Standing.REPORTED, ConfirmHolding): _take_correction,
         (Phase.RESTORING, Standing.DISPUTED, ConfirmOutside): _take_correction,
         (Phase.RESTORING, Standing.DISPUTED, ConfirmHolding): _take_correction,
+        (Phase.RUNNING, Standing.OUTSIDE, TakeBack): _take_back,
+        (Phase.RUNNING, Standing.BY_HAND, TakeBack): _take_back,
+        **{
+            (Phase.RUNNING, standing, TakeBack): _nothing_to_take_back
+            for standing in (Standing.UNKNOWN, Standing.REPORTED, Standing.DISPUTED)
+        },
+        **{(Phase.RESTORING, standing, TakeBack): _take_back_word for standing in Standing},
     }
 )
 

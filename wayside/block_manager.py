@@ -27,6 +27,7 @@ from radio.messages import (
     AnyMessage,
     Claim,
     ClaimQuery,
+    Contested,
     HoldingConfirmed,
     HoldingReport,
     RefusalReason,
@@ -45,7 +46,7 @@ from wayside import acts, reentry
 from wayside.actions import Action, Send, Show
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
-from wayside.said import Accepted, Contradicted, Freed, Granted, Outside, Refused
+from wayside.said import Accepted, Contradicted, Freed, Granted, Outside, Refused, Swept
 
 M = TypeVar("M")
 
@@ -72,19 +73,19 @@ Event = Heard[AnyMessage] | acts.Act | Ask
 def step(register: Register, event: Event, now_s: float) -> Step:
     """The next register and what to do. Never raises for what a unit or an operator sends."""
     started_s = now_s if register.started_s is None else register.started_s
-    register = replace(register, started_s=started_s)
+    before = register = replace(register, started_s=started_s)
     if isinstance(event, Ask):
         return _ask(register, now_s)
     register, actions = (
         _heard(register, event, now_s) if isinstance(event, Heard) else acts.act(register, event, now_s)
     )
     register, following = reentry.settle(register, now_s)
-    return register, (*actions, *following)
+    return register, (*actions, *following, *_newly_contested(before, register))
 
 
 def wake_at_s(register: Register) -> float | None:
-    """When the manager wants to ask again; None while the line is defined."""
-    return register.ask_at_s if register.undefined_because_of() else None
+    """When the manager wants to ask again; None while the line is defined and every unit speaks for itself."""
+    return register.ask_at_s if register.asked() else None
 
 
 def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
@@ -93,16 +94,34 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
-    standing = register.unit(heard.unit_id).standing
-    return TELEGRAMS.get((standing, type(heard.message)), _not_for_manager)(register, heard)
+    register, taken_back = acts.spoke(register, heard.unit_id)
+    unit = register.unit(heard.unit_id)
+    if unit.barred and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
+        return register, (*taken_back, Send(heard.unit_id, ClaimQuery(), heard.correlation))
+    handler = TELEGRAMS.get((unit.standing, type(heard.message)), _not_for_manager)
+    register, actions = handler(register, heard)
+    return register, (*taken_back, *actions)
 
 
 def _ask(register: Register, now_s: float) -> Step:
-    blocking = register.undefined_because_of()
-    if not blocking or now_s < register.ask_at_s:
+    asked = register.asked()
+    if not asked or now_s < register.ask_at_s:
         return register, ()
-    asked = replace(register, ask_at_s=now_s + register.plan.ask_interval_s)
-    return asked, tuple(Send(unit_id, ClaimQuery()) for unit_id in blocking)
+    in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}
+    register = replace(register, ask_at_s=now_s + register.plan.ask_interval_s, doubted=in_vain)
+    return register, (*(Send(unit_id, ClaimQuery()) for unit_id in asked), *_tell_contested(register))
+
+
+def _tell_contested(register: Register) -> tuple[Send, ...]:
+    """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
+    contested = {unit_id: register.contested(unit_id) for unit_id in register.plan.unit_ids}
+    return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
+
+
+def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
+    if before.units is after.units:
+        return ()
+    return tuple(send for send in _tell_contested(after) if send not in _tell_contested(before))
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
@@ -150,7 +169,8 @@ def _grant(register: Register, heard: Heard[RouteRequest], held: tuple[str, ...]
         )
         actions.append(Show(note))
     capabilities = register.capabilities(unit_id, message.section_ids, unit.token)
-    granted = RouteGranted(message.route_id, message.section_ids, unit.token, capabilities)
+    on_sight = register.on_sight(message.section_ids)
+    granted = RouteGranted(message.route_id, message.section_ids, unit.token, capabilities, on_sight)
     return register, (*actions, Send(unit_id, granted, heard.correlation))
 
 
@@ -184,28 +204,43 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     message, unit_id = heard.message, heard.unit_id
     unit = register.unit(unit_id)
     held, listed = register.held_by(unit_id), frozenset(message.section_ids)
-    confirmed = Send(unit_id, HoldingConfirmed(held, unit.token), heard.correlation)
+    contested = register.contested(unit_id)
+    confirmed = Send(unit_id, HoldingConfirmed(held, unit.token, contested), heard.correlation)
     if heard.epoch != unit.epoch:
         return register, (_show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
     if message.token != unit.token:
         return register, (_show_refusal(unit_id, RefusalReason.STALE_TOKEN), confirmed)
     if extra := tuple(section_id for section_id in message.section_ids if section_id not in held):
-        # It believes to hold more than the register says: a contradiction, so nothing of it is freed.
+        # It believes to hold more than the register says: a contradiction, so nothing of it is freed. Its train stops
+        # at this answer; what it then claims is added, or disputed.
         holder = register.holders.get(extra[0], "")
         against = Contradicted(unit_id=unit_id, section_ids=extra, token=unit.token, other_id=holder)
-        return register, (Show(against), confirmed)
+        return register, (Show(against), confirmed, Send(unit_id, ClaimQuery()))
     if not listed:
         why = "an empty report; sign off to leave the line"
         refused = Refused(unit_id=unit_id, section_ids=held, token=unit.token, why=why)
         return register, (Show(refused), confirmed)
+    register, noted = _swept(register, heard)
     freed = tuple(section_id for section_id in held if section_id not in listed)
     if not freed:
-        return register, (confirmed,)
+        return register, (*noted, confirmed)
     kept = tuple(section_id for section_id in held if section_id in listed)
-    return reentry.released(register.with_held(unit_id, kept), unit_id, freed), (
+    register = reentry.released(register.with_held(unit_id, kept), unit_id, freed)
+    return register, (
+        *noted,
         Show(Freed(unit_id=unit_id, section_ids=freed, token=unit.token)),
-        Send(unit_id, HoldingConfirmed(kept, unit.token), heard.correlation),
+        Send(unit_id, HoldingConfirmed(kept, unit.token, register.contested(unit_id)), heard.correlation),
     )
+
+
+def _swept(register: Register, heard: Heard[HoldingReport]) -> Step:
+    """What the unit held, and its train has run through on sight, is empty but for it."""
+    held = register.held_by(heard.unit_id)
+    swept = tuple(s for s in register.on_sight(heard.message.swept) if s in held)
+    if not swept:
+        return register, ()
+    left = replace(register, unswept=register.unswept.difference(swept))
+    return left, (Show(Swept(unit_id=heard.unit_id, section_ids=swept)),)
 
 
 def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
@@ -328,7 +363,9 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     register = register.with_held(unit_id, (*before, *added))
     held = register.held_by(unit_id)
     token = max(unit.token, heard.message.token)
-    if held and (token == 0 or token > (register.epoch << 32) + register.counter):
+    # What it claims may have been another's since, who then commanded points in it under a greater token.
+    lost = not register.restoring and (bool(added) or unit.standing is not Standing.REPORTED)
+    if held and (lost or token == 0 or token > register.token_max):
         register, token = register.next_token()
     standing = Standing.REPORTED if held else Standing.OUTSIDE
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
@@ -342,7 +379,7 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
         actions.append(Show(taken if held else Outside(unit_id=unit_id, token=token, was=was)))
         actions += reentry.shown_against(register, unit_id)
     capabilities = register.capabilities(unit_id, held, token)
-    accepted = SignOnAccepted(held, token, after.route_id, capabilities)
+    accepted = SignOnAccepted(held, token, after.route_id, capabilities, register.on_sight(held))
     return register, (*actions, Send(unit_id, accepted, heard.correlation))
 
 

@@ -31,12 +31,13 @@ class ReentryMode(Enum):
 
 class SectionEntry(msgspec.Struct, frozen=True):
     """A section of the register; `terminal_ids` drive points in it; a train may leave the line from a
-    portal.
+    portal, and be stabled on a track of a station.
     """
 
     section_id: str
     portal: bool = False
     terminal_ids: tuple[str, ...] = ()
+    open_line: bool = False
 
 
 class RouteEntry(msgspec.Struct, frozen=True):
@@ -106,7 +107,10 @@ def manager_config(
         terminals.setdefault(points.section_id, set()).add(points.terminal_id)
     sections = tuple(
         SectionEntry(
-            section.id, section.kind is SectionKind.PORTAL, tuple(sorted(terminals.get(section.id, ())))
+            section.id,
+            section.kind is SectionKind.PORTAL,
+            tuple(sorted(terminals.get(section.id, ()))),
+            section.kind is SectionKind.BETWEEN,
         )
         for section in line.sections.values()
     )

@@ -6,7 +6,8 @@ The point terminal (制御端末装置) of Sugiyama et al. 2017, sections 2.1 (3
 `step(terminal, event) -> (terminal, actions)`. The terminal never talks to the manager (table 2): the grant
 is checked offline by the capability's code. Highest tokens and what the points are locked for are its
 durable memory; after a restart it knows them, but proves nothing until the detection shows it. Repeated
-commands change nothing. `TABLE` is the state of the points and the kind of event.
+commands change nothing; points that a crew has locked by hand are commanded by nobody (4.4 (3)).
+`TABLE` is the state of the points and the kind of event.
 """
 
 from __future__ import annotations
@@ -149,6 +150,15 @@ def refusal(terminal: Terminal, unit_id: str, command: PointsCommand) -> PointsR
         return PointsRefusalReason.BAD_CAPABILITY
     if command.token < terminal.memory.tokens.get(section_id, 0):
         return PointsRefusalReason.OLD_TOKEN
+    return _locked_against(terminal, view, command)
+
+
+def _locked_against(
+    terminal: Terminal, view: PointsView, command: PointsCommand
+) -> PointsRefusalReason | None:
+    """Why the lock of the points stands against a command: a crew has their key, or the same token did."""
+    if view.detected.by_hand:
+        return PointsRefusalReason.LOCKED_BY_HAND
     held = terminal.memory.commitments.get(command.points_id)
     if held is not None and held.token == command.token and held.position is not command.position:
         return PointsRefusalReason.LOCKED

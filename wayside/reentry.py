@@ -9,15 +9,18 @@ functions on the register; persons' inputs themselves are in `wayside.acts`.
 | what vouches for a unit                         | on the ledger, or heard | silent, not on the ledger     |
 |-------------------------------------------------|-------------------------|-------------------------------|
 | its own fresh claim, nobody else claims the same| yes                     | (then it is not silent)       |
-| the same complete word of two persons           | yes                     | yes                           |
+| two persons: it left by this portal             | yes                     | yes                           |
+| two persons: it stands in a station, and holds  | yes                     | yes                           |
+| two persons: it holds open line                 | no                      | no                            |
 | one person: it is outside                       | if not on the ledger    | yes                           |
 | one person: it holds sections                   | no                      | no                            |
 | nobody entered anything for it                  | no                      | yes: nothing was ever granted |
 
 A unit's word outranks an entry: what it claims beyond the entry is added, what was entered beyond its claim is
 added too when the line is defined, and its next report frees it. An entry that gives one unit what another
-claims blocks until a person corrects it. Two persons who agree on the same wrong word for a silent unit are
-the danger that remains.
+claims blocks until a person corrects it. Where a silent unit counts by persons' word alone, every section that no
+unit speaks for is locked but for trains on sight until one has run through it (4.4 (4): all trains in stations
+first), so that two persons who agree on the same wrong word lead to a train that stops before another.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ from typing import Final
 from wayside.actions import Action, Show
 from wayside.config import ReentryMode
 from wayside.register import Reentry, Register, Stage, Standing, Unit
-from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged
+from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged, ToBeSwept
 
 Step = tuple[Register, tuple[Action, ...]]
 
@@ -110,7 +113,23 @@ def agreed(register: Register, unit_id: str) -> frozenset[str] | None:
     """What two different persons say the unit holds, and nobody says more; None: no such agreement."""
     entered = entered_for(register, unit_id)
     same = [person for person, word in words_for(register, unit_id).items() if word == entered]
-    return entered if len(same) > 1 else None
+    places = {register.reentry.left_by.get((person, unit_id), "") for person in same}
+    placed = entered or unit_id not in register.ledger or (len(places) == 1 and "" not in places)
+    return entered if len(same) > 1 and placed else None
+
+
+def in_station(register: Register, section_ids: Iterable[str]) -> bool:
+    """Whether a train that holds these stands in a station, or in a portal."""
+    return register.plan.open_line.isdisjoint(section_ids)
+
+
+def to_be_swept(register: Register, section_ids: Iterable[str]) -> Step:
+    """Persons say that a silent unit is not in these: locked but for trains on sight. Into a portal a driver sees."""
+    locked = frozenset(section_ids) - register.plan.portals - register.unswept
+    if not locked:
+        return register, ()
+    in_order = tuple(sorted(locked, key=register.plan.order.__getitem__))
+    return replace(register, unswept=register.unswept | locked), (Show(ToBeSwept(section_ids=in_order)),)
 
 
 def vouched(register: Register, unit_id: str) -> bool:
@@ -118,7 +137,7 @@ def vouched(register: Register, unit_id: str) -> bool:
     standing = register.unit(unit_id).standing
     if standing is not Standing.UNKNOWN:
         return standing is not Standing.DISPUTED
-    if agreed(register, unit_id) is not None:
+    if (held := agreed(register, unit_id)) is not None and in_station(register, held):
         return True
     if unit_id in register.ledger or entered_for(register, unit_id):
         return False
@@ -241,11 +260,14 @@ def _on_line(register: Register, unit_id: str) -> bool:
 def _define(register: Register, now_s: float) -> Step:
     """Entries come into force: for silent units all that two persons agree on, for others as additions."""
     actions: list[Action] = []
+    silent = [u for u in register.ledger if register.unit(u).standing is Standing.UNKNOWN]
     for unit_id in register.plan.unit_ids:
         unit, entered = register.unit(unit_id), entered_for(register, unit_id)
         said_by = ", ".join(words_for(register, unit_id)) or register.reentry.accepted_by
         if unit.standing is Standing.UNKNOWN and not entered:
-            register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
+            register = register.with_unit(
+                unit_id, Unit(Standing.OUTSIDE, unit.epoch, by=said_by, silent=unit_id in silent)
+            )
             actions.append(Show(Outside(unit_id=unit_id, by=said_by)))
             continue
         before = register.held_by(unit_id)
@@ -253,21 +275,26 @@ def _define(register: Register, now_s: float) -> Step:
             continue
         if unit.standing is Standing.UNKNOWN:
             register, token = register.next_token()
-            unit = Unit(Standing.BY_HAND, unit.epoch, token)
+            unit = Unit(Standing.BY_HAND, unit.epoch, token, by=said_by, silent=True)
         register = register.with_held(unit_id, (*before, *entered.difference(before)))
         register = register.with_unit(unit_id, unit)
         held = register.held_by(unit_id)
         confirmed = ConfirmedByHand(unit_id=unit_id, section_ids=held, token=unit.token, by=said_by)
         actions.append(Show(confirmed))
+    if silent:
+        spoken_for = {s for s, holder in register.holders.items() if holder not in silent}
+        register, swept = to_be_swept(register, set(register.plan.order) - spoken_for)
+        actions += swept
     past = register.reentry
     done = Reentry(accepted_by=past.accepted_by, inputs=past.inputs, stage=past.stage, defined_s=now_s)
     return replace(register, restoring=False, reentry=done), tuple(actions)
 
 
 def _forget_words_of_speakers(register: Register) -> Register:
-    """Of a running line, words are kept only for units entered by hand: a first one waits for the second."""
+    """Of a running line, words are kept only while a first one waits for the second."""
     for unit_id in {unit_id for _, unit_id in register.reentry.complete}:
-        if register.unit(unit_id).standing is not Standing.BY_HAND:
+        waits = unit_id in register.doubted or register.unit(unit_id).taken_back
+        if register.unit(unit_id).standing is not Standing.BY_HAND and not waits:
             register = without_words(register, unit_id)
     return register
 
@@ -282,7 +309,10 @@ def without_words(register: Register, unit_id: str, person: str | None = None) -
     complete = frozenset(
         (p, unit) for p, unit in register.reentry.complete if unit != unit_id or person not in (None, p)
     )
-    return replace(register, reentry=replace(register.reentry, entries=entries, complete=complete))
+    left_by = {key: place for key, place in register.reentry.left_by.items() if key in complete}
+    return replace(
+        register, reentry=replace(register.reentry, entries=entries, complete=complete, left_by=left_by)
+    )
 
 
 def with_entry(register: Register, person: str, section_id: str, unit_id: str | None) -> Register:
@@ -292,13 +322,16 @@ def with_entry(register: Register, person: str, section_id: str, unit_id: str | 
     return replace(register, reentry=replace(register.reentry, entries=entries))
 
 
-def with_word(register: Register, person: str, unit_id: str, section_ids: Iterable[str]) -> Register:
-    """The register with all that the person says the unit holds; empty: it is outside."""
+def with_word(
+    register: Register, person: str, unit_id: str, section_ids: Iterable[str], place: str = ""
+) -> Register:
+    """The register with all that the person says the unit holds; empty: it is outside, and left by `place`."""
     register = without_words(register, unit_id, person)
     for section_id in section_ids:
         register = with_entry(register, person, section_id, unit_id)
     complete = register.reentry.complete | {(person, unit_id)}
-    return replace(register, reentry=replace(register.reentry, complete=complete))
+    left_by = {**register.reentry.left_by, (person, unit_id): place}
+    return replace(register, reentry=replace(register.reentry, complete=complete, left_by=left_by))
 
 
 def released(register: Register, unit_id: str, section_ids: Iterable[str]) -> Register:
@@ -313,7 +346,10 @@ def released(register: Register, unit_id: str, section_ids: Iterable[str]) -> Re
 
 
 def lost_again(register: Register, token: int) -> Register:
-    """A unit has a token that no boot known here gave: the durable state is not the last, so begin anew."""
+    """A unit has a token that no boot known here gave: the durable state is not the last, so begin anew.
+
+    With the ledger it is lost what had to be swept, so all of the line has to be.
+    """
     spoken = {
         unit_id: unit
         for unit_id, unit in register.units.items()
@@ -324,6 +360,7 @@ def lost_again(register: Register, token: int) -> Register:
         register,
         restoring=True,
         ledger=frozenset(register.plan.unit_ids),
+        unswept=frozenset(register.plan.order) - register.plan.portals,
         foreign_token=token,
         units=spoken,
         holders=holders,

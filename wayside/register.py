@@ -33,7 +33,9 @@ class Unit:
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
-    `claim`: what it says it holds, while that is disputed.
+    `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
+    for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
+    asked all the same; `taken_back`: they were wrong.
     """
 
     standing: Standing
@@ -42,6 +44,10 @@ class Unit:
     route_id: str | None = None
     correlation: int = 0
     claim: tuple[str, ...] | None = None
+    by: str = ""
+    barred: bool = False
+    silent: bool = False
+    taken_back: bool = False
 
 
 UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
@@ -54,6 +60,7 @@ class Plan:
     unit_ids: tuple[str, ...]
     order: Mapping[str, int]
     portals: frozenset[str]
+    open_line: frozenset[str]
     terminals: Mapping[str, tuple[str, ...]]
     routes: Mapping[str, RouteEntry]
     capability_keys: Mapping[str, bytes]
@@ -76,13 +83,15 @@ class Reentry:
     """What persons entered in this boot, and what the picture needs besides.
 
     `entries`: section -> person -> unit, None for free. `complete`: (person, unit) where the person has said
-    all that the unit holds. `heard_s`: when an unknown unit was last heard. `inputs`: by person.
+    all that the unit holds; `left_by`: for the same, the portal by which it left the line. `heard_s`: when an
+    unknown unit was last heard. `inputs`: by person.
     """
 
     entries: Mapping[str, Mapping[str, str | None]] = field(
         default_factory=dict[str, Mapping[str, str | None]]
     )
     complete: frozenset[tuple[str, str]] = frozenset()
+    left_by: Mapping[tuple[str, str], str] = field(default_factory=dict[tuple[str, str], str])
     accepted_by: str = ""
     inputs: Mapping[str, int] = field(default_factory=dict[str, int])
     heard_s: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -97,6 +106,9 @@ class Register:
     `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of
     the line has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept
     over power cuts; it blocks and never frees. `foreign_token`: the greatest heard that no known boot gave.
+    `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
+    to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
+    often it was asked in vain since.
     """
 
     plan: Plan
@@ -109,6 +121,8 @@ class Register:
     restoring: bool = False
     ledger: frozenset[str] = frozenset()
     foreign_token: int = 0
+    unswept: frozenset[str] = frozenset()
+    doubted: Mapping[str, int] = field(default_factory=dict[str, int])
     reentry: Reentry = field(default_factory=Reentry)
 
     @property
@@ -139,6 +153,23 @@ class Register:
         """Units for which nothing may be granted, and which are asked: unknown or disputed."""
         blocking = (Standing.UNKNOWN, Standing.DISPUTED)
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
+
+    def asked(self) -> tuple[str, ...]:
+        """Units that are asked what they hold: those that block, and those that count by persons' word alone."""
+        silent = (unit_id for unit_id, unit in self.units.items() if unit.silent)
+        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent)))
+
+    def contested(self, unit_id: str) -> tuple[str, ...]:
+        """What it holds that another claims too, or that a unit may be in of which persons were wrong."""
+        units = self.units.items()
+        claimed = {s for other, unit in units if other != unit_id for s in unit.claim or ()}
+        if any(unit.taken_back for _, unit in units):
+            claimed |= self.unswept
+        return tuple(section for section in self.held_by(unit_id) if section in claimed) if claimed else ()
+
+    def on_sight(self, section_ids: Iterable[str]) -> tuple[str, ...]:
+        """Those of the sections that must be passed on sight."""
+        return tuple(section for section in section_ids if section in self.unswept)
 
     def other_holder(self, unit_id: str, section_ids: Iterable[str]) -> tuple[str, str] | None:
         """The first of the sections that another unit holds, and that unit."""
@@ -185,12 +216,16 @@ def start(
     epoch: int,
     capability_keys: Mapping[str, bytes],
     ledger: Iterable[str] | None = None,
+    unswept: Iterable[str] = (),
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
-    line, except at the first start. Raises InputError if it names a unit that is not on the fleet list.
+    line and all of it as not swept, except at the first start. Raises InputError if it names a unit that is not on
+    the fleet list.
     """
+    if ledger is None and epoch > 1:
+        unswept = (section.section_id for section in config.sections if not section.portal)
     if ledger is None:
         ledger = config.unit_ids if epoch > 1 else ()
     on_line = frozenset(ledger)
@@ -201,6 +236,7 @@ def start(
         config.unit_ids,
         {section.section_id: index for index, section in enumerate(config.sections)},
         frozenset(section.section_id for section in config.sections if section.portal),
+        frozenset(section.section_id for section in config.sections if section.open_line),
         {section.section_id: section.terminal_ids for section in config.sections if section.terminal_ids},
         {route.route_id: route for route in config.routes},
         capability_keys,
@@ -208,4 +244,4 @@ def start(
         config.telegram_age_max_s,
         config.reentry,
     )
-    return Register(plan, epoch, restoring=epoch > 1, ledger=on_line)
+    return Register(plan, epoch, restoring=epoch > 1, ledger=on_line, unswept=frozenset(unswept))

@@ -14,10 +14,11 @@ from radio.noted import Noted, TelegramDropped, TookEffect
 
 
 class ConfirmOutside(msgspec.Struct, frozen=True, array_like=True, tag=1):
-    """Operator to manager: `person` has made sure that the unit is off the line."""
+    """Operator to manager: `person` has made sure that the unit is off the line, by which portal it left (`place`)."""
 
     unit_id: str
     person: str
+    place: str = ""
 
 
 class ConfirmHolding(msgspec.Struct, frozen=True, array_like=True, tag=2):
@@ -30,12 +31,13 @@ class ConfirmHolding(msgspec.Struct, frozen=True, array_like=True, tag=2):
 
 class PointsDetected(msgspec.Struct, frozen=True, array_like=True, tag=3):
     """World to terminal: what the detection contacts show, at each change and after a restart. None:
-    neither.
+    neither. `by_hand`: a crew has locked the machine on the spot, and its motor is cut out.
     """
 
     points_id: str
     position: Position | None
     locked: bool
+    by_hand: bool = False
 
 
 class EnterSection(msgspec.Struct, frozen=True, array_like=True, tag=4):
@@ -52,7 +54,14 @@ class AcceptPicture(msgspec.Struct, frozen=True, array_like=True, tag=5):
     person: str
 
 
-Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture
+class TakeBack(msgspec.Struct, frozen=True, array_like=True, tag=6):
+    """Operator to manager: what persons have said of a silent unit may be wrong: it is to count for nothing again."""
+
+    unit_id: str
+    person: str
+
+
+Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture | TakeBack
 
 
 class StartThrow(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -163,6 +172,26 @@ class Contradicted(Noted, frozen=True, kw_only=True, tag="contradiction"):
     why: str = ""
 
 
+class TakenBack(Noted, frozen=True, kw_only=True, tag="taken_back"):
+    """A person has taken back what persons had said of a silent unit."""
+
+    unit_id: str
+    by: str
+
+
+class ToBeSwept(Noted, frozen=True, kw_only=True, tag="to_be_swept"):
+    """A silent unit counts as elsewhere by persons' word alone: these sections are locked but for a train on sight."""
+
+    section_ids: tuple[str, ...]
+
+
+class Swept(Noted, frozen=True, kw_only=True, tag="swept"):
+    """A train has run through these sections on sight and found them empty: they are as any other again."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+
+
 class PointsCommanded(Noted, frozen=True, kw_only=True, tag="points_commanded"):
     """A terminal took a command: the points are the unit's until its section is another's."""
 
@@ -214,6 +243,9 @@ ManagerNote = (
     | ConfirmedByHand
     | WordTaken
     | PictureChanged
+    | TakenBack
+    | ToBeSwept
+    | Swept
     | Contradicted
     | TelegramDropped
     | TookEffect

@@ -19,6 +19,10 @@ from radio import messages as radio
 from radio.envelope import Received
 
 LOST_SIGHT: Final = (radio.RefusalReason.NOT_SIGNED_ON, radio.RefusalReason.STALE_TOKEN)
+NOT_THE_NEWEST: Final = (
+    radio.PointsRefusalReason.BAD_CAPABILITY,
+    radio.PointsRefusalReason.OLD_TOKEN,
+)
 _WITH_TOKEN: Final = (notes.Holds, notes.Claimed, notes.Reported, notes.RouteHeld)
 
 
@@ -114,7 +118,7 @@ class Letters:
             case Ask.ROUTE:
                 return radio.RouteRequest(self._unit_id, request.subject, request.section_ids or ())
             case Ask.REPORT:
-                return radio.HoldingReport(request.section_ids or (), self.token)
+                return radio.HoldingReport(request.section_ids or (), self.token, request.swept)
 
     def _take(self, section_ids: tuple[str, ...]) -> None:
         """Its token for these sections and for those it has capabilities for."""
@@ -137,7 +141,11 @@ class Letters:
     def _signed_on(self, heard: Received, message: radio.SignOnAccepted) -> sym.Event:
         commandable = tuple(dict.fromkeys(c.section_id for c in message.capabilities))
         return sym.SignedOn(
-            message.section_ids, commandable, self._answers(Ask.SIGN_ON, heard), message.token > self.token
+            message.section_ids,
+            commandable,
+            self._answers(Ask.SIGN_ON, heard),
+            message.token > self.token,
+            message.on_sight,
         )
 
     def _sign_on_refused(self, heard: Received, message: radio.SignOnRefused) -> sym.Event:
@@ -171,11 +179,12 @@ class Letters:
             self._answers(Ask.ROUTE, heard),
             heard.fresh,
             message.token > self.token,
+            message.on_sight,
         )
 
     def _confirmed(self, heard: Received, message: radio.HoldingConfirmed) -> sym.Event:
         answers = self._answers(Ask.REPORT, heard)
-        return sym.Confirmed(message.section_ids, answers, message.token > self.token)
+        return sym.Confirmed(message.section_ids, answers, message.token > self.token, message.contested)
 
     def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
         good = message.locked and message.detected and message.position is not None
@@ -184,7 +193,9 @@ class Letters:
 
     def _points_refused(self, heard: Received, message: radio.PointsRefused) -> sym.Event:
         why = message.reason.name.lower().replace("_", " ")
-        return sym.PointsDenied(message.points_id, heard.source, why, self._mine(message))
+        return sym.PointsDenied(
+            message.points_id, heard.source, why, self._mine(message), message.reason in NOT_THE_NEWEST
+        )
 
     def _mine(self, message: radio.PointsProof | radio.PointsRefused) -> bool:
         known = self._commanded.get(message.points_id)
@@ -201,6 +212,7 @@ _READERS: Final[Mapping[type[radio.AnyMessage], Callable[[Letters, Received, Any
     radio.PointsProof: Letters._proof,
     radio.PointsRefused: Letters._points_refused,
     radio.HoldingConfirmed: Letters._confirmed,
+    radio.Contested: lambda _letters, _heard, message: sym.Contested(message.section_ids),
     radio.ClaimQuery: lambda _letters, _heard, _message: sym.Queried(),
     radio.Restarted: lambda _letters, _heard, _message: sym.PeerRestarted(),
 }

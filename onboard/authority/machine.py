@@ -5,9 +5,9 @@ back; it gives a section back only after its safe rear has left it, or standing 
 here before it says so; points count as proven only while their section is held and by a proof for the position and
 token of its own command.
 
-A pure machine of four small tables (sign-on, route, points, report): `step(state, event, covered) -> (state, actions)`.
-Requests are repeated with the same correlation until answered, and only where the radio reaches (`covered`); silence
-changes nothing. Sugiyama et al. 2017, section 2.2 and table 1 (閉そく要求機能, 進路構成機能).
+A pure machine of five small tables (sign-on, route, points, report, agreement): `step(state, event, covered) ->
+(state, actions)`. Requests are repeated with the same correlation until answered, and only where the radio reaches
+(`covered`); silence changes nothing. Sugiyama et al. 2017, section 2.2 and table 1 (閉そく要求機能, 進路構成機能).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from onboard import notes
-from onboard.authority import points, report, route, sign_on
+from onboard.authority import agreement, points, report, route, sign_on
 from onboard.authority.records import (
     Action,
     Ask,
@@ -63,7 +63,14 @@ _EVERYWHERE: Final[Table] = MappingProxyType(
     }
 )
 TABLE: Final[Table] = MappingProxyType(
-    {**sign_on.TABLE, **route.TABLE, **points.TABLE, **report.TABLE, **_EVERYWHERE}
+    {
+        **sign_on.TABLE,
+        **route.TABLE,
+        **points.TABLE,
+        **report.TABLE,
+        **agreement.TABLE,
+        **_EVERYWHERE,
+    }
 )
 
 
@@ -90,7 +97,8 @@ def say(state: Authority) -> Result:
             actions += (SendCommand(command.needed), SetTimer(command.timer, REPEAT_S))
     report_ = state.open(Ask.REPORT)
     if report_ is not None and not report_.sent:  # always the whole of what is held now
-        actions += (Send(replace(report_, section_ids=state.held)), SetTimer(report_.timer, REPEAT_S))
+        whole = replace(report_, section_ids=state.held, swept=state.swept)
+        actions += (Send(whole), SetTimer(report_.timer, REPEAT_S))
         actions.append(Write(notes.Reported(section_ids=state.held, token=0)))
     if not actions:
         return state, ()

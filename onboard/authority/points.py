@@ -14,6 +14,7 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority.records import (
     Action,
+    Ask,
     Authority,
     CheckedByCrew,
     Command,
@@ -26,7 +27,7 @@ from onboard.authority.records import (
     Withdrawn,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, Result, Standing, Table
+from onboard.authority.tables import REFUSED_REPEAT_S, Result, Standing, Table, report_now
 
 
 def throw(state: Authority, event: Throw) -> Result:
@@ -94,7 +95,7 @@ def _lost(state: Authority, event: Proof) -> Result:
 
 
 def denied(state: Authority, event: PointsDenied) -> Result:
-    """Commands again later."""
+    """Commands again later; where its grant is not the newest one, it reports, so that the manager can say so."""
     commands: list[Command] = []
     actions: list[Action] = []
     for command in state.commands:
@@ -106,7 +107,11 @@ def denied(state: Authority, event: PointsDenied) -> Result:
             actions.append(Write(notes.ThrowDenied(points_id=event.points_id, why=event.why)))
         commands.append(replace(command, sent=True, refusal=event.why))
         actions.append(SetTimer(command.timer, REFUSED_REPEAT_S))
-    return replace(state, commands=tuple(commands)), tuple(actions)
+    state = replace(state, commands=tuple(commands))
+    if event.mine and event.stale and state.open(Ask.REPORT) is None:
+        state, more = report_now(state)
+        actions += more
+    return state, tuple(actions)
 
 
 TABLE: Final[Table] = MappingProxyType(

@@ -36,7 +36,7 @@ class Request(msgspec.Struct, frozen=True):
     """The record of an open request. Not `sent`: due as soon as the radio reaches; sent: its timer runs.
 
     `subject`: the route asked for; `section_ids`: its sections, or those of a sign-on (None: does not know).
-    `refusal`: why it was not granted the last time.
+    `refusal`: why it was not granted the last time; `swept`: with a report, as there.
     """
 
     ask: Ask
@@ -44,6 +44,7 @@ class Request(msgspec.Struct, frozen=True):
     section_ids: tuple[str, ...] | None = ()
     sent: bool = False
     refusal: str = ""
+    swept: tuple[str, ...] = ()
 
     @property
     def timer(self) -> Timer:
@@ -68,7 +69,8 @@ class Authority(msgspec.Struct, frozen=True):
     """The state. `held`: sections in order of travel; `commandable`: those of them granted with a capability.
 
     `unsaid`: points not commanded any more, of which a proof still counts. `entering`: the sign-on is a wish for a
-    portal, so until it is accepted nothing is held.
+    portal, so until it is accepted nothing is held. `mismatch`: why register and unit contradict each other, if they
+    do. `unswept`: sections held that must be passed on sight; `swept`: those that were, until that is confirmed.
     """
 
     held: tuple[str, ...] = ()
@@ -79,14 +81,13 @@ class Authority(msgspec.Struct, frozen=True):
     commands: tuple[Command, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
     unsaid: tuple[PointsNeeded, ...] = ()
+    mismatch: str = ""
+    unswept: tuple[str, ...] = ()
+    swept: tuple[str, ...] = ()
 
     def holds(self, section_id: str) -> bool:
         """Whether the unit holds a section."""
         return section_id in self.held
-
-    def holds_all(self, section_ids: tuple[str, ...]) -> bool:
-        """Whether it holds all of them."""
-        return all(section_id in self.held for section_id in section_ids)
 
     def open(self, ask: Ask) -> Request | None:
         """The open request of a kind."""
@@ -169,6 +170,7 @@ class SignedOn(msgspec.Struct, frozen=True, tag=True):
     commandable: tuple[str, ...]
     answers: bool
     newer: bool
+    on_sight: tuple[str, ...] = ()
 
 
 class Refused(msgspec.Struct, frozen=True, tag=True):
@@ -196,14 +198,22 @@ class Granted(msgspec.Struct, frozen=True, tag=True):
     answers: bool
     fresh: bool
     newer: bool
+    on_sight: tuple[str, ...] = ()
 
 
 class Confirmed(msgspec.Struct, frozen=True, tag=True):
-    """What the register has for the unit, after a report."""
+    """What the register has for the unit, after a report; `contested`: some of it is."""
 
     section_ids: tuple[str, ...]
     answers: bool
     newer: bool
+    contested: tuple[str, ...] = ()
+
+
+class Contested(msgspec.Struct, frozen=True, tag=True):
+    """The manager says that another claims, or may be in, what the unit holds."""
+
+    section_ids: tuple[str, ...]
 
 
 class Queried(msgspec.Struct, frozen=True, tag=True):
@@ -220,12 +230,13 @@ class Proof(msgspec.Struct, frozen=True, tag=True):
 
 
 class PointsDenied(msgspec.Struct, frozen=True, tag=True):
-    """A terminal refuses a command; `mine` as above."""
+    """A terminal refuses a command; `mine` as above; `stale`: the grant that the unit goes by is not the newest."""
 
     points_id: str
     terminal_id: str
     why: str
     mine: bool
+    stale: bool = False
 
 
 class PeerRestarted(msgspec.Struct, frozen=True, tag=True):
@@ -248,6 +259,7 @@ Event = (
     | SignedOff
     | Granted
     | Confirmed
+    | Contested
     | Queried
     | Proof
     | PointsDenied

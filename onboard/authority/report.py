@@ -12,12 +12,25 @@ from typing import Final
 from msgspec.structs import replace
 
 from onboard.authority.records import Action, Ask, Authority, Cleared, Confirmed, StopTimer
-from onboard.authority.tables import Result, Standing, Table, changed, closed, holds, report_now, take_newer
+from onboard.authority.tables import (
+    Result,
+    Standing,
+    Table,
+    agrees,
+    changed,
+    closed,
+    disagrees,
+    holds,
+    refused,
+    report_now,
+    take_newer,
+)
 
 
 def cleared(state: Authority, event: Cleared) -> Result:
     """Drops sections with their proofs and commands, then reports what is left until that is confirmed."""
-    return dropped(state, event.section_ids)
+    run_through = tuple(s for s in event.section_ids if s in state.unswept and state.holds(s))
+    return dropped(replace(state, swept=(*state.swept, *run_through)), event.section_ids)
 
 
 def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
@@ -33,19 +46,31 @@ def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
         proven=tuple(needed for needed in state.proven if needed.section_id not in section_ids),
         commands=tuple(c for c in state.commands if c not in gone),
         unsaid=tuple(needed for needed in state.unsaid if needed.section_id not in section_ids),
+        unswept=tuple(s for s in state.unswept if s not in section_ids),
     )
     left, actions = report_now(left)
     return left, (*(StopTimer(c.timer) for c in gone), *actions, holds(left))
 
 
 def confirmed(state: Authority, event: Confirmed) -> Result:
-    """To its last report: done if the register has the same; a greater token is taken."""
+    """To its last report: done if the register has the same, with nothing contested; a greater token is taken.
+
+    If it has less, or some of it is contested, the train is stopped, and it is reported again.
+    """
     request = state.open(Ask.REPORT)
     if request is None or not event.answers:
         return state, ()
     actions: tuple[Action, ...] = ()
-    if set(event.section_ids) == set(state.held):
+    contested, held = ", ".join(event.contested), set(state.held)
+    if contested or not held <= set(event.section_ids):
+        why = f"contested: {contested}" if contested else "the register has less"
+        state, actions = disagrees(state, why)
+        state, more = refused(state, request, why)
+        actions = (*actions, *more)
+    elif set(event.section_ids) == held:
         state, actions = closed(state, Ask.REPORT)
+        state, more = agrees(replace(state, swept=()))
+        actions = (*actions, *more)
     elif event.newer:  # refused for its token: the same report again under the newer one
         state = changed(state, replace(request, sent=False))
     if not event.newer:

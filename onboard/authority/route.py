@@ -51,7 +51,8 @@ def granted(state: Authority, event: Granted) -> Result:
     )
     # What the crew saw while another could throw the points is no proof any more.
     proven = tuple(needed for needed in state.proven if state.holds(needed.section_id))
-    state = replace(state, held=held, commandable=commandable, proven=proven)
+    unswept = (*(s for s in state.unswept if s not in regranted), *event.on_sight)
+    state = replace(state, held=held, commandable=commandable, proven=proven, unswept=unswept)
     note = Write(notes.RouteHeld(route_id=event.route_id, token=0))
     return state, (*actions, Take(event.section_ids), note, holds(state))
 
@@ -86,7 +87,6 @@ TABLE: Final[Table] = MappingProxyType(
     {
         (Standing.ON_LINE, AskRoute): ask,
         (Standing.ON_LINE, Granted): granted,
-        (Standing.ON_LINE, Refused): route_refused,
         (Standing.ON_LINE, GiveBack): give_back,
     }
 )

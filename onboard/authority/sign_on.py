@@ -32,6 +32,7 @@ from onboard.authority.tables import (
     Result,
     Standing,
     Table,
+    agrees,
     closed,
     holds,
     opened,
@@ -49,6 +50,9 @@ def begin(state: Authority, event: BeginOnLine) -> Result:
         commandable=(),
         entering=event.enters,
         requests=(),
+        mismatch="",
+        unswept=(),
+        swept=(),
     )
     begun, actions = opened(begun, Request(Ask.SIGN_ON, section_ids=event.section_ids))
     # Who has just been switched on does not know what it holds, which is not the same as nothing.
@@ -72,14 +76,21 @@ def signed_on(state: Authority, event: SignedOn) -> Result:
         return state, ()
     accepted, actions = closed(state, Ask.SIGN_ON)
     accepted = replace(
-        accepted, held=event.section_ids, commandable=event.commandable, on_line=True, entering=False
+        accepted,
+        held=event.section_ids,
+        commandable=event.commandable,
+        on_line=True,
+        entering=False,
+        unswept=event.on_sight,
     )
+    accepted, agreed = agrees(accepted)
     note = Write(notes.SignedOn(section_ids=event.section_ids))
-    return accepted, (*actions, Take(event.section_ids), note, holds(accepted))
+    return accepted, (*actions, *agreed, Take(event.section_ids), note, holds(accepted))
 
 
 def claim_accepted(state: Authority, event: SignedOn) -> Result:
     """To a claim: takes a greater token, never sections; what is open is asked anew."""
+    state = replace(state, unswept=tuple(s for s in event.on_sight if state.holds(s)))
     return take_newer(state, event.commandable) if event.newer else (state, ())
 
 
@@ -139,11 +150,8 @@ TABLE: Final[Table] = MappingProxyType(
         (Standing.OFF_LINE, BeginOnLine): begin,
         (Standing.SIGNING_ON, BeginOnLine): begin,
         (Standing.SIGNING_ON, SignedOn): signed_on,
-        (Standing.ON_LINE, SignedOn): claim_accepted,
-        (Standing.SIGNING_OFF, SignedOn): claim_accepted,
         (Standing.SIGNING_ON, Refused): sign_on_refused,
         (Standing.ON_LINE, EndOnLine): end,
-        (Standing.SIGNING_OFF, Refused): sign_off_refused,
         (Standing.SIGNING_OFF, SignedOff): signed_off,
         (Standing.OFF_LINE, Queried): queried,
         (Standing.SIGNING_ON, Queried): queried_signing_on,

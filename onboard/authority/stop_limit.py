@@ -7,17 +7,23 @@ arrival track, as grants and proofs come in. All in joints: joint `i` is where s
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Final
 
 from onboard.authority.records import Authority
 from onboard.duty.plan import Plan
 from onboard.duty.records import Limit
 
+NOT_PROVEN: Final = "points not proven"
 
-def stop_limit(plan: Plan, authority: Authority, entered: Collection[str] = frozenset()) -> Limit:
+
+def stop_limit(
+    plan: Plan, authority: Authority, entered: Collection[str] = frozenset(), *, sweeps: bool = False
+) -> Limit:
     """The stop limit on the plan's path; the path's beginning when nothing on it is held.
 
     Points of sections that the train has `entered` on their proof no longer hold it back: they are locked under
-    it, whatever has become of the proof since (4.4 (1), table 3).
+    it, whatever has become of the proof since (4.4 (1), table 3). Before a section that must be passed on sight it
+    stops, unless it `sweeps` already.
     """
     begun = False
     for joint, span in enumerate(plan.spans):
@@ -26,9 +32,11 @@ def stop_limit(plan: Plan, authority: Authority, entered: Collection[str] = froz
                 return Limit(joint, span.section_id, "not held")
             continue
         begun = True
+        if span.section_id in authority.unswept and not sweeps:
+            return Limit(joint, span.section_id, "to be passed on sight")
         missing = any(needed not in authority.proven for needed in span.points)
         if missing and span.section_id not in entered:
-            return Limit(joint, span.section_id, "points not proven")
+            return Limit(joint, span.section_id, NOT_PROVEN)
     if not begun:
         return Limit(0, plan.spans[0].section_id, "not held")
     return Limit(len(plan.spans), None, "end of the path")
@@ -39,10 +47,10 @@ def cleared_sections(plan: Plan, authority: Authority, clear: int) -> tuple[str,
     return tuple(s.section_id for s in plan.spans[:clear] if authority.holds(s.section_id))
 
 
-def next_rear_span(plan: Plan, authority: Authority) -> int | None:
-    """The span that the safe rear leaves next to free a section; None for the last one held."""
+def next_rear_span(plan: Plan, authority: Authority, freed: int) -> int | None:
+    """The span among the first `freed` that the safe rear leaves next to free a section; None for the last one held."""
     held = [index for index, span in enumerate(plan.spans) if authority.holds(span.section_id)]
-    return held[0] if len(held) > 1 else None
+    return held[0] if len(held) > 1 and held[0] < freed else None
 
 
 def entered_on_proof(plan: Plan, authority: Authority, sure: int) -> frozenset[str]:

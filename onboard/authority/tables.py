@@ -17,6 +17,7 @@ from onboard.authority.records import (
     Action,
     Ask,
     Authority,
+    Commit,
     Event,
     Renew,
     Request,
@@ -91,11 +92,33 @@ def report_now(state: Authority) -> Result:
     return opened(state, Request(Ask.REPORT))
 
 
+def disagrees(state: Authority, why: str) -> Result:
+    """Register and unit contradict each other: that is remembered, and reported until it is over."""
+    actions: tuple[Action, ...] = ()
+    if state.on_line and state.open(Ask.REPORT) is None:
+        state, actions = report_now(state)
+    if why == state.mismatch:
+        return state, actions
+    return replace(state, mismatch=why), (*actions, Write(notes.Mismatch(why=why)))
+
+
+def agrees(state: Authority) -> Result:
+    """They have the same again."""
+    if not state.mismatch:
+        return state, ()
+    return replace(state, mismatch=""), (Write(notes.Agreed()),)
+
+
 def take_newer(state: Authority, commandable: tuple[str, ...] = ()) -> Result:
-    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits."""
+    """Take a greater token. What is outstanding is asked anew, so that no answer to the old request fits.
+
+    Points under way in sections of `commandable`, which come with a capability, are commanded under the new token.
+    """
     known = tuple(s for s in state.held if s in commandable or s in state.commandable)
-    state = replace(state, commandable=known)
-    actions: tuple[Action, ...] = (Take(()),)
+    anew = [c.needed for c in state.commands if c.needed.section_id in commandable]
+    commands = tuple(replace(c, sent=False) if c.needed in anew else c for c in state.commands)
+    state = replace(state, commandable=known, commands=commands)
+    actions: tuple[Action, ...] = (Take(()), *map(Commit, anew))
     for ask in (Ask.ROUTE, Ask.SIGN_OFF):
         request = state.open(ask)
         if request is not None:

@@ -22,7 +22,6 @@ from onboard import notes
 from onboard.authority.records import (
     Ask,
     BeginOnLine,
-    Cleared,
     Due,
     EndOnLine,
     GiveBack,
@@ -31,13 +30,13 @@ from onboard.authority.records import (
     Withdrawn,
 )
 from onboard.authority.stop_limit import (
-    cleared_sections,
+    NOT_PROVEN,
     entered_on_proof,
-    next_rear_span,
     points_perhaps_under,
     stop_limit,
 )
-from onboard.duty import on_sight
+from onboard.duty import fitness, on_sight
+from onboard.duty.arrival import clear_behind, confirm
 from onboard.duty.plan import Plan
 from onboard.duty.records import (
     ASK,
@@ -47,8 +46,8 @@ from onboard.duty.records import (
     AtMark,
     Begin,
     ChangeEnds,
-    Command,
     DutyState,
+    EndOfHeld,
     Event,
     Finished,
     Heard,
@@ -56,6 +55,7 @@ from onboard.duty.records import (
     Leave,
     LeftLine,
     Looked,
+    NotAtMark,
     Order,
     Phase,
     Place,
@@ -68,7 +68,9 @@ from onboard.duty.records import (
     SwitchedOn,
     TagPassed,
     TimerDue,
+    VehicleChecked,
 )
+from onboard.duty.shown import AT_A_MARK, to_confirm
 from onboard.duty.turn import Action, DutyParameters, Turn
 from radio.table import Row, rows
 
@@ -124,21 +126,25 @@ def set_back(turn: Turn, event: SetBack) -> None:
     """Standing surely short of it, gives the route ahead back and asks for none for a while."""
     state, plan = turn.state, turn.plan
     own, place = plan.stops[state.at].span, state.place
-    if not place.known:
+    if not place.known or not place.stands:
         turn.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
         return
-    if not place.stands or place.perhaps > own + 1:
+    if state.phase is Phase.STANDING and place.perhaps > own + 1:
         turn.note(notes.GiveBackDenied(why="the train may have entered the route"))
         return
     ahead = tuple(s.section_id for s in plan.spans[place.perhaps :] if state.authority.holds(s.section_id))
-    turn.schedule(turn.now_s + event.hold_s + turn.parameters.request_lead_s, state.at)
+    ask_s = turn.now_s + event.hold_s
+    if state.phase is Phase.STANDING:
+        turn.schedule(ask_s + turn.parameters.request_lead_s, state.at)
+    else:
+        turn.set(may_ask=turn.timer("ask", ask_s))
     turn.set(wanted=())
     turn.note(notes.GaveBack(section_ids=ahead))
     turn.authority(GiveBack(ahead))
 
 
 def set_back_refused(turn: Turn, _event: SetBack) -> None:
-    """Refused: only a train that stands at a stop can set back its route."""
+    """Refused: only a train that stands, and knows where, can set back its route."""
     turn.note(notes.GiveBackDenied(why="the train does not stand at a known place"))
 
 
@@ -146,11 +152,15 @@ def set_back_refused(turn: Turn, _event: SetBack) -> None:
 
 
 def tag_passed(turn: Turn, event: TagPassed) -> None:
-    """At the approach tag (④), or the next if that was missed: throws arrival points, asks beyond a track passed."""
+    """At the arrival tag (①) gives back what it proves to be behind; at ④, or the next, throws the arrival points."""
     if event.found:
         turn.note(notes.PositionFound())
     plan = turn.plan
     passed = plan.tags[: event.tag + 1]
+    proved = max(turn.state.proved, passed[-1].clear)
+    turn.set(proved=proved)
+    if passed[-1].purpose is TagPurpose.ARRIVAL:
+        turn.set(freed=proved)
     last = max((i for i, tag in enumerate(passed) if tag.purpose is TagPurpose.APPROACH), default=None)
     if last is None or any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):
         return
@@ -171,7 +181,7 @@ def stopped(turn: Turn, event: Stopped) -> None:
     state, plan = turn.state, turn.plan
     if event.how is How.SHORT:
         turn.note(notes.StoppedShort(short_m=round(-event.away_m, 2), why=state.limit.why))
-        turn.ask(plan.leg_beyond(plan.spans[state.place.here].section_id))
+        turn.ask(plan.leg_at(state.place.here))
         return
     if event.how is How.BEYOND:  # no train sets back here: it counts as arrived, as far as it went
         turn.note(notes.Overran(beyond_m=round(event.away_m, 2)))
@@ -202,6 +212,10 @@ def timer_due(turn: Turn, event: TimerDue) -> None:
             turn.set(may_ask=True)
         case timer if timer == LEAVE:
             turn.set(may_leave=True)
+        case timer if timer == RELEASE and turn.state.halted:
+            turn.await_release()  # not before register and unit agree
+        case timer if timer == RELEASE and not fitness.acknowledged(turn):
+            pass
         case timer if timer == RELEASE:
             place = msgspec.structs.replace(turn.state.place, emergency=False)
             turn.set(released=True, place=place)
@@ -229,6 +243,7 @@ def settle(turn: Turn) -> None:
     phase = turn.state.phase
     if phase in (Phase.OFF, Phase.GONE):
         return
+    react(turn)
     if phase is Phase.SIGNING_ON and turn.state.authority.on_line:
         if turn.state.place.known:
             turn.set(phase=Phase.STANDING)
@@ -240,25 +255,57 @@ def settle(turn: Turn) -> None:
         turn.set(phase=Phase.GONE)
         turn.actions.append(LeftLine(turn.plan.number))
         return
+    if phase is Phase.SIGNING_OFF and turn.state.authority.open(Ask.SIGN_OFF) is None:
+        turn.authority(EndOnLine())  # once nothing but the portal is held
     if phase is Phase.ON_SIGHT and not on_sight.recovered(turn):
         return
-    if turn.state.place.known:
+    if turn.state.place.known and turn.state.phase in _BY_POSITION:
         clear_behind(turn)
         remember_entered(turn)
         withdraw_throws(turn)
         throw_wanted(turn)
+    begin_or_end_sweep(turn)
     set_limit(turn)
     if turn.state.phase is Phase.STANDING:
         stand(turn)
+    elif turn.state.phase is Phase.RUNNING and turn.state.place.stands:
+        held_up(turn)
 
 
-def clear_behind(turn: Turn) -> None:
-    """Give back what the safe rear has left."""
-    place = turn.state.place
-    clear = place.clear_at_mark if turn.state.phase is Phase.STANDING else place.clear
-    cleared = cleared_sections(turn.plan, turn.state.authority, clear)
-    if cleared:
-        turn.authority(Cleared(cleared))
+def react(turn: Turn) -> None:
+    """Register and unit contradict each other: stops by the emergency brake (section 5); once they agree, goes on."""
+    mismatch = bool(turn.state.authority.mismatch)
+    if mismatch is turn.state.halted:
+        return
+    turn.set(halted=mismatch)
+    if mismatch:
+        turn.actions.append(Order.STOP)
+        turn.set(place=msgspec.structs.replace(turn.state.place, emergency=True))
+        if turn.state.place.stands:
+            turn.await_release()
+
+
+def begin_or_end_sweep(turn: Turn) -> None:
+    """From a stand the train goes on on sight through what must be swept, until none of it is held."""
+    state = turn.state
+    sweeps = bool(state.authority.unswept) and (state.sweeps or state.place.stands)
+    if sweeps is not state.sweeps:
+        turn.set(sweeps=sweeps)
+
+
+def held_up(turn: Turn) -> None:
+    """Stands short of its mark: asks for the way ahead; where it may stand upon points unproven, goes on on sight."""
+    state = turn.state
+    limit, place = state.limit, state.place
+    if not place.known or limit.before is None:
+        return
+    if state.may_ask:
+        turn.ask(turn.plan.leg_at(place.here))
+    if limit.why == NOT_PROVEN and place.perhaps > limit.joint:
+        on_sight.give_up_position(turn)
+    elif limit.why == NOT_PROVEN and not state.halted:
+        turn.want(turn.plan.spans[limit.joint].points)
+        throw_wanted(turn)
 
 
 def remember_entered(turn: Turn) -> None:
@@ -295,7 +342,7 @@ def throw_wanted(turn: Turn) -> None:
 def set_limit(turn: Turn) -> None:
     """The stop limit by what is held and proven."""
     state = turn.state
-    limit = stop_limit(turn.plan, state.authority, state.entered)
+    limit = stop_limit(turn.plan, state.authority, state.entered, sweeps=state.sweeps)
     if limit == state.limit:
         return
     turn.set(limit=limit)
@@ -311,12 +358,12 @@ def stand(turn: Turn) -> None:
     """At a stop: ask for the next route in time, leave when the time has come and the way is free."""
     state = turn.state
     if state.at + 1 >= len(turn.plan.stops):
-        if state.authority.open(Ask.REPORT) is None:
+        if state.authority.open(Ask.REPORT) is None and not to_confirm(turn.plan, state):
             turn.set(phase=Phase.FINISHED)
             turn.actions.append(Finished(turn.plan.number))
         return
     if state.may_ask:
-        turn.ask(turn.leg_from_stop(state.at))
+        turn.ask(turn.plan.leg_at(turn.stop(state.at).span))
     if state.may_leave and way_is_free(turn):
         turn.set(phase=Phase.RUNNING)
         turn.note(notes.Departs(station=turn.stop(state.at).place))
@@ -324,56 +371,17 @@ def stand(turn: Turn) -> None:
 
 
 def way_is_free(turn: Turn) -> bool:
-    """The stop limit lies beyond the track where the train stands: no start towards points not proven."""
+    """The vehicle is in order and the stop limit beyond the train's track: no start towards points not proven."""
     limit, place = turn.state.limit, turn.state.place
     own = turn.stop(turn.state.at).span
     beyond = limit.joint > own + 1 or limit.before is None
     on_track = turn.leg_from_stop(turn.state.at) is not None
-    return place.known and limit.joint >= place.reach and (beyond or not on_track)
+    way = limit.joint >= place.reach and (beyond or not on_track)
+    return place.known and way and not place.unfit and not turn.state.halted
 
 
-def command_of(plan: Plan, state: DutyState) -> Command:
-    """What the driving part is to do in a state."""
-    on_sight_now = state.phase is Phase.ON_SIGHT
-    running = state.phase is Phase.RUNNING
-    may_run = state.released and (state.stands_at is None or state.may_leave)
-    return Command(
-        drive=running or (on_sight_now and may_run),
-        on_sight=on_sight_now,
-        at_mark=state.phase is Phase.STANDING,
-        target=state.at + 1 if running and state.at + 1 < len(plan.stops) else None,
-        at=state.at,
-        stands_at=state.stands_at,
-        limit=state.limit,
-        rear=None if on_sight_now else next_rear_span(plan, state.authority),
-        await_radio=state.authority.waits_for_radio,
-        on_line=state.authority.on_line,
-        held=state.authority.held,
-        proven=state.authority.proven,
-        waits_for=waits_for(state),
-    )
-
-
-def waits_for(state: DutyState) -> str:
-    """What the train waits for, in words, for whoever looks on when nothing moves."""
-    authority = state.authority
-    for phase, ask in ((Phase.SIGNING_ON, Ask.SIGN_ON), (Phase.SIGNING_OFF, Ask.SIGN_OFF)):
-        request = authority.open(ask)
-        if state.phase is phase and request is not None:
-            return f"{phase.value}: {request.refusal or 'no answer from the block manager'}"
-    route = authority.open(Ask.ROUTE)
-    if route is not None:
-        return f"route {route.subject}: {route.refusal or 'no answer from the block manager'}"
-    if authority.commands:
-        command = authority.commands[0]
-        return f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
-    if state.place.emergency:
-        return "release of the emergency brake"
-    if state.phase is Phase.STANDING:
-        return "departure time"
-    return "nothing" if state.place.known else "a tag: its position is unknown"
-
-
+_BY_POSITION: Final = (*AT_A_MARK, Phase.RUNNING, Phase.SIGNING_ON)
+_MAY_SET_BACK: Final = (Phase.STANDING, Phase.RUNNING)
 _ON_THE_LINE: Final = (
     Phase.SIGNING_ON,
     Phase.STANDING,
@@ -389,11 +397,14 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.OFF, SwitchedOn): on_sight.switched_on,
         (Phase.FINISHED, ChangeEnds): change_ends,
         (Phase.FINISHED, Leave): leave,
-        (Phase.STANDING, SetBack): set_back,
-        **dict.fromkeys(((p, SetBack) for p in _ON_THE_LINE if p is not Phase.STANDING), set_back_refused),
+        **dict.fromkeys(((p, SetBack) for p in _MAY_SET_BACK), set_back),
+        **dict.fromkeys(((p, SetBack) for p in _ON_THE_LINE if p not in _MAY_SET_BACK), set_back_refused),
         (Phase.ON_SIGHT, PointsSeen): on_sight.points_seen,
         (Phase.ON_SIGHT, PointsWrong): on_sight.points_wrong,
         (Phase.ON_SIGHT, AtMark): on_sight.at_mark,
+        (Phase.ON_SIGHT, EndOfHeld): on_sight.end_of_held,
+        **dict.fromkeys(((p, AtMark) for p in AT_A_MARK), confirm),
+        **dict.fromkeys(((p, NotAtMark) for p in (Phase.STANDING, Phase.FINISHED)), on_sight.not_at_mark),
         **dict.fromkeys(((p, TagPassed) for p in _ON_THE_LINE), tag_passed),
         **dict.fromkeys(((p, PositionLost) for p in on_sight.MAY_LOSE), on_sight.lose),
         **dict.fromkeys(
@@ -403,6 +414,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.RUNNING, Stopped): stopped,
         **dict.fromkeys(((p, Stopped) for p in _ON_THE_LINE if p is not Phase.RUNNING), emergency_stopped),
         **dict.fromkeys(((p, Looked) for p in _ON_THE_LINE), looked),
+        **dict.fromkeys(((p, VehicleChecked) for p in _ON_THE_LINE), fitness.checked),
         **dict.fromkeys(((p, TimerDue) for p in _ON_THE_LINE), timer_due),
         **dict.fromkeys(((p, Heard) for p in Phase), heard),
     }

@@ -8,13 +8,17 @@ from __future__ import annotations
 
 from typing import Final
 
+from msgspec.structs import replace
+
 from network.model import SectionKind
 from onboard import notes
-from onboard.authority.records import BeginOnLine, CheckedByCrew, Cleared, Throw
+from onboard.authority.records import BeginOnLine, CheckedByCrew, Cleared, Throw, Withdrawn
 from onboard.authority.stop_limit import cleared_sections
 from onboard.duty.records import (
     AtMark,
+    EndOfHeld,
     Finished,
+    NotAtMark,
     Order,
     Phase,
     PointsSeen,
@@ -50,9 +54,25 @@ def lose(turn: Turn, _event: PositionLost) -> None:
 
 
 def lose_elsewhere(turn: Turn, _event: PositionLost) -> None:
-    """Keeps its phase; the emergency stop is acknowledged after a time."""
+    """Keeps its phase; the emergency stop is acknowledged after a time. Throws still open are given up."""
+    under_way = {command.needed.section_id for command in turn.state.authority.commands}
+    if under_way:  # the front may be anywhere, so on them too
+        turn.authority(Withdrawn(tuple(sorted(under_way))))
     if turn.state.place.stands:
         turn.await_release()
+
+
+def not_at_mark(turn: Turn, _event: NotAtMark) -> None:
+    """Its position is wrong: goes on on sight, to the mark by the driver's eye."""
+    give_up_position(turn)
+    turn.set(at=max(turn.state.at - 1, 0), stands_at=None, may_leave=True)
+
+
+def give_up_position(turn: Turn) -> None:
+    """The position is of no use where the train stands: goes on on sight from here."""
+    turn.actions.append(Order.LOSE)
+    turn.set(place=replace(turn.state.place, known=False, emergency=True))
+    lose(turn, PositionLost())
 
 
 def points_seen(turn: Turn, event: PointsSeen) -> None:
@@ -76,6 +96,11 @@ def at_mark(turn: Turn, event: AtMark) -> None:
         turn.authority(Cleared(cleared))
 
 
+def end_of_held(turn: Turn, event: EndOfHeld) -> None:
+    """Asks for the route that leads on from where its driver sees the train stand."""
+    turn.ask(turn.plan.leg_at(event.span))
+
+
 def recovered(turn: Turn) -> bool:
     """On sight: whether normal running goes on, a tag having told the position and the manager the holdings."""
     state = turn.state
@@ -89,7 +114,7 @@ def recovered(turn: Turn) -> bool:
             turn.actions.append(Finished(turn.plan.number))
         return False
     if state.stands_at is not None and on_line:
-        turn.ask(turn.leg_from_stop(state.stands_at))
+        turn.ask(turn.plan.leg_at(turn.stop(state.stands_at).span))
     return False
 
 

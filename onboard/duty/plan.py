@@ -15,6 +15,7 @@ from network.model import Position, SectionKind, TagPurpose
 from onboard.duty.mission import Mission
 
 ARRIVED_ON_SIGHT_WITHIN_M: Final = 6.0  # a mark reached by the crew's eye
+CLEAR_OF_TAG_M: Final = 0.5  # assumed: beyond what a reader's field leaves open, with the rear past a joint
 
 
 class PointsNeeded(msgspec.Struct, frozen=True, order=True):
@@ -45,7 +46,10 @@ class Leg(msgspec.Struct, frozen=True):
 
 
 class Stop(msgspec.Struct, frozen=True):
-    """A place where the train stops: in which span, when; `clear`: spans surely behind a train at this mark, by eye."""
+    """A place where the train stops: in which span, when; `clear`: spans surely behind a train at this mark, by eye.
+
+    `by_odometer`: no tag up to the mark proves all that behind it, so that there only the odometer frees sections.
+    """
 
     place: str  # the station, or the section where the train leaves the line
     is_station: bool
@@ -53,14 +57,16 @@ class Stop(msgspec.Struct, frozen=True):
     clear: int
     arrival_s: float | None
     departure_s: float | None
+    by_odometer: bool = False
 
 
 class Tag(msgspec.Struct, frozen=True):
-    """A tag of the path; `ahead`: the first span that begins beyond it."""
+    """A tag of the path; `ahead`: the first span that begins beyond it; `clear`: spans behind a train that reads it."""
 
     tag_id: int
     purpose: TagPurpose
     ahead: int
+    clear: int = 0
 
 
 class Plan(msgspec.Struct, frozen=True):
@@ -79,6 +85,12 @@ class Plan(msgspec.Struct, frozen=True):
     def leg_beyond(self, section_id: str) -> Leg | None:
         """The route that begins in a section; None where the plan ends there, or on open line."""
         return next((leg for leg in self.legs if leg.from_section == section_id), None)
+
+    def leg_at(self, span: int) -> Leg | None:
+        """The route that begins in a span, or else the one that leads through it; None at the plan's end."""
+        section_id = self.spans[span].section_id
+        through = next((leg for leg in self.legs if section_id in leg.section_ids[:-1]), None)
+        return self.leg_beyond(section_id) or through
 
     def joint(self, index: int) -> tuple[str, float]:
         """Piece and kilometrage (m) of a joint."""
@@ -126,23 +138,36 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
             for points_id, position, terminal_id in span.points
         )
         spans.append(Span(span.section_id, span.kind, points, piece, kilometrage_m))
+    tags = tuple(
+        Tag(
+            tag.tag_id,
+            tag.purpose,
+            sum(span.start_m <= tag.position_m for span in mission.spans),
+            sum(span.end_m <= tag.position_m - length_m - CLEAR_OF_TAG_M for span in mission.spans),
+        )
+        for tag in mission.tags
+    )
     stops: list[Stop] = []
     for target in mission.targets:
         rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - length_m
+        at = mission.span_index(target.section_id)
+        on_track = (
+            mission.spans[at].kind is not SectionKind.BETWEEN
+        )  # at a halt on open line nothing is released
+        clear = sum(span.end_m <= rear_m for span in mission.spans) if on_track else 0
+        read = zip(mission.tags, tags, strict=True)
+        by_tag = max((tag.clear for laid, tag in read if laid.position_m <= target.mark_m), default=0)
         stops.append(
             Stop(
                 target.station_id or target.section_id,
                 target.station_id is not None,
-                mission.span_index(target.section_id),
-                sum(span.end_m <= rear_m for span in mission.spans),
+                at,
+                clear,
                 target.arrival_s,
                 target.departure_s,
+                by_odometer=by_tag < clear,
             )
         )
-    tags = tuple(
-        Tag(tag.tag_id, tag.purpose, sum(span.start_m <= tag.position_m for span in mission.spans))
-        for tag in mission.tags
-    )
     end_piece, end_m = path.locate(mission.spans[-1].end_m)
     return Plan(
         number=mission.number,

@@ -41,7 +41,8 @@ class Place(msgspec.Struct, frozen=True):
     `sure` and `perhaps` count the spans whose beginning the front has surely, or perhaps, passed; `clear` those that
     the safe rear has left, `clear_at_mark` the same for a train whose driver sees that it stands at its mark.
     `here` is the span of the estimate, `reach` the first joint that lies far enough ahead to start for it. `near` is
-    the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed.
+    the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed. `unfit`: what
+    is wrong with the vehicle, wherever it is; empty: nothing.
     """
 
     known: bool = False
@@ -56,6 +57,7 @@ class Place(msgspec.Struct, frozen=True):
     reach: int = 0
     near: int = -1
     passed: int = 0
+    unfit: str = ""
 
 
 class Limit(msgspec.Struct, frozen=True):
@@ -69,7 +71,9 @@ class Limit(msgspec.Struct, frozen=True):
 class DutyState(msgspec.Struct, frozen=True):
     """The state. `at`: the stop where the train stands or that it left last; `stands_at`: the stop at which a train
     without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
-    `entered`: points sections that the train came onto by their proof.
+    `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
+    to be behind the train; `freed`: those of them that are to be given back, the arrival being told. `halted`: braked
+    because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
     """
 
     phase: Phase = Phase.OFF
@@ -79,7 +83,11 @@ class DutyState(msgspec.Struct, frozen=True):
     stands_at: int | None = None
     wanted: tuple[PointsNeeded, ...] = ()
     entered: frozenset[str] = frozenset()
+    proved: int = 0
+    freed: int = 0
     limit: Limit = Limit(0, None, "no mission")
+    halted: bool = False
+    sweeps: bool = False
     may_ask: bool = False
     may_leave: bool = False
     released: bool = True  # no emergency stop waits for the driver's acknowledgement
@@ -130,9 +138,19 @@ class PointsWrong(msgspec.Struct, frozen=True, tag=True):
 
 
 class AtMark(msgspec.Struct, frozen=True, tag=True):
-    """A train without a position has been brought to a stand at a stop by its driver."""
+    """The driver has brought the whole train to a stand at a stop, and sees so (到着確認)."""
 
     stop: int
+
+
+class EndOfHeld(msgspec.Struct, frozen=True, tag=True):
+    """On sight, a train stands where what is held ends; its driver sees in which span of the plan it is."""
+
+    span: int
+
+
+class NotAtMark(msgspec.Struct, frozen=True, tag=True):
+    """Asked whether the whole train is at its mark, the driver sees that it is not."""
 
 
 # events: localisation and driving --------------------------------------------------------------------------------
@@ -172,6 +190,10 @@ class Looked(msgspec.Struct, frozen=True, tag=True):
     """The place has changed: a joint was passed, or the radio reaches again."""
 
 
+class VehicleChecked(msgspec.Struct, frozen=True, tag=True):
+    """What the vehicle shows of itself has changed; the place has what is wrong."""
+
+
 # events: time and radio ------------------------------------------------------------------------------------------
 
 
@@ -187,8 +209,19 @@ class Heard(msgspec.Struct, frozen=True, tag=True):
     event: AuthorityEvent
 
 
-Person = Begin | SwitchedOn | ChangeEnds | Leave | SetBack | PointsSeen | PointsWrong | AtMark
-Sensed = TagPassed | PositionLost | Started | Stopped | Looked
+Person = (
+    Begin
+    | SwitchedOn
+    | ChangeEnds
+    | Leave
+    | SetBack
+    | PointsSeen
+    | PointsWrong
+    | AtMark
+    | NotAtMark
+    | EndOfHeld
+)
+Sensed = TagPassed | PositionLost | Started | Stopped | Looked | VehicleChecked
 Event = Person | Sensed | TimerDue | Heard
 
 
@@ -196,10 +229,11 @@ Event = Person | Sensed | TimerDue | Heard
 
 
 class SetTimerAt(msgspec.Struct, frozen=True, tag=True):
-    """Start a timer anew, to run out at a time."""
+    """Start a timer anew: it runs out when the unit's clock shows `at_s`, and not before `after_s` have passed."""
 
     timer: Timer
     at_s: float
+    after_s: float = 0.0
 
 
 class Finished(msgspec.Struct, frozen=True, tag=True):
@@ -229,13 +263,16 @@ class Order(Enum):
     DEPART = "depart"
     RELEASE = "release"
     RESUME = "resume"
+    STOP = "stop"  # by the emergency brake
+    LOSE = "lose"  # the position is of no use here: on sight from now on
 
 
 class Command(msgspec.Struct, frozen=True):
     """What the unit wants of its driving part: run or stand, how far, and what to watch for.
 
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
-    and proven, and what the train waits for, is shown to the driver. `orders` are given once.
+    and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
+    sight; `confirm`: the driver is asked whether the whole train is at its mark. `orders` are given once.
     """
 
     drive: bool = False
@@ -252,3 +289,5 @@ class Command(msgspec.Struct, frozen=True):
     held: tuple[str, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
     waits_for: str = ""
+    sweeps: bool = False
+    confirm: bool = False

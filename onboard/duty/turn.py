@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority import machine as authority
 from onboard.authority.records import Action as AuthorityAction
-from onboard.authority.records import Ask, AskRoute, Write
+from onboard.authority.records import Ask, AskRoute, SetTimer, Write
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Stop
 from onboard.duty.records import ASK, LEAVE, RELEASE, DutyState, Order, SetTimerAt, Told
@@ -55,34 +55,42 @@ class Turn:
             self.state = replace(self.state, authority=after)
         self.actions += actions
 
-    def timer(self, timer: str, at_s: float) -> bool:
-        """Start a timer, unless its time has come; returns whether it has."""
+    def timer(self, timer: str, after_s: float, at_s: float = NEVER_S) -> bool:
+        """Start a timer, unless its time has passed and its clock time has come; returns whether they have."""
         named = {"ask": ASK, "leave": LEAVE, "release": RELEASE}[timer]
-        if at_s <= self.now_s:
+        if after_s <= 0.0 and at_s <= self.now_s:
             return True
-        self.actions.append(SetTimerAt(named, at_s))
+        after_s = max(after_s, 0.0)
+        self.actions.append(SetTimer(named, after_s) if at_s == NEVER_S else SetTimerAt(named, at_s, after_s))
         return False
 
     def schedule(self, ready_s: float, stop: int) -> None:
-        """When the route from a stop may be asked for, and when the train may leave it."""
-        planned_s = self.plan.stops[stop].departure_s
-        leave_s = max(ready_s, NEVER_S if planned_s is None else planned_s)
-        ask = self.timer("ask", leave_s - self.parameters.request_lead_s)
-        self.set(may_ask=ask, may_leave=self.timer("leave", leave_s))
+        """When the route from a stop may be asked for, and when the train may leave it.
+
+        The dwell is time that passes; the planned departure is read off the unit's clock: a late clock departs late.
+        """
+        departure_s = self.plan.stops[stop].departure_s
+        planned_s = NEVER_S if departure_s is None else departure_s
+        ready_after_s, lead_s = ready_s - self.now_s, self.parameters.request_lead_s
+        ask = self.timer("ask", ready_after_s - lead_s, planned_s - lead_s)
+        self.set(may_ask=ask, may_leave=self.timer("leave", ready_after_s, planned_s))
 
     def await_release(self) -> None:
         """The train stands after an emergency stop: the driver acknowledges it after a time."""
         self.set(released=False)
-        self.timer("release", self.now_s + self.parameters.emergency_release_s)
+        self.timer("release", self.parameters.emergency_release_s)
 
     def want(self, points: tuple[PointsNeeded, ...]) -> None:
         """Throw these as soon as and whenever they can be."""
         self.set(wanted=tuple(dict.fromkeys((*self.state.wanted, *points))))
 
     def ask(self, leg: Leg | None) -> None:
-        """Ask for a route that is not wholly held, one at a time."""
-        state = self.state.authority
-        if leg is not None and state.open(Ask.ROUTE) is None and not state.holds_all(leg.section_ids):
+        """Ask for a route of which something ahead is not held, one at a time."""
+        state, place = self.state.authority, self.state.place
+        if leg is None or state.open(Ask.ROUTE) is not None:
+            return
+        behind = {span.section_id for span in self.plan.spans[: place.here]} if place.known else set[str]()
+        if not all(state.holds(section_id) or section_id in behind for section_id in leg.section_ids):
             self.authority(AskRoute(leg.route_id, leg.section_ids))
 
     def stop(self, index: int) -> Stop:

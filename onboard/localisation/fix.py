@@ -6,7 +6,8 @@ the fix as it is.
 
 A reader of `onboard.localisation.table` gives its fix to `taken` in the compiled tick, event-driven ones give theirs
 to `take`; both `cut`. The new estimate lies between the two, weighted by the squares of what each may be wrong by,
-inside what is left.
+inside what is left. After a tag the bounds rest on that alone: it lies where it lies, while what the tachometer has
+shown since the tag before may be false without anybody having noticed.
 """
 
 from __future__ import annotations
@@ -103,9 +104,12 @@ def missed_by_m(row: UnitRow, fix: Fix) -> float:
 
 
 def take(row: UnitRow, fix: Fix) -> Taken | Refused:
-    """Cut the present interval with the fix's; the row is left alone where the fix is refused."""
+    """Cut the present interval with the fix's, or rest on a tag's; the row is left alone where the fix is refused."""
     known, before_m = row.position_known, float(row.position_m)
     away_m = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
     if not away_m <= 0.0:
         return Refused(f"{fix.source} misses the bounds by {away_m:.3f} m")
+    if fix.source is FixSource.TAG:
+        row.bound_behind_m = row.position_m - (fix.position_m - fix.behind_m)
+        row.bound_ahead_m = fix.position_m + fix.ahead_m - row.position_m
     return Taken(float(row.position_m) - before_m if known else 0.0)

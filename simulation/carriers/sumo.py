@@ -56,8 +56,12 @@ class SumoCarrier:
         """Execute the speeds step by step, watching for collisions."""
         if self._reversing and steps > 0:
             hit = self._run_steps(columns, 0, 1)
+            first_mps = {unit_id: speeds[0] for unit_id, speeds in columns}
             for unit_id, lane, offset_m in self._reversing:
-                libsumo.vehicle.moveTo(unit_id, lane, offset_m)
+                speed_mps = first_mps.get(unit_id, 0.0)  # it stood when it turned, and SUMO lets it stand
+                libsumo.vehicle.moveTo(unit_id, lane, offset_m + 0.5 * speed_mps * self._step_s)
+                if speed_mps > 0.0:
+                    libsumo.vehicle.setPreviousSpeed(unit_id, speed_mps)
             self._reversing.clear()
             return hit or self._run_steps(columns, 1, steps)
         return self._run_steps(columns, 0, steps)

@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 
 from network.files.toml_input import Record, one_of
 
+VehiclePart = Literal["doors_closed", "brake_good"]  # as in `onboard.vehicle.Vehicle`
+
 if TYPE_CHECKING:  # the world is built from scripts, so it cannot be imported here
+    from simulation.world.clock import Clock
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
@@ -45,6 +48,8 @@ class World:
     wayside: WaysideWorld
     unit_power: Callable[[str, bool], None]  # stock id, on
     unit_freeze: Callable[[str, bool], None]  # stock id, frozen
+    unit_clock: Callable[[str, Clock], None]  # stock id, its clock from now on
+    unit_vehicle: Callable[[str, VehiclePart, bool], None]  # stock id, what shows, whether it is in order
     step: int = 0
     chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
 

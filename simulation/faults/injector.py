@@ -3,30 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from network.model import Position
 from radio.air import Delivery
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
-from simulation.events import WORLD, Acted, FaultBegan, FaultOver
+from simulation.events import WORLD, Acted, Entry, FaultBegan, FaultOver
 from simulation.faults.devices import PowerFault
-from simulation.faults.fault import InForce, World, fold
+from simulation.faults.fault import InForce, VehiclePart, World, fold
 from simulation.faults.links import LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
+from simulation.world.clock import Clock
 from wayside.config import MANAGER_ID
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, Input
+from wayside.register import Stage
+from wayside.said import (
+    AcceptPicture,
+    ConfirmHolding,
+    ConfirmOutside,
+    EnterSection,
+    Input,
+    PictureChanged,
+    Started,
+    TakeBack,
+)
 
 if TYPE_CHECKING:
     from simulation.world.on_board import OnBoard
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
+LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
+SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
+ShowVehicle = Callable[[str, VehiclePart, bool], None]  # stock id, what shows, whether it is in order
 
 
 class Injector:
@@ -44,8 +58,11 @@ class Injector:
         unit_power: Switch,
         unit_freeze: Switch,
         give_back: GiveBack,
+        unit_clock: SetClock,
+        unit_vehicle: ShowVehicle,
     ) -> None:
         self._script = script
+        self._acts = list(script.acts)  # and those added during the run
         self._seed = seed
         self._trains = trains
         self._on_board = on_board
@@ -53,16 +70,15 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
-        self._world = World(trains, wayside, unit_power, unit_freeze)
+        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle)
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter
-        triggers = {i: failure.trigger for i, failure in enumerate(script.faults)}
-        first_act = len(script.faults)
-        triggers |= {first_act + i: act.trigger for i, act in enumerate(script.acts)}
-        self._triggers: dict[int, Trigger] = triggers
-        self._watch = Watch(triggers, self._come_due)
+        self._triggers = _triggers_of(script)
+        self._watch = Watch(self._triggers, self._come_due)
+        self._stage = Stage.DEFINED  # of the re-entry, as the controller's screen shows it
         journal.watch(self._watch.see)
+        journal.watch(self._see)
         wayside.disturb = self._disturb
 
     @property
@@ -77,6 +93,23 @@ class Injector:
             if trigger.at_s is not None:
                 self._come_due(key, trigger.at_s + trigger.after_s)
 
+    def take_up(self, script: Script, step: int) -> None:
+        """A script that has times alone, from now on: ValueError if there is another, or one that waits for events."""
+        triggers = _triggers_of(script)
+        if self._triggers or any(trigger.at_s is None for trigger in triggers.values()):
+            raise ValueError("a script is taken up by time, where there is none")
+        self._script, self._triggers = script, triggers
+        self._acts = list(script.acts)
+        self._world.step = step
+        for key, trigger in triggers.items():
+            at_step = max(step_not_before((trigger.at_s or 0.0) + trigger.after_s), step)
+            self._agenda.put_first(at_step, Due.SCRIPT, f"begin {key}")
+
+    def add(self, act: Act, at_s: float) -> None:
+        """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
+        self._acts.append(act)
+        self._come_due(len(self._script.faults) + len(self._acts) - 1, at_s)
+
     def _come_due(self, key: int, at_s: float) -> None:
         step = max(step_not_before(at_s), self._world.step)
         self._agenda.put(step, Due.SCRIPT, f"begin {key}")
@@ -86,14 +119,16 @@ class Injector:
         self._world.step = step
         what, number = subject.split()
         key = int(number)
-        if what == "word":
+        if what == "look":
+            self._accept_when_complete(self._acts[key], key)
+        elif what == "word":
             self._wayside.input(step, MANAGER_ID, self._words[key])
         elif what == "end":
             self._end(key)
         elif key < len(self._script.faults):
             self._begin(key, self._script.faults[key])
         else:
-            act = self._script.acts[key - len(self._script.faults)]
+            act = self._acts[key - len(self._script.faults)]
             self._courses[key] = Course(act, step / STEPS_PER_S)
             self._act(act)
 
@@ -144,7 +179,10 @@ class Injector:
         self._journal.write(self._world.step / STEPS_PER_S, act.person, acted)
         match act.kind:
             case ActKind.CONFIRM_OUTSIDE:
-                self._wayside.input(self._world.step, MANAGER_ID, ConfirmOutside(act.target, act.person))
+                outside = ConfirmOutside(act.target, act.person, act.place)
+                self._wayside.input(self._world.step, MANAGER_ID, outside)
+            case ActKind.TAKE_BACK:
+                self._wayside.input(self._world.step, MANAGER_ID, TakeBack(act.target, act.person))
             case ActKind.CONFIRM_HOLDING:
                 entry = ConfirmHolding(act.target, act.sections, act.person)
                 self._wayside.input(self._world.step, MANAGER_ID, entry)
@@ -155,14 +193,34 @@ class Injector:
                 self._wayside.repair(self._world.step, act.target, Position(act.position))
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
-            case ActKind.ACCEPT_PICTURE | ActKind.REENTER_ASSISTED:
+            case ActKind.ACCEPT_PICTURE:
                 self._enter([AcceptPicture(act.person)], act.pace_s)
+            case ActKind.REENTER_ASSISTED:
+                self._accept_when_complete(act, self._acts.index(act))
             case ActKind.ENTER_SECTION:
                 for section_id in act.sections:
                     word = EnterSection(section_id, act.target or None, act.person)
                     self._wayside.input(self._world.step, MANAGER_ID, word)
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
+
+    def _see(self, entry: Entry) -> None:
+        """What the block manager shows its controller of a re-entry."""
+        match entry.event:
+            case PictureChanged(stage=stage):
+                self._stage = Stage(stage)
+            case Started(epoch=epoch) if entry.who == MANAGER_ID and epoch > 1:
+                self._stage = Stage.INCOMPLETE
+            case _:
+                pass
+
+    def _accept_when_complete(self, act: Act, number: int) -> None:
+        """The controller looks at the picture again and again, and accepts it when nothing is missing."""
+        if self._stage is Stage.INCOMPLETE:
+            again = self._world.step + round(LOOKS_AGAIN_S * STEPS_PER_S)
+            self._agenda.put(again, Due.SCRIPT, f"look {number}")
+        else:
+            self._enter([AcceptPicture(act.person)], act.pace_s)
 
     def _reenter(self, act: Act) -> None:
         """Every section of the line by what the crews say they hold, then the whole picture (手動入力)."""
@@ -181,3 +239,9 @@ class Injector:
             step = self._world.step + round(count * pace_s * STEPS_PER_S)
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
+
+
+def _triggers_of(script: Script) -> dict[int, Trigger]:
+    """By number: the faults, then the acts."""
+    items: tuple[Failure | Act, ...] = (*script.faults, *script.acts)
+    return {i: item.trigger for i, item in enumerate(items)}

@@ -31,7 +31,8 @@ from wayside.said import Started
 class ActKind(Enum):
     """What people do."""
 
-    CONFIRM_OUTSIDE = "confirm_outside"  # controller: this unit is off the line
+    CONFIRM_OUTSIDE = "confirm_outside"  # controller: this unit is off the line, by which portal it left
+    TAKE_BACK = "take_back"  # controller: what persons said of this unit may be wrong
     CONFIRM_HOLDING = "confirm_holding"  # controller: enters what a silent unit holds
     ACCEPT_PICTURE = "accept_picture"  # controller: the restored picture is complete and right
     POWER_ON = "power_on"  # crew or staff: switch a device on again
@@ -42,7 +43,9 @@ class ActKind(Enum):
     REENTER_BY_HAND = (
         "reenter_by_hand"  # controller: every section, one by one, from what the crews say by voice
     )
-    REENTER_ASSISTED = "reenter_assisted"  # controller: looks at the gathered claims and accepts them
+    REENTER_ASSISTED = (
+        "reenter_assisted"  # controller: looks at the picture until it is complete, and accepts it
+    )
     GIVE_BACK = "give_back"  # crew: sets back the route ahead, not entered, and asks for none for a while
 
 
@@ -110,6 +113,7 @@ class Act:
     sections: tuple[str, ...] = ()
     position: str = ""
     hold_s: float = 300.0
+    place: str = ""
     pace_s: float = 0.0  # time for each input of a re-entry
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
+from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff, Restart
 from simulation.faults.fault import Fault
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
+from simulation.faults.vehicle import Brake, Doors
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 
@@ -17,6 +19,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,
     Restart,
     Frozen,
+    WrongClock,
     Cut,
     Loss,
     Delay,
@@ -27,6 +30,8 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     StuckOutput,
     NoOutput,
     Slippery,
+    Doors,
+    Brake,
     Miss,
     WrongId,
     Stuck,

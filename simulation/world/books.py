@@ -53,11 +53,14 @@ class Books:
         return self._at.get(slot, 0) + 1
 
     def stands_at(self, slot: int) -> int | None:
-        """The target at which the train truly stands; None where it moves or stands elsewhere."""
+        """The target at which the train truly stands, its front in that section; None where it does not."""
         duty = self._trains.duties[slot]
         if duty is None or self._trains.plants[slot].speed_mps > 0.0:
             return None
         at = self._at.get(slot, 0)
+        here = duty.mission.span_at(float(self._trains.truths[slot].position_m)).section_id
+        if here != duty.mission.targets[at].section_id:
+            return None
         return at if self._near(slot, duty, at) and self._on_its_way(slot, duty) else None
 
     def look_for_departure(self, slot: int, now_s: float) -> None:

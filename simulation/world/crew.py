@@ -2,7 +2,9 @@
 
 Handling outside the system (システム外の取扱い, Sugiyama 4.4 (3)): the train is stopped before points that are not
 proven to it, the crew looks how they lie, and goes on only if they lie and are locked as the path needs them; if
-not, it has the unit command them, which only the holder of their section can.
+not, it has the unit command them, which only the holder of their section can. What it has seen must stay so until its
+train has passed, with or without radio: the crew locks the machine on the spot (鎖錠), which cuts out its motor, and
+has its key until the rear has left the points, or until the train goes another way; else staff set the points free.
 The crew sees the real track, so this is part of the world; what it does is in the journal.
 """
 
@@ -10,13 +12,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Protocol
 
 from network.model import SectionKind
-from onboard.duty.plan import Plan, PointsNeeded
-from onboard.duty.records import AtMark, Command, Person, PointsSeen, PointsWrong
+from onboard.duty.mission import Mission
+from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M, Plan, PointsNeeded
+from onboard.duty.records import AtMark, Command, EndOfHeld, NotAtMark, Person, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
+from simulation.setup import STEPS_PER_S
 from simulation.world.books import CALLS_BEYOND_M, CALLS_SHORT_M
 from simulation.world.on_board import OnBoard
 from simulation.world.point_machine import PointMachine
@@ -25,7 +30,33 @@ from simulation.world.trains import Trains
 LOOKS_AGAIN_S: Final = 20.0
 SEES_M: Final = 12.0  # stood this near, the crew sees how the points lie
 STOPS_SHORT_M: Final = 5.0  # of the end of a track
+SEES_TRAIN_M: Final = (
+    200.0  # assumed: a train on straight track by day; on sight one stops from 15 km/h in 20 m
+)
+STOPS_SHORT_OF_TRAIN_M: Final = 20.0
+WATCHES_M: Final = 600.0  # nearer than this, drivers look out in every short stretch
 SEES_MARK_BEYOND_M: Final = 2.0  # a driver on sight stops with the mark under the cab
+
+
+class HandLocks(Protocol):
+    """The point machines, as a crew can lock them on the spot."""
+
+    def lock_by_hand(self, step: int, points_id: str, unit_id: str) -> None:
+        """Lock points and take the key."""
+        ...
+
+    def give_key_back(self, step: int, points_id: str, unit_id: str) -> None:
+        """Give the key back."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """For what a crew has the key of points: a train of a slot that is to pass a section on its mission."""
+
+    slot: int
+    mission: Mission
+    section_id: str
 
 
 class Crew:
@@ -37,17 +68,22 @@ class Crew:
         on_board: OnBoard,
         machine_of: Callable[[str], PointMachine],
         journal: Journal,
+        hand_locks: HandLocks,
     ) -> None:
         self._trains = trains
         self._on_board = on_board
         self._machine_of = machine_of
         self._journal = journal
+        self.on_sight: set[int] = set()  # slots of trains that run on sight, or sweep
+        self._hand_locks = hand_locks
+        self._passages: dict[str, Passage] = {}  # by points
 
     def look_ahead(self, slot: int) -> None:
         """Set where the driver will stop: before points not proven, at the mark, at the end of what is held."""
         truth, plan, duty = self._trains.truths[slot], self._on_board.plan(slot), self._trains.duties[slot]
-        if not self._on_board.drives_on_sight(slot) or plan is None or duty is None:
-            truth.sight_m = math.inf
+        truth.sight_m = self._obstacle_m(slot)
+        powered = slot not in self._on_board.unpowered
+        if not (powered and self._on_board.shown(slot).on_sight) or plan is None or duty is None:
             return
         front_m, shown = float(truth.position_m), self._on_board.shown(slot)
         spans = duty.mission.spans
@@ -55,28 +91,77 @@ class Crew:
         marks_m = [target.mark_m for target in duty.mission.targets[shown.at + 1 :]]
         stops += [mark_m + SEES_MARK_BEYOND_M for mark_m in marks_m if mark_m > front_m + 1.0]
         stops.append(self._held_end_m(slot, shown))
-        truth.sight_m = min(stops)
+        truth.sight_m = min(truth.sight_m, *stops)
+
+    def sees_train(self, slot: int) -> bool:
+        """Whether the driver sees a train on what the unit has for its own."""
+        return math.isfinite(self._obstacle_m(slot))
+
+    def _obstacle_m(self, slot: int) -> float:
+        """Where to stop before a train that the driver sees on what the unit has for its own; infinite without one.
+
+        No train can be there unless somebody was wrong, so nobody looks out while no train runs on sight.
+        """
+        duty = self._trains.duties[slot]
+        if duty is None or not self.on_sight or not self._trains.truths[slot].active:
+            return math.inf
+        ahead_m, shown = self._trains.train_ahead_m(slot), self._on_board.shown(slot)
+        if ahead_m - float(self._trains.truths[slot].position_m) > SEES_TRAIN_M:
+            return math.inf
+        held = shown.on_sight or duty.mission.span_at(ahead_m).section_id in shown.held
+        return ahead_m - STOPS_SHORT_OF_TRAIN_M if held else math.inf
+
+    def watch_out(self, slot: int) -> bool:
+        """Set again where the driver will stop, as other trains move; whether one is so near that it matters."""
+        self.look_ahead(slot)
+        front_m = float(self._trains.truths[slot].position_m)
+        return self._trains.train_ahead_m(slot) - front_m < WATCHES_M
 
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
         plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
-        stands = self._trains.plants[slot].speed_mps == 0.0 and self._on_board.drives_on_sight(slot)
+        shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
+        stands = self._trains.plants[slot].speed_mps == 0.0 and (on_sight or shown.confirm)
         if not stands or plan is None or duty is None:
             return []
-        shown, mission = self._on_board.shown(slot), duty.mission
         front_m = float(self._trains.truths[slot].position_m)
+        if not on_sight:
+            there = front_m >= duty.mission.targets[shown.at].mark_m - ARRIVED_ON_SIGHT_WITHIN_M
+            return [AtMark(shown.at) if there else NotAtMark()]
+        reached = self._mark_reached(duty.mission, shown, front_m)
+        if reached is not None:
+            return [AtMark(reached)]
+        looked = self._look_at_points(slot, plan, duty.mission, now_s)
+        return looked or self._at_end_of_held(slot, duty.mission, shown)
+
+    def _at_end_of_held(self, slot: int, mission: Mission, shown: Command) -> list[Person]:
+        """The span where it stands, if it cannot go on because the unit does not hold what is ahead."""
+        front_m = float(self._trains.truths[slot].position_m)
+        index = mission.spans.index(mission.span_at(front_m))
+        ends = self._held_end_m(slot, shown) - front_m < SEES_M and index + 1 < len(mission.spans)
+        asks = ends and shown.on_line and mission.spans[index + 1].section_id not in shown.held
+        return [EndOfHeld(index)] if asks else []
+
+    @staticmethod
+    def _mark_reached(mission: Mission, shown: Command, front_m: float) -> int | None:
+        """The next stop at whose mark the front stands."""
         for index, target in enumerate(mission.targets):
             end_m = mission.spans[mission.span_index(target.section_id)].end_m
             beyond_m = min(target.mark_m + CALLS_BEYOND_M, end_m)
             at_mark = target.mark_m - CALLS_SHORT_M < front_m < beyond_m
             if index > shown.at and shown.stands_at != index and at_mark:
-                return [AtMark(index)]
-        found = self._at_points(slot, plan, shown)
+                return index
+        return None
+
+    def _look_at_points(self, slot: int, plan: Plan, mission: Mission, now_s: float) -> list[Person]:
+        """Standing before points that are not proven to its unit, the crew sees how they lie."""
+        front_m = float(self._trains.truths[slot].position_m)
+        found = self._at_points(slot, plan, self._on_board.shown(slot))
         if found is None:
             return []
         start_m, needed = found
+        right = self._locks(slot, mission, needed, now_s)
         machine = self._machine_of(needed.points_id)
-        right = machine.locked and machine.position is needed.position
         seen = CrewCheckedPoints if right else CrewWaitsAtPoints
         note = seen(points_id=needed.points_id, lies=machine.position)
         self._journal.write(now_s, self._trains.stock_ids[slot], note)
@@ -106,6 +191,38 @@ class Crew:
         # Not held: it may yet learn that it is.
         near = start_m - float(self._trains.truths[slot].position_m) <= SEES_M
         return (start_m, needed) if near and needed.section_id in shown.held else None
+
+    def give_keys_back(self, slot: int, now_s: float) -> None:
+        """Points that the train has wholly passed, or will not pass any more, are free again."""
+        over = [p for p, passage in self._passages.items() if passage.slot == slot and self._over(passage)]
+        for points_id in over:
+            del self._passages[points_id]
+            step = round(now_s * STEPS_PER_S)
+            self._hand_locks.give_key_back(step, points_id, self._trains.stock_ids[slot])
+
+    def _locks(self, slot: int, mission: Mission, needed: PointsNeeded, now_s: float) -> bool:
+        """Locks points that lie as needed; whether they now are so, locked by this crew."""
+        stock_id, points_id = self._trains.stock_ids[slot], needed.points_id
+        machine = self._machine_of(points_id)
+        if not machine.locked or machine.position is not needed.position:
+            return False
+        self._hand_locks.lock_by_hand(round(now_s * STEPS_PER_S), points_id, stock_id)
+        has_key = self._machine_of(points_id).key == stock_id
+        if has_key:
+            self._passages[points_id] = Passage(slot, mission, needed.section_id)
+        return has_key
+
+    def _over(self, passage: Passage) -> bool:
+        """Whether the train has left the section; or is not in it, and on another mission or no longer its holder."""
+        truth, duty = self._trains.truths[passage.slot], self._trains.duties[passage.slot]
+        if not truth.active:
+            return True
+        same = duty is not None and duty.mission is passage.mission
+        if not same or passage.section_id not in self._on_board.shown(passage.slot).held:
+            return not self._trains.stands_in(passage.section_id)
+        rear_m = float(truth.position_m) - float(self._trains.bodies[passage.slot].length_m)
+        mission = passage.mission
+        return rear_m >= mission.spans[mission.span_index(passage.section_id)].end_m
 
     def _unproven(self, slot: int, plan: Plan, shown: Command) -> list[tuple[int, PointsNeeded]]:
         """Points from the front on that the unit does not show as proven, each with the index of its span."""

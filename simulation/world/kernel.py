@@ -53,7 +53,9 @@ class Track(NamedTuple):
 class Sheet(NamedTuple):
     """What Python reads after a stretch, in blocks; the first axis is the order of `movers`, or the slot where said."""
 
-    movers: NDArray[np.int64]  # slots of the stock that moved, ascending
+    movers: NDArray[
+        np.int64
+    ]  # slots of the stock that drove or rolled, ascending; then of stock that began to move
     speeds_mps: NDArray[np.float64]  # (movers, steps): at the end of each step
     # (movers, 6): of the step in which bounds were broken most, or nearest to it: by how much (m; -inf: no step with a
     # known position), the step, true position, believed position, bound behind, bound ahead
@@ -115,7 +117,7 @@ def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: floa
 
 @compiled
 def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRow) -> None:
-    """The driver, who sees the line, brakes a train without a position to a stand before `sight_m`."""
+    """The driver of a train on sight, who sees the line, brakes it to a stand before `sight_m`."""
     if unit.mode != MODE_DRIVE or unit.emergency != 0:
         return
     room_m = truth.sight_m - truth.position_m - SIGHT_RESERVE_M
@@ -139,7 +141,7 @@ def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, s
     scene.load_share = plant.load_share
     scene.tag_beyond_m = tag_beyond_m
     scene.sign_ahead_m = row.truth.sign_m - row.truth.position_m
-    row.sensed.now_s = scene.now_s
+    row.sensed.now_s = scene.now_s + row.truth.clock_ahead_s
     sense_all(row.sensors, scene, row.sensed)
 
 
@@ -170,7 +172,7 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     if dead:
         return found, 0
     events = tick(row.board, row.sensed, track.pattern, track.plan)
-    if unit.position_known == 0:
+    if truth.sight_m < np.inf:
         brake_on_sight(truth, plant, unit, row.board.kind)
     return found, events
 
@@ -216,7 +218,7 @@ def sample(trace: TraceRow, row: StockRow, step: int, slot: int) -> None:
 
 @compiled
 def movers(stock: Rows, sheet: Sheet) -> int:
-    """Write down the slots that drive or roll; returns their number."""
+    """Write down the slots that drive or roll as a stretch begins; returns their number."""
     count = 0
     for slot in range(stock.size):
         row = stock[slot]
@@ -227,15 +229,25 @@ def movers(stock: Rows, sheet: Sheet) -> int:
 
 
 @compiled
+def begins_to_move(sheet: Sheet, count: int, slot: int, speed_mps: float, done: int) -> None:
+    """Add stock that stood without driving and yet moved in step `done`: by traction left over, or on a gradient."""
+    sheet.movers[count] = slot
+    sheet.speeds_mps[count, :done] = 0.0
+    sheet.speeds_mps[count, done] = speed_mps
+
+
+@compiled
 def advance(
     stock: Rows, track: Track, sheet: Sheet, trace: Rows, trace_used: int, first_step: int, steps: int
 ) -> tuple[int, int, int]:
     """Run all active trains for up to `steps` steps from `first_step`; returns steps done, trace rows used, movers.
 
-    The first `movers` rows of the sheet tell of the stock that moved; `sheet.passed` and `sheet.events` of every
-    slot. Nothing else has to be read from `stock` after a stretch in which nothing happened.
+    The first `movers` rows of the sheet tell of all stock that moved; `sheet.passed` and `sheet.events` of every
+    slot. Nothing else has to be read from `stock` after a stretch in which nothing happened. The first movement of
+    stock that stood ends the stretch, so whoever moves in it has all its speeds in the sheet.
     """
     moving = movers(stock, sheet)
+    told = moving
     steps = min(steps, MOVING_STEPS_MAX if moving > 0 else STANDING_STEPS_MAX)
     sheet.worst[:, 0] = -np.inf
     sheet.passed[:] = 0
@@ -254,6 +266,10 @@ def advance(
                 sheet.speeds_mps[mover, done] = row.plant.speed_mps
                 judge_bounds(row, sheet.worst[mover], step)
                 mover += 1
+            elif row.plant.speed_mps > 0.0:
+                begins_to_move(sheet, told, slot, row.plant.speed_mps, done)
+                judge_bounds(row, sheet.worst[told], step)
+                told += 1
             sheet.passed[slot] = found
             sheet.events[slot] = events
             happened |= found | events
@@ -265,4 +281,4 @@ def advance(
         done += 1
         if happened != 0:
             break
-    return done, trace_used, moving
+    return done, trace_used, told

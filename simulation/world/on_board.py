@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+import msgspec
+
 from host.units import Units
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
@@ -19,7 +21,9 @@ from onboard.duty.records import Begin, ChangeEnds, Command, Person, Sensed, Swi
 from onboard.motion import Motion, PathData
 from onboard.notes import Note
 from onboard.unit import Answer, Report
+from simulation.faults.fault import VehiclePart
 from simulation.setup import Setup
+from simulation.world.clock import Clock
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -29,6 +33,7 @@ class OnBoard:
 
     def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
         self.unpowered: Final[set[int]] = set()
+        self.clocks: Final = [Clock()] * len(trains.stock_ids)
         self._setup: Final = setup
         self._trains: Final = trains
         self._units: Final = units
@@ -65,13 +70,21 @@ class OnBoard:
         happened: Sequence[Person | Sensed] = (),
         telegrams: Sequence[bytes] = (),
     ) -> tuple[Answer, list[Note]] | None:
-        """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power."""
+        """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
+
+        The unit is asked by its own clock; in the answer its wake is true time again.
+        """
         if slot in self.unpowered:
             return None
         motion = self._motions[slot]
         report = Report(motion.place(), tuple(happened))
-        answer = self._units.advance(self._trains.stock_ids[slot], now_s, telegrams, report)
-        motion.obey(answer.command, now_s)
+        clock = self.clocks[slot]
+        own_s = clock.shows(now_s)
+        self._trains.truths[slot].clock_ahead_s = own_s - now_s
+        answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
+        motion.obey(answer.command, own_s)
+        if answer.wake_at_s is not None:
+            answer = msgspec.structs.replace(answer, wake_at_s=clock.true_s(answer.wake_at_s))
         return answer, [*motion.taken_notes(), *answer.notes]
 
     def enter_number(self, slot: int, duty: Duty, *, comes_on_line: bool, turned: bool) -> list[Person]:
@@ -96,6 +109,16 @@ class OnBoard:
         """The compiled tick reported."""
         return [] if slot in self.unpowered else self._motions[slot].events(bits)
 
+    def ails(self, slot: int) -> bool:
+        """Whether something of the vehicle is not in order, as its inputs show it."""
+        return bool(self._motions[slot].vehicle.unfit)
+
+    def vehicle_shows(self, slot: int, part: VehiclePart, *, good: bool) -> list[Sensed]:
+        """What doors or brake show from now on."""
+        motion = self._motions[slot]
+        events = motion.vehicle_shows(msgspec.structs.replace(motion.vehicle, **{part: good}))
+        return [] if slot in self.unpowered else events
+
     def load_is(self, slot: int, share: float) -> None:
         """What the load sensor shows: 0 empty, 1 full."""
         self._motions[slot].load_share = share
@@ -113,9 +136,10 @@ class OnBoard:
         self.unpowered.discard(slot)
         self._units.restart(self._trains.stock_ids[slot])
         self._trains.truths[slot].powered = 1
-        load_share = self._motions[slot].load_share
+        before = self._motions[slot]
         self._motions[slot] = self._new_motion(slot)
-        self._motions[slot].load_share = load_share
+        self._motions[slot].load_share = before.load_share
+        self._motions[slot].vehicle = before.vehicle
 
     def switch_on(self, slot: int, duty: Duty, stands_at: int | None) -> list[Person]:
         """After a boot on the line the crew enters the train number and, if it stands at one, the stop."""

@@ -33,7 +33,8 @@ class PointMachine:
     """One machine. Faults: `stuck` does not move, `lock_fault` moves but does not lock, `detection_fault`
     shows nothing, `throw_factor` is how much longer a throw takes. `forced`: a train ran through it; broken.
 
-    `target` and `done_at_s` are set while the motor runs.
+    `target` and `done_at_s` are set while the motor runs. `key`: who has locked it by hand and has its key, so that
+    the motor is cut out; empty: nobody.
     """
 
     points_id: str
@@ -47,6 +48,7 @@ class PointMachine:
     detection_fault: bool = False
     throw_factor: float = 1.0
     forced: bool = False
+    key: str = ""
 
     @property
     def state(self) -> MachineState:
@@ -75,7 +77,21 @@ class Repaired:
     position: Position
 
 
-MachineEvent = StartThrow | StopThrow | Arrived | Forced | Repaired
+@dataclass(frozen=True, slots=True)
+class LockedByHand:
+    """Event: a crew locks the machine on the spot for its passage, and takes the key (鎖錠)."""
+
+    by: str
+
+
+@dataclass(frozen=True, slots=True)
+class KeyBack:
+    """Event: who has the key gives it back."""
+
+    by: str
+
+
+MachineEvent = StartThrow | StopThrow | Arrived | Forced | Repaired | LockedByHand | KeyBack
 
 
 def machine_of(points: Points) -> PointMachine:
@@ -96,12 +112,14 @@ def advance(machine: PointMachine, now_s: float) -> PointMachine:
 def detection(machine: PointMachine) -> PointsDetected:
     """What the detection contacts show the terminal."""
     if machine.detection_fault or machine.state is not MachineState.AT_REST:
-        return PointsDetected(machine.points_id, None, False)
-    return PointsDetected(machine.points_id, machine.position, machine.locked)
+        return PointsDetected(machine.points_id, None, False, bool(machine.key))
+    return PointsDetected(machine.points_id, machine.position, machine.locked, bool(machine.key))
 
 
 def _start(machine: PointMachine, event: StartThrow, now_s: float) -> PointMachine:
-    """The motor runs; nothing happens if it is there and locked, on its way, or stuck."""
+    """The motor runs; nothing happens if it is there and locked, on its way, stuck, or locked by hand."""
+    if machine.key:
+        return machine
     settled = machine.position is event.position and machine.locked
     if settled or machine.stuck or machine.forced or machine.target is event.position:
         return machine
@@ -128,8 +146,18 @@ def _force(machine: PointMachine, _event: Forced, _now_s: float) -> PointMachine
     return replace(machine, position=None, locked=False, target=None, done_at_s=None, forced=True)
 
 
+def _lock_by_hand(machine: PointMachine, event: LockedByHand, _now_s: float) -> PointMachine:
+    """The motor is cut out and the key taken; not where another has it, nor while the machine is not locked."""
+    return replace(machine, key=event.by) if machine.locked and not machine.key else machine
+
+
+def _take_key_back(machine: PointMachine, event: KeyBack, _now_s: float) -> PointMachine:
+    """The motor may run again; it stays in its position, locked."""
+    return replace(machine, key="") if machine.key == event.by else machine
+
+
 def _repair(machine: PointMachine, event: Repaired, _now_s: float) -> PointMachine:
-    """In the position set by hand, locked, without faults."""
+    """In the position set by hand, locked, without faults; nobody has the key any more."""
     return PointMachine(machine.points_id, machine.throw_time_s, event.position)
 
 
@@ -146,16 +174,22 @@ TABLE: Final[Mapping[tuple[MachineState, type], Callable[[PointMachine, Any, flo
             (MachineState.AT_REST, Arrived): _ignore,
             (MachineState.AT_REST, Forced): _force,
             (MachineState.AT_REST, Repaired): _repair,
+            (MachineState.AT_REST, LockedByHand): _lock_by_hand,
+            (MachineState.AT_REST, KeyBack): _take_key_back,
             (MachineState.MOVING, StartThrow): _start,
             (MachineState.MOVING, StopThrow): _stop,
             (MachineState.MOVING, Arrived): _arrive,
             (MachineState.MOVING, Forced): _force,
             (MachineState.MOVING, Repaired): _repair,
+            (MachineState.MOVING, LockedByHand): _ignore,
+            (MachineState.MOVING, KeyBack): _ignore,
             (MachineState.BETWEEN, StartThrow): _start,
             (MachineState.BETWEEN, StopThrow): _ignore,
             (MachineState.BETWEEN, Arrived): _ignore,
             (MachineState.BETWEEN, Forced): _force,
             (MachineState.BETWEEN, Repaired): _repair,
+            (MachineState.BETWEEN, LockedByHand): _ignore,
+            (MachineState.BETWEEN, KeyBack): _take_key_back,
         }
     )
 )

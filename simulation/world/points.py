@@ -16,7 +16,9 @@ from simulation.agenda import Agenda, Due
 from simulation.events import (
     WORLD,
     PointsForced,
+    PointsKeyBack,
     PointsLocked,
+    PointsLockedByHand,
     PointsMoving,
     PointsSetByHand,
     PointsUnlocked,
@@ -26,7 +28,8 @@ from simulation.events import (
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
-from simulation.world.point_machine import PointMachine, Repaired
+from simulation.world.clock import Clock
+from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from wayside.config import MANAGER_ID
 from wayside.said import Input, Output
 
@@ -62,6 +65,7 @@ class WaysideWorld:
         self._wakes: dict[str, int] = {}
         self._down: set[str] = set()
         self._frozen: dict[str, list[bytes]] = {}
+        self._clocks: dict[str, Clock] = {}
         self.disturb: Disturb = lambda _step, _source, _destination, deliveries: deliveries
 
     def start(self, step: int) -> None:
@@ -130,8 +134,8 @@ class WaysideWorld:
             self._frozen[device_id].extend(telegrams)
             return
         inputs = self._inputs.pop(device_id, [])
-        done = self._devices.advance(device_id, step / STEPS_PER_S, telegrams, inputs)
-        self._take(step, device_id, done)
+        own_s = self._clocks.get(device_id, Clock()).shows(step / STEPS_PER_S)
+        self._take(step, device_id, self._devices.advance(device_id, own_s, telegrams, inputs))
 
     def points_due(self, step: int, points_id: str) -> None:
         """A point machine's motor may have reached its end."""
@@ -155,7 +159,8 @@ class WaysideWorld:
         for destination, data in done.telegrams:
             self.transmit(step, device_id, destination, data)
         if done.wake_at_s is not None:
-            wake_step = max(step_not_before(done.wake_at_s), step + 1)
+            wake_at_s = self._clocks.get(device_id, Clock()).true_s(done.wake_at_s)
+            wake_step = max(step_not_before(wake_at_s), step + 1)
             if self._wakes.get(device_id) != wake_step:
                 self._wakes[device_id] = wake_step
                 self._agenda.put(wake_step, Due.TO_DEVICE, device_id)
@@ -173,6 +178,12 @@ class WaysideWorld:
         points = machine.points_id
         if before.locked and not machine.locked:
             self._journal.write(step / STEPS_PER_S, WORLD, PointsUnlocked(points_id=points))
+        if machine.key and machine.key != before.key:
+            taken = PointsLockedByHand(points_id=points, unit_id=machine.key)
+            self._journal.write(step / STEPS_PER_S, WORLD, taken)
+        if before.key and not machine.key:
+            back = PointsKeyBack(points_id=points, unit_id=before.key)
+            self._journal.write(step / STEPS_PER_S, WORLD, back)
         if machine.target is not None and machine.target is not before.target:
             moving = PointsMoving(points_id=points, target=machine.target)
             self._journal.write(step / STEPS_PER_S, WORLD, moving)
@@ -191,6 +202,16 @@ class WaysideWorld:
         self._moved(step, machine)
         if machine.done_at_s is not None:
             self._agenda.put(max(step_not_before(machine.done_at_s), step), Due.POINTS, machine.points_id)
+
+    def lock_by_hand(self, step: int, points_id: str, unit_id: str) -> None:
+        """The crew of a train locks points on the spot and takes the key; the terminal sees it."""
+        locked = point_machine.step(self.machines[points_id], LockedByHand(unit_id), step / STEPS_PER_S)
+        self._moved(step, locked)
+
+    def give_key_back(self, step: int, points_id: str, unit_id: str) -> None:
+        """The crew gives the key of points back."""
+        back = point_machine.step(self.machines[points_id], KeyBack(unit_id), step / STEPS_PER_S)
+        self._moved(step, back)
 
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""
@@ -220,6 +241,11 @@ class WaysideWorld:
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))
+        self._agenda.put(step, Due.TO_DEVICE, device_id)
+
+    def set_clock(self, step: int, device_id: str, clock: Clock) -> None:
+        """The clock of a device shows another time from now on; its timers may have run out by it."""
+        self._clocks[device_id] = clock
         self._agenda.put(step, Due.TO_DEVICE, device_id)
 
     def freeze(self, step: int, device_id: str, *, frozen: bool) -> None:

@@ -47,6 +47,11 @@ def _rows(part: NDArray[np.void]) -> list[Any]:
     return list(part.view(np.recarray))
 
 
+def _reduced(factor: float, guaranteed: float, reserve: float) -> float:
+    """A brake's factor without a part of what it has beyond the guaranteed share."""
+    return factor if reserve == 1.0 else factor - (1.0 - reserve) * max(factor - guaranteed, 0.0)
+
+
 class CarrierDisagrees(RuntimeError):  # noqa: N818 - names what happened
     """The carrier put a train elsewhere than its speeds say: nothing after this would be true."""
 
@@ -100,6 +105,8 @@ class Trains:
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self.rail_is: Callable[[int, float], None] = lambda _slot, _share: None  # who is told of the adhesion
         self._brake_factors = np.ones(n)
+        self._brake_drawn = np.ones(n)  # of the leg
+        self._brake_reserve = np.ones(n)  # what faults leave beyond the guaranteed share
         self._adhesion = np.ones(n)  # as the weather has it
         self._rail = np.ones(n)  # what faults leave of it
         self._legs = [generator(setup.seed, "legs", s, *setup.today) for s in self.stock_ids]
@@ -221,6 +228,24 @@ class Trains:
                 return True
         return False
 
+    def train_ahead_m(self, slot: int) -> float:
+        """Where on its path (m) the nearest part of another train is, ahead of this one; infinite if none."""
+        path, front_m, nearest_m = self.true_path(slot), float(self.truths[slot].position_m), math.inf
+        mine = set(path.piece_ids)
+        for other in self.active():
+            if other == slot:
+                continue
+            to_m = float(self.truths[other].position_m)
+            from_m = to_m - float(self.bodies[other].length_m)
+            for step in self.true_path(other).steps:
+                if step.piece_id not in mine or step.end_m <= from_m or step.start_m >= to_m:
+                    continue
+                ends_m = (max(from_m, step.start_m), min(to_m, step.end_m))
+                there_m = [path.to_path_m(step.piece_id, step.kilometrage_m(end_m)) for end_m in ends_m]
+                if max(there_m) > front_m:
+                    nearest_m = min(nearest_m, max(min(there_m), front_m))
+        return nearest_m
+
     def remove(self, slot: int) -> None:
         """Take the stock off the line."""
         self.carrier.remove(self.stock_ids[slot])
@@ -250,10 +275,18 @@ class Trains:
 
     def begin_leg(self, slot: int, now_s: float) -> None:
         """Draw what passes, for the run to the next stop: the brake's factor, the rail's adhesion."""
-        scatter, plant, chance = self.setup.scatter, self.plants[slot], self._legs[slot]
-        plant.brake_factor = self._brake_factors[slot] * scatter.brake_of_leg(chance)
+        scatter, chance = self.setup.scatter, self._legs[slot]
+        self._brake_drawn[slot] = self._brake_factors[slot] * scatter.brake_of_leg(chance)
+        self.set_brake(slot, float(self._brake_reserve[slot]))
         self._adhesion[slot] = scatter.adhesion_of_leg(chance, now_s)
         self.set_rail(slot, float(self._rail[slot]))
+
+    def set_brake(self, slot: int, reserve: float) -> None:
+        """What faults of the brake leave of the force that it has beyond the guaranteed share."""
+        self._brake_reserve[slot] = reserve
+        plant, driving, drawn = self.plants[slot], self.setup.driving, float(self._brake_drawn[slot])
+        plant.brake_factor = _reduced(drawn, driving.service_guaranteed_share, reserve)
+        plant.emergency_factor = _reduced(1.0, driving.emergency_guaranteed_share, reserve)
 
     def set_rail(self, slot: int, share: float) -> None:
         """What faults of the rail leave of the weather's adhesion."""

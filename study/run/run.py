@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import secrets
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Generator
@@ -12,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from host.devices import device_specs
 from host.parties import Parties
@@ -32,21 +31,16 @@ from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
+from study.run.crash import bugs_named
+from study.run.directory import JOURNAL_FILE, LEARNED_FILE, replaced
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.summary import summarise
-from study.run.tables import SCHEMAS, RunTables
+from study.run.tables import RunTables
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 from wayside.config import manager_config, terminal_configs
-
-LEARNED_FILE: Final = (
-    "learned.json"  # only where trains learn; `[tuning] learned` of another scenario may name it
-)
-RUN_FILES: Final = frozenset(
-    {"summary.json", LEARNED_FILE, "journal.jsonl", "report.html", *(f"{name}.parquet" for name in SCHEMAS)}
-)
 
 
 class Link(Enum):
@@ -91,7 +85,7 @@ def execute(
     wrap: Callable[[Carrier], Carrier] | None = None,
     watch: Callable[[Parties], Parties] | None = None,
 ) -> Run:
-    """Run a scenario and compute its tables and summary; writes nothing that stays.
+    """Run a scenario and compute its tables and summary; writes nothing that stays. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties.
@@ -121,7 +115,8 @@ def execute(
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
                     link.value,
                 )
-                result = simulation.run(progress)
+                with bugs_named(scenario.id, simulation):
+                    result = simulation.run(progress)
             if last:
                 break
             setup = setup.next_day(result.learned)
@@ -153,21 +148,24 @@ def execute(
     return Run(scenario, result, summary, tables, broken)
 
 
+@contextmanager
+def simulated(setup: Setup) -> Generator[Simulation]:
+    """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end."""
+    with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
+        net = net_for(setup.line, Path(folder))
+        master_key = secrets.token_bytes(KEY_BYTES)
+        units = LocalUnits(unit_configs(setup, master_key))
+        with parties_of(Link.SIMULATED, setup.line.id, specs_of(setup, master_key), Path(folder)) as parties:
+            make = carrier_factory(CarrierKind.SUMO, setup.line, net)
+            simulation = Simulation(setup, make, parties, read_net(net), units, Link.SIMULATED.value)
+            try:
+                yield simulation
+            finally:
+                simulation.close()
+
+
 def _as_it_is(carrier: Carrier) -> Carrier:
     return carrier
-
-
-def check_out(out: Path) -> None:
-    """Only a run directory may be replaced: anything else in the way is somebody's work. Raises InputError."""
-    expected = "a new directory, or one that holds a run and nothing else"
-    try:
-        strange = [path.name for path in out.iterdir() if path.name not in RUN_FILES]
-    except FileNotFoundError:
-        return
-    except OSError as error:
-        raise InputError("command line", "--out", str(out), f"{expected} ({error.strerror})") from error
-    if strange:
-        raise InputError("command line", "--out", str(out), f"{expected}; it holds {min(strange)}")
 
 
 def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
@@ -175,24 +173,8 @@ def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
 
     Raises InputError as `check_out` does, and when the directory cannot be written.
     """
-    check_out(out)
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
-    except OSError as error:
-        expected = f"a directory that can be written ({error.strerror})"
-        raise InputError("command line", "--out", str(out), expected) from error
-    try:
-        _write_files(run, out, aside / "new", drill)
-        if out.exists():
-            out.rename(aside / "old")
-        (aside / "new").rename(out)
-    except BaseException:
-        if (aside / "old").exists() and not out.exists():
-            (aside / "old").rename(out)
-        raise
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+    with replaced(out) as folder:
+        _write_files(run, out, folder, drill)
     return out / "report.html"
 
 
@@ -201,7 +183,7 @@ def _write_files(run: Run, out: Path, folder: Path, drill: DrillShown | None) ->
     setup = run.scenario.setup
     folder.mkdir()
     run.tables.write(folder)
-    (folder / "journal.jsonl").write_bytes(run.result.journal.to_bytes())
+    (folder / JOURNAL_FILE).write_bytes(run.result.journal.to_bytes())
     if run.result.learned:
         (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
     summary = run.summary | {"out": str(out)}

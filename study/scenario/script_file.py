@@ -64,6 +64,7 @@ class ActTable(Record):
     person: str = "controller"
     sections: list[str] = Field(default_factory=list)
     position: str = ""
+    place: str = ""
     hold_s: float = Field(default=300.0, ge=0.0)
     pace_s: float = Field(default=0.0, ge=0.0, le=600.0)
 
@@ -148,6 +149,7 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
     targets: dict[ActKind, tuple[str, ...]] = {
         ActKind.CONFIRM_OUTSIDE: names.units,
         ActKind.CONFIRM_HOLDING: names.units,
+        ActKind.TAKE_BACK: names.units,
         ActKind.POWER_ON: (*names.units, *names.devices),
         ActKind.REPAIR_POINTS: names.points,
         ActKind.ENTER_SECTION: ("", *names.units),
@@ -161,6 +163,9 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
             raise InputError(
                 file, f"{key}.sections[{i}]", section, f"a section: {one_of(names.sections, section)}"
             )
+    if table.place and (kind is not ActKind.CONFIRM_OUTSIDE or table.place not in names.sections):
+        expected = f"a section, with confirm_outside: {one_of(names.sections, table.place)}"
+        raise InputError(file, f"{key}.place", table.place, expected)
     if kind is ActKind.REPAIR_POINTS and table.position not in ("normal", "reverse"):
         raise InputError(file, f"{key}.position", table.position, "normal or reverse")
     if kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION) and not table.sections:
@@ -168,7 +173,15 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
     sections = tuple(table.sections)
     return Act(
-        kind, table.target, trigger, table.person, sections, table.position, table.hold_s, table.pace_s
+        kind,
+        table.target,
+        trigger,
+        table.person,
+        sections,
+        table.position,
+        table.hold_s,
+        table.place,
+        table.pace_s,
     )
 
 

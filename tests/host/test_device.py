@@ -47,6 +47,7 @@ from wayside.said import (
     Refused,
     Started,
     StartThrow,
+    StopThrow,
 )
 
 MASTER = b"m" * 32
@@ -112,6 +113,17 @@ def test_from_sign_on_to_proof() -> None:
     assert isinstance(proof, PointsProof)
     assert (proof.position, proof.locked, proof.detected) == (Position.REVERSE, True, True)
     assert proven.wake_at_s is None
+
+
+@pytest.mark.parametrize("shows_s", [0.5, 1.0 - 3600.0])
+def test_a_throw_has_its_time_though_the_clock_is_set_back(shows_s: float) -> None:
+    train, host = unit(), terminal()
+    host.advance(0.0, [], [PointsDetected("p", Position.NORMAL, True)])
+    host.advance(1.0, [train.seal("t", command(granted(train)), 1.0, 2)])
+    limit_s = host.advance(shows_s, []).wake_at_s  # no time has passed
+    assert limit_s == pytest.approx(shows_s + 8.0)
+    assert not host.advance(shows_s + 7.9, []).outputs
+    assert host.advance(shows_s + 8.0, []).outputs == (StopThrow("p"),)
 
 
 def test_every_boot_has_a_new_epoch_and_says_so() -> None:

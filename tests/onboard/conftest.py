@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
-from network.model import Direction, Line
+from network.model import Direction, Line, Position
 from network.timetable import AtPortal, Call, Stabled, TimetableTrain, load_timetable
 from onboard.driving.pattern import pattern_of
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
@@ -18,7 +19,29 @@ from onboard.driving.stopping import WAVE
 from onboard.driving.tasc import DESIGN, TASC
 from onboard.driving.tuning import Learned
 from onboard.duty.mission import Mission, plan_mission
-from onboard.records import BEHAVIOUR, MODE_DRIVE, UNIT, BehaviourRow, UnitRow
+from onboard.duty.records import Phase
+from onboard.records import BEHAVIOUR, EVENT_MOVING, MODE_DRIVE, UNIT, BehaviourRow, UnitRow
+from radio.messages import (
+    HoldingConfirmed,
+    HoldingReport,
+    PointsCommand,
+    RouteGranted,
+    RouteRequest,
+    SignOn,
+    SignOnAccepted,
+)
+from tests.onboard.unit_bench import (
+    DEPARTURE_S,
+    LEAD_S,
+    MANAGER,
+    MARK_B_M,
+    SECTIONS,
+    TOKEN,
+    Bench,
+    capabilities,
+    proof,
+)
+from tests.onboard.unit_bench import UNIT as UNIT_ID
 from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
@@ -120,3 +143,83 @@ def keeper(train: TrainRow, behaviour: BehaviourRow) -> Callable[[], StopKeeper]
         return StopKeeper(tasc, design, wave, learned)
 
     return make
+
+
+# a unit and its driving part, phase by phase --------------------------------------------------------------------
+
+
+@pytest.fixture
+def path(track: Callable[..., Rows], mission: Mission) -> Rows:
+    return track(np.zeros(math.ceil(mission.path.length_m) + 1))
+
+
+@pytest.fixture
+def switched_off(
+    rtri: Line,
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    path: Rows,
+) -> Bench:
+    return Bench(rtri, mission, unit, train, behaviour, keeper(), path)
+
+
+@pytest.fixture
+def bench(switched_off: Bench) -> Bench:
+    """Standing at A, signed on."""
+    bench = switched_off
+    bench.begin()
+    assert bench.said == [SignOn(UNIT_ID, ("3",))]
+    assert bench.phase is Phase.SIGNING_ON
+    bench.hear(MANAGER, SignOnAccepted(("3",), 10, None, ()))
+    assert bench.phase is Phase.STANDING
+    return bench
+
+
+@pytest.fixture
+def granted(bench: Bench) -> Bench:
+    """It has its route and has commanded the departure points."""
+    assert bench.wake_at_s == DEPARTURE_S - LEAD_S
+    bench.at(DEPARTURE_S - LEAD_S)
+    assert bench.said == [RouteRequest(UNIT_ID, "3>8", SECTIONS)]
+    bench.hear(MANAGER, RouteGranted("3>8", SECTIONS, TOKEN, capabilities()))
+    assert bench.said == [PointsCommand("P5", Position.NORMAL, "5", TOKEN, b"five")]
+    return bench
+
+
+@pytest.fixture
+def running(granted: Bench) -> Bench:
+    """It has left A on time and runs at the open line's beginning, tag 601 read."""
+    granted.hear("A-E", proof("P5"))
+    assert granted.row.stop_limit_m == pytest.approx(520.0)  # before the arrival points
+    assert granted.wake_at_s == DEPARTURE_S
+    granted.at(DEPARTURE_S)
+    assert "departs" in granted.notes
+    assert granted.phase is Phase.RUNNING
+    granted.row.speed_mps = 10.0
+    granted.ticked(EVENT_MOVING)
+    assert granted.notes == ["moving"]
+    granted.read(601)
+    assert granted.said == []  # nothing is given back before the arrival tag
+    return granted
+
+
+@pytest.fixture
+def cleared_to_b(running: Bench) -> Bench:
+    """It has passed the approach tag and its points are proven."""
+    running.read(602)
+    assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+    running.hear("B-W", proof("P7"))
+    return running
+
+
+@pytest.fixture
+def at_b(cleared_to_b: Bench) -> Bench:
+    """It stands at B, its tags read and what is behind given back."""
+    cleared_to_b.read(801)
+    assert cleared_to_b.said == [HoldingReport(("8",), TOKEN)]
+    cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
+    cleared_to_b.stop(MARK_B_M)
+    return cleared_to_b

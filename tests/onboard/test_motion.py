@@ -158,6 +158,28 @@ def test_a_tag_where_none_can_be_is_a_position_fault(motion: Motion, tag_id: int
     assert row.expected_tag_m == row.rear_trigger_m == math.inf
 
 
+@pytest.mark.parametrize("further_m", [0.0, 0.005])
+def test_a_tag_passed_while_the_tachometer_shows_a_stand_is_a_fault_of_the_tachometer(
+    motion: Motion, further_m: float
+) -> None:
+    """No train that stands passes a tag: it moves and does not know, whatever the tag would tell of its place."""
+    motion.row.odometer_m, motion.row.position_m = 500.0, 310.0
+    motion.events(EVENT_STOPPED)
+    assert motion.tag_read(602, 500.0 + further_m) == [PositionLost()]
+    assert (motion.row.position_known, motion.row.intervention) == (0, EMERGENCY_INTERVENTION)
+    assert [type(note).__name__ for note in motion.taken_notes()][-1] == "PositionFault"
+
+
+def test_a_tag_passed_after_a_start_is_a_tag(motion: Motion) -> None:
+    motion.row.odometer_m, motion.row.position_m = 500.0, 309.9
+    motion.events(EVENT_STOPPED)
+    motion.row.position_m, motion.row.odometer_m = 310.0, 500.1
+    assert motion.tag_read(602, 500.1) == [TagPassed(4, found=False)]  # the tick has yet to report the start
+    motion.events(EVENT_STOPPED)
+    motion.events(EVENT_MOVING)
+    assert motion.tag_read(602, 500.1) == [TagPassed(4, found=False)]
+
+
 def test_what_the_tick_reports(motion: Motion) -> None:
     assert motion.events(EVENT_MOVING) == [Started()]
     assert motion.events(EVENT_POSITION) == motion.events(EVENT_SAFE_REAR) == [Looked()]
@@ -241,6 +263,28 @@ def test_an_emergency_ends_only_by_the_drivers_word(motion: Motion) -> None:
     assert motion.row.intervention == EMERGENCY_INTERVENTION
     motion.obey(msgspec.structs.replace(RUN, orders=(Order.RELEASE,)), 0.0)
     assert motion.row.intervention == NO_INTERVENTION
+
+
+def test_told_to_stop_it_applies_the_emergency_brake(motion: Motion) -> None:
+    motion.obey(msgspec.structs.replace(RUN, orders=(Order.STOP,)), 0.0)
+    assert motion.row.intervention == EMERGENCY_INTERVENTION
+    assert motion.row.position_known == 1
+
+
+def test_told_that_its_position_is_of_no_use_it_loses_it_and_stops(motion: Motion) -> None:
+    motion.obey(msgspec.structs.replace(RUN, on_sight=True, orders=(Order.LOSE,)), 0.0)
+    row = motion.row
+    assert (row.position_known, row.intervention) == (0, EMERGENCY_INTERVENTION)
+    assert (row.mode, row.restricted_mps) == (MODE_HOLD, pytest.approx(15.0 / 3.6))
+    assert [type(note).__name__ for note in motion.taken_notes()] == ["PositionFault"]
+
+
+def test_sweeping_it_knows_where_it_is_and_is_slow(motion: Motion) -> None:
+    motion.obey(msgspec.structs.replace(RUN, sweeps=True), 0.0)
+    assert motion.row.restricted_mps == pytest.approx(15.0 / 3.6)
+    assert motion.row.stop_limit_m == pytest.approx(690.0)
+    motion.obey(RUN, 0.0)
+    assert motion.row.restricted_mps == math.inf
 
 
 def test_on_sight_it_is_slow_and_stays_within_its_section(motion: Motion) -> None:

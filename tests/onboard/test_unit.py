@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
+import msgspec
 import pytest
 
 from network.model import Coverage, Line, Position
@@ -38,7 +38,11 @@ from onboard.records import (
 )
 from onboard.unit import Unit
 from onboard.unit_records import UnitParameters
+from onboard.vehicle import Vehicle
 from radio.messages import (
+    Claim,
+    ClaimQuery,
+    Contested,
     HoldingConfirmed,
     HoldingReport,
     PointsCommand,
@@ -50,6 +54,7 @@ from radio.messages import (
     SignOffAccepted,
     SignOn,
     SignOnAccepted,
+    SignOnRefused,
 )
 from tests.onboard.unit_bench import (
     DEPARTURE_S,
@@ -66,75 +71,6 @@ from tests.onboard.unit_bench import (
     proof,
 )
 from vehicle.records import TrainRow
-
-
-@pytest.fixture
-def path(track: Callable[..., Rows], mission: Mission) -> Rows:
-    return track(np.zeros(math.ceil(mission.path.length_m) + 1))
-
-
-@pytest.fixture
-def switched_off(
-    rtri: Line,
-    mission: Mission,
-    unit: UnitRow,
-    train: TrainRow,
-    behaviour: BehaviourRow,
-    keeper: Callable[[], StopKeeper],
-    path: Rows,
-) -> Bench:
-    return Bench(rtri, mission, unit, train, behaviour, keeper(), path)
-
-
-@pytest.fixture
-def bench(switched_off: Bench) -> Bench:
-    """Standing at A, signed on."""
-    bench = switched_off
-    bench.begin()
-    assert bench.said == [SignOn(UNIT, ("3",))]
-    assert bench.phase is Phase.SIGNING_ON
-    bench.hear(MANAGER, SignOnAccepted(("3",), 10, None, ()))
-    assert bench.phase is Phase.STANDING
-    return bench
-
-
-@pytest.fixture
-def granted(bench: Bench) -> Bench:
-    """It has its route and has commanded the departure points."""
-    assert bench.wake_at_s == DEPARTURE_S - LEAD_S
-    bench.at(DEPARTURE_S - LEAD_S)
-    assert bench.said == [RouteRequest(UNIT, "3>8", SECTIONS)]
-    bench.hear(MANAGER, RouteGranted("3>8", SECTIONS, TOKEN, capabilities()))
-    assert bench.said == [PointsCommand("P5", Position.NORMAL, "5", TOKEN, b"five")]
-    return bench
-
-
-@pytest.fixture
-def running(granted: Bench) -> Bench:
-    """It has left A on time and runs at the open line's beginning, tag 601 read."""
-    granted.hear("A-E", proof("P5"))
-    assert granted.row.stop_limit_m == pytest.approx(520.0)  # before the arrival points
-    assert granted.wake_at_s == DEPARTURE_S
-    granted.at(DEPARTURE_S)
-    assert "departs" in granted.notes
-    assert granted.phase is Phase.RUNNING
-    granted.row.speed_mps = 10.0
-    granted.ticked(EVENT_MOVING)
-    assert granted.notes == ["moving"]
-    granted.read(601)
-    assert granted.said == [HoldingReport(SECTIONS, TOKEN)]
-    granted.hear(MANAGER, HoldingConfirmed(SECTIONS, TOKEN))
-    return granted
-
-
-@pytest.fixture
-def cleared_to_b(running: Bench) -> Bench:
-    """It has passed the approach tag and its points are proven."""
-    running.read(602)
-    assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
-    running.hear("B-W", proof("P7"))
-    return running
-
 
 # the run as it should be ----------------------------------------------------------------------------------------
 
@@ -166,6 +102,26 @@ def test_it_does_not_leave_before_its_time(granted: Bench) -> None:
     assert granted.waits_for == "departure time"
 
 
+def test_a_late_clock_departs_late(granted: Bench) -> None:
+    granted.hear("A-E", proof("P5"))
+    granted.at(DEPARTURE_S - 600.0)  # set back by ten minutes
+    assert granted.wake_at_s == DEPARTURE_S
+    granted.at(DEPARTURE_S - 1.0)
+    assert granted.phase is Phase.STANDING
+    granted.at(DEPARTURE_S)
+    assert granted.phase is Phase.RUNNING
+
+
+def test_a_clock_that_is_set_back_leaves_no_request_waiting(granted: Bench) -> None:
+    repeat_s = (granted.wake_at_s or 0.0) - granted.now_s  # the throw is not answered
+    granted.at(granted.now_s + 0.5)
+    granted.at(granted.now_s - 3600.0)
+    assert granted.said == []
+    assert granted.wake_at_s == pytest.approx(granted.now_s + repeat_s - 0.5)
+    granted.at(granted.wake_at_s or 0.0)
+    assert [type(message) for message in granted.said] == [PointsCommand]
+
+
 def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
     bench.at(DEPARTURE_S - LEAD_S)
     bench.hear(MANAGER, RouteRefused("3>8", RefusalReason.HELD, "6", "K2"))
@@ -175,11 +131,15 @@ def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
 
 
 def test_arrival_report_and_end_of_the_mission(cleared_to_b: Bench) -> None:
-    for tag_id in (801, 802, 803):
+    cleared_to_b.read(701)
+    assert cleared_to_b.held == ("3", *SECTIONS)
+    cleared_to_b.read(801)  # (1) of figure 3: what is behind is given back, once
+    assert cleared_to_b.held == ("8",)
+    assert cleared_to_b.said == [HoldingReport(("8",), TOKEN)]
+    for tag_id in (802, 803):
         cleared_to_b.read(tag_id)
     cleared_to_b.stop(MARK_B_M + 0.1)
     assert "arrived" in cleared_to_b.notes
-    assert cleared_to_b.held == ("8",)
     assert cleared_to_b.phase is Phase.STANDING  # until the release is confirmed
     cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
     assert cleared_to_b.told == (Finished("T1"),)
@@ -198,16 +158,15 @@ def test_stopping_off_the_mark(cleared_to_b: Bench, beyond_m: float, what: str, 
     assert ("arrived" in cleared_to_b.notes) is arrived
 
 
-def test_signing_off(cleared_to_b: Bench) -> None:
-    cleared_to_b.stop(MARK_B_M)
-    cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
-    cleared_to_b.tell([Leave()])
-    assert cleared_to_b.said == [SignOff(UNIT, TOKEN)]
-    assert cleared_to_b.phase is Phase.SIGNING_OFF
-    cleared_to_b.hear(MANAGER, SignOffAccepted())
-    assert cleared_to_b.told == (LeftLine("T1"),)
-    assert cleared_to_b.phase is Phase.GONE
-    assert cleared_to_b.held == ()
+def test_signing_off(at_b: Bench) -> None:
+    assert at_b.told == (Finished("T1"),)
+    at_b.tell([Leave()])
+    assert at_b.said == [SignOff(UNIT, TOKEN)]
+    assert at_b.phase is Phase.SIGNING_OFF
+    at_b.hear(MANAGER, SignOffAccepted())
+    assert at_b.told == (LeftLine("T1"),)
+    assert at_b.phase is Phase.GONE
+    assert at_b.held == ()
 
 
 def test_a_broken_telegram_takes_no_effect(granted: Bench) -> None:
@@ -222,6 +181,17 @@ def test_a_broken_telegram_takes_no_effect(granted: Bench) -> None:
 
 
 # giving back ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def tag_passed(cleared_to_b: Bench) -> Bench:
+    """What is behind may be given back by the arrival tag, with the rear by the odometer still in section 6."""
+    bench = cleared_to_b
+    bench.unit.state = msgspec.structs.replace(bench.unit.state, proved=4, freed=4)
+    bench.ticked(EVENT_POSITION)
+    assert bench.said == [HoldingReport(("6", "7", "8"), TOKEN)]
+    bench.hear(MANAGER, HoldingConfirmed(("6", "7", "8"), TOKEN))
+    return bench
 
 
 def check_given_back_by_the_safe_rear(bench: Bench) -> None:
@@ -239,13 +209,13 @@ def check_given_back_by_the_safe_rear(bench: Bench) -> None:
     assert row.rear_trigger_m > 580.0
 
 
-def test_sections_are_given_back_by_the_safe_rear(cleared_to_b: Bench) -> None:
-    check_given_back_by_the_safe_rear(cleared_to_b)
+def test_after_the_tag_sections_are_given_back_by_the_safe_rear(tag_passed: Bench) -> None:
+    check_given_back_by_the_safe_rear(tag_passed)
 
 
 @pytest.mark.parametrize("off", ["the bound behind", "the margin for the tachometer"])
 def test_without_either_it_would_give_back_too_early(
-    cleared_to_b: Bench, off: str, monkeypatch: pytest.MonkeyPatch
+    tag_passed: Bench, off: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if off == "the bound behind":
         place = Motion.place
@@ -260,17 +230,17 @@ def test_without_either_it_would_give_back_too_early(
     else:
         monkeypatch.setattr("onboard.localisation.tags.TagDoubt.release_margin_m", lambda *_, **__: 0.0)
     with pytest.raises(AssertionError):
-        check_given_back_by_the_safe_rear(cleared_to_b)
+        check_given_back_by_the_safe_rear(tag_passed)
 
 
-def test_a_train_seen_at_its_mark_gives_back_without_the_margin(cleared_to_b: Bench) -> None:
-    """Its driver sees where it is: the rear at 620 m has left section 7 (to 580 m), for a tachometer it might not."""
-    row = cleared_to_b.row
+def test_at_its_mark_a_train_gives_back_without_the_margin(tag_passed: Bench) -> None:
+    """The rear at 620 m has left section 7 (to 580 m), for a tachometer out of order it might not."""
+    row = tag_passed.row
     row.bound_behind_m = 10.0
     margin_m = UnitParameters().doubt_error_share * (MARK_B_M - 310.0)
     assert MARK_B_M - REAR_M - row.bound_behind_m - margin_m < 580.0
-    cleared_to_b.stop(MARK_B_M)
-    assert cleared_to_b.held == ("8",)
+    tag_passed.stop(MARK_B_M)
+    assert tag_passed.held == ("8",)
 
 
 # points ---------------------------------------------------------------------------------------------------------
@@ -332,7 +302,7 @@ def test_the_next_tag_ends_it_and_the_block_picture_is_unchanged(lost: Bench) ->
     assert "position_found" in lost.notes
     assert lost.row.position_known == 1
     assert lost.row.restricted_mps == math.inf
-    assert lost.held == ("6", "7", "8")  # and the rear has left 5 for certain
+    assert lost.held == ("3", *SECTIONS)  # nothing is given back before the arrival tag
     assert lost.row.stop_limit_m == pytest.approx(520.0)
     assert lost.phase is Phase.RUNNING
     assert lost.row.intervention == EMERGENCY_INTERVENTION  # until it stands and the driver releases it
@@ -374,6 +344,26 @@ def test_an_emergency_is_released_only_at_a_stand(running: Bench) -> None:
     assert running.row.intervention == NO_INTERVENTION
 
 
+def test_a_brake_that_is_not_in_order_stops_the_train_until_it_is_and_the_driver_acknowledges(
+    running: Bench,
+) -> None:
+    running.tell(running.motion.vehicle_shows(Vehicle(brake_good=False)))
+    assert running.notes == ["vehicle_unfit"]
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    running.stop(200.0)
+    running.at(running.now_s + UnitParameters().emergency_release_s)
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    assert running.waits_for == "vehicle: brake not in order"
+    running.tell(running.motion.vehicle_shows(Vehicle()))
+    assert running.row.intervention == EMERGENCY_INTERVENTION
+    running.at(running.wake_at_s or 0.0)
+    assert (running.row.intervention, running.row.mode) == (NO_INTERVENTION, MODE_DRIVE)
+
+
+def test_nothing_is_reported_that_has_not_changed(running: Bench) -> None:
+    assert running.motion.vehicle_shows(Vehicle()) == []
+
+
 def test_bounds_that_leave_no_room_to_go_on_are_a_position_fault(running: Bench) -> None:
     running.row.bound_ahead_m = UnitParameters().doubt_bound_max_m + 1.0
     running.stop(400.0)
@@ -398,6 +388,87 @@ def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) ->
     assert running.row.restricted_mps == math.inf
     assert running.held == ("6", "7", "8")
     assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+
+
+# contradictions -------------------------------------------------------------------------------------------------
+
+
+def check_braked_until_agreed(bench: Bench) -> None:
+    """Each of its reports gets an answer; it moves again only after the one that has all and nothing contested."""
+    assert bench.row.intervention == EMERGENCY_INTERVENTION
+    assert bench.row.mode == MODE_HOLD
+    bench.row.speed_mps = 0.0
+    bench.ticked(EVENT_STOPPED)
+    for answer in (HoldingConfirmed(("3", "5", "6"), TOKEN), HoldingConfirmed(bench.held, TOKEN, ("7",))):
+        bench.hear(MANAGER, answer)
+        bench.at(bench.now_s + UnitParameters().emergency_release_s)
+        assert HoldingReport(bench.held, TOKEN) in bench.said  # again, until it is over
+        assert bench.row.intervention == EMERGENCY_INTERVENTION
+        assert bench.row.mode == MODE_HOLD
+    bench.hear(MANAGER, HoldingConfirmed(bench.held, TOKEN))
+    assert "agreed" in bench.notes
+    bench.at(bench.now_s + UnitParameters().emergency_release_s)
+    assert bench.row.intervention == NO_INTERVENTION
+    assert bench.row.mode == MODE_DRIVE
+
+
+def test_a_train_whose_section_another_claims_is_braked_until_that_is_over(running: Bench) -> None:
+    running.hear(MANAGER, Contested(("7",)))
+    assert "mismatch" in running.notes
+    assert running.said == [HoldingReport(running.held, TOKEN)]
+    check_braked_until_agreed(running)
+
+
+def test_a_train_whose_claim_is_refused_is_braked_until_that_is_over(running: Bench) -> None:
+    running.hear(MANAGER, ClaimQuery())
+    assert running.said == [Claim(running.held, TOKEN)]
+    running.hear(MANAGER, SignOnRefused(RefusalReason.HELD, "7", "K2"))
+    assert running.said == [HoldingReport(running.held, TOKEN)]
+    check_braked_until_agreed(running)
+
+
+def test_a_train_that_disagrees_does_not_leave(granted: Bench) -> None:
+    granted.hear("A-E", proof("P5"))
+    granted.hear(MANAGER, Contested(("7",)))
+    granted.at(DEPARTURE_S + 1.0)
+    assert granted.phase is Phase.STANDING
+    assert granted.waits_for == "agreement with the block manager: contested: 7"
+    granted.hear(MANAGER, HoldingConfirmed(granted.held, TOKEN))
+    assert granted.phase is Phase.RUNNING
+    granted.at(granted.now_s + UnitParameters().emergency_release_s)
+    assert granted.row.mode == MODE_DRIVE
+
+
+# what must be swept ---------------------------------------------------------------------------------------------
+
+
+def test_what_must_be_swept_it_passes_on_sight_and_says_so(bench: Bench) -> None:
+    bench.at(DEPARTURE_S - LEAD_S)
+    bench.hear(MANAGER, RouteGranted("3>8", SECTIONS, TOKEN, capabilities(), ("6",)))
+    bench.hear("A-E", proof("P5"))
+    assert bench.row.restricted_mps == pytest.approx(15.0 / 3.6)  # it stands, and begins on sight
+    bench.at(DEPARTURE_S)
+    assert bench.phase is Phase.RUNNING
+    assert bench.row.stop_limit_m == pytest.approx(520.0)
+    bench.row.speed_mps = 4.0
+    bench.ticked(EVENT_MOVING)
+    for tag_id in (601, 602):
+        bench.read(tag_id)
+    bench.hear("B-W", proof("P7"))
+    bench.read(801)
+    assert bench.said == [HoldingReport(("8",), TOKEN, ("6",))]
+    assert bench.row.restricted_mps == math.inf
+
+
+def test_what_must_be_swept_is_not_entered_at_speed(running: Bench) -> None:
+    """Told on its way, by the answer to a claim: it stops before the section, then sweeps it."""
+    running.row.position_m = 150.0
+    running.hear(MANAGER, SignOnAccepted(running.held, TOKEN, None, (), ("6",)))
+    assert running.row.stop_limit_m == pytest.approx(170.0)
+    assert running.row.restricted_mps == math.inf
+    running.stop(165.0)
+    assert running.row.stop_limit_m == pytest.approx(520.0)
+    assert running.row.restricted_mps == pytest.approx(15.0 / 3.6)
 
 
 # radio ----------------------------------------------------------------------------------------------------------

@@ -10,6 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from radio.envelope import (
+    AGE_MAX_S,
+    CLOCK_SKEW_MAX_S,
     SEQUENCE_WINDOW,
     TELEGRAM_BYTES_MAX,
     Dropped,
@@ -143,11 +145,33 @@ def test_delay_beyond_the_age_limit() -> None:
     received(manager.open(data, 15.0))
 
 
-@pytest.mark.parametrize("sent_s", [10.2, math.inf, math.nan])
+@pytest.mark.parametrize("sent_s", [10.0 + CLOCK_SKEW_MAX_S + 0.01, math.inf, math.nan])
 def test_time_that_cannot_be(sent_s: float) -> None:
     train, manager = pair()
     data = train.seal("manager", REPORT, sent_s)
     assert reason(manager.open(data, 10.0)) is DropReason.IMPLAUSIBLE_TIME
+    assert manager.peers == {}
+
+
+@pytest.mark.parametrize("ahead_s", [-AGE_MAX_S, -CLOCK_SKEW_MAX_S, CLOCK_SKEW_MAX_S])
+def test_clocks_that_differ_by_no_more_than_they_may_hear_each_other(ahead_s: float) -> None:
+    train, manager = pair()
+    received(manager.open(train.seal("manager", REPORT, 10.0 + ahead_s), 10.0))
+
+
+def test_the_age_limit_moves_by_no_more_than_the_clocks_may_differ() -> None:
+    train, manager = pair()
+    data = train.seal("manager", REPORT, 10.0 + CLOCK_SKEW_MAX_S)
+    assert reason(manager.open(data, 10.0 + CLOCK_SKEW_MAX_S + AGE_MAX_S + 0.01)) is DropReason.STALE
+
+
+def test_two_whose_clocks_both_were_ahead_hear_each_other_when_they_are_set_right() -> None:
+    train, manager = pair()
+    received(manager.open(train.seal("manager", REPORT, 110.0), 110.1))
+    received(train.open(manager.seal("train", ClaimQuery(), 110.2), 110.3))
+    again = received(manager.open(train.seal("manager", REPORT, 11.0), 11.1))
+    assert again.round_trip_s is None  # by a clock that was set since nothing is measured
+    received(train.open(manager.seal("train", ClaimQuery(), 11.2), 11.3))
 
 
 def test_masquerade_with_the_keys_of_another_party() -> None:

@@ -11,12 +11,16 @@ from radio import messages as m
 EXAMPLES: list[m.AnyMessage] = [
     m.RouteRequest("u1", "R", ("a", "b")),
     m.RouteGranted("R", ("a", "b"), 1 << 32, (m.Capability("t", "a", bytes(16)),)),
+    m.RouteGranted("R", ("a", "b"), 1 << 32, (), ("b",)),
     m.RouteRefused("R", m.RefusalReason.HELD, "a", "u2"),
     m.HoldingReport(("a",), 5),
+    m.HoldingReport(("a",), 5, ("b",)),
     m.HoldingConfirmed(("a",), 5),
+    m.HoldingConfirmed(("a", "b"), 5, ("b",)),
     m.SignOn("u1", None),
     m.SignOn("u1", ("a",), 5),
     m.SignOnAccepted(("a",), 5, "R", ()),
+    m.SignOnAccepted(("a", "b"), 5, None, (), ("b",)),
     m.SignOnRefused(m.RefusalReason.CLAIM_NEEDED),
     m.SignOff("u1", 5),
     m.SignOffAccepted(),
@@ -28,6 +32,7 @@ EXAMPLES: list[m.AnyMessage] = [
     m.PointsProof("p", None, False, False, 5),
     m.PointsRefused("p", m.PointsRefusalReason.OLD_TOKEN, 5),
     m.Restarted(),
+    m.Contested(("a", "b")),
 ]
 
 

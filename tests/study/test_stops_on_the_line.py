@@ -14,7 +14,8 @@ import pytest
 from onboard.notes import Intervention, SignSeen, StopImpossible
 from radio.noted import Noted
 from simulation.sensors import sign_camera
-from study.run.run import LEARNED_FILE, CarrierKind, Link, Run, execute, write_run
+from study.run.directory import LEARNED_FILE
+from study.run.run import CarrierKind, Link, Run, execute, write_run
 from study.scenario.scenario import load_scenario
 
 HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'

@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from onboard.notes import PositionFault
+from onboard.notes import PositionFault, TagRead
+from simulation.events import TagPassed
+from study.run.drill import run_drill
 from study.run.run import CarrierKind, Link, Run, execute
 from study.scenario.scenario import load_scenario
 
@@ -30,3 +32,22 @@ def test_a_run_whose_tags_cannot_be_read_stops_its_trains_and_breaks_nothing() -
     assert run.result.violations == ()
     assert run.result.collisions == ()
     assert run.result.motion_digest != _run().result.motion_digest
+
+
+@pytest.mark.parametrize("line", ["rtri", "karasuyama"])
+def test_in_noise_tags_are_missed_and_none_is_read_as_another(line: str) -> None:
+    drill = run_drill(f"{line}/45_tags_by_bits", Link.SIMULATED)
+    passed = [
+        (e.t_s, e.event.unit_id, e.event.tag_id)
+        for e in drill.run.result.journal.entries
+        if isinstance(e.event, TagPassed)
+    ]
+    read = [
+        (e.t_s, e.who, e.event.tag_id)
+        for e in drill.run.result.journal.entries
+        if isinstance(e.event, TagRead)
+    ]
+    assert set(read) < set(passed)
+    faults = {e.event.why for e in drill.run.result.journal.entries if isinstance(e.event, PositionFault)}
+    assert not {why for why in faults if why.endswith("where none can be")}
+    assert drill.run.broken == ()

@@ -31,7 +31,7 @@ from onboard.authority.stop_limit import stop_limit
 from onboard.authority.tables import Handler, Result
 from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
-from onboard.duty.plan import Plan
+from onboard.duty.plan import Plan, PointsNeeded
 from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
 from onboard.localisation.fix import Fix, Refused, Taken, take
 from onboard.motion import Motion, PathData
@@ -69,6 +69,7 @@ FOLDER: Final = Path(__file__).parent / "defects"
 TRAIN_M: Final = 40.0  # length of the train of every scenario here
 K1_ON_P7_S: Final = 36_071.0  # two_trains: from here on K1 is on P7
 K2_ON_P7_S: Final = 36_112.0  # and from here on K2
+ON_THE_POINTS_AFTER_S: Final = 12.0  # a train that has started on sight from before them is on them
 
 SWITCHES: Final[dict[str, Switch]] = {}
 
@@ -407,6 +408,39 @@ def crew_does_not_look(patch: pytest.MonkeyPatch) -> None:
         return [PointsSeen(p.points) if isinstance(p, PointsWrong) else p for p in stand(self, slot, now_s)]
 
     patch.setattr(Crew, "stand", nod)
+
+
+@switch
+def crew_does_not_lock(patch: pytest.MonkeyPatch) -> None:
+    """The crew only looks: what it has seen may change before its train has passed."""
+
+    def looks(self: Crew, _slot: int, _mission: Mission, needed: PointsNeeded, _now_s: float) -> bool:
+        machine = self._machine_of(needed.points_id)
+        return machine.locked and machine.position is needed.position
+
+    patch.setattr(Crew, "_locks", looks)
+
+
+@switch
+def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
+    """Given: a unit commands P7 the other way, by its own token, when its train is on its way over it on sight."""
+    advance, due_s = Unit.advance, list[float]()
+
+    def rogue(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if any(isinstance(event, PointsSeen) for event in sensed.happened):
+            due_s.append(now_s + ON_THE_POINTS_AFTER_S)
+        if not due_s:
+            return answer
+        if now_s < due_s[0]:
+            return msgspec.structs.replace(answer, wake_at_s=min(due_s[0], answer.wake_at_s or math.inf))
+        due_s.clear()
+        own = self._letters
+        order = PointsCommand("P7", Position.REVERSE, "7", own.token, own._macs["7", "B-W"])
+        data = self._endpoint.seal("B-W", order, now_s)
+        return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, Telegram("B-W", data)))
+
+    patch.setattr(Unit, "advance", rogue)
 
 
 # envelope -----------------------------------------------------------------------------------------------------

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import polars as pl
 import pytest
 
 from network.model import Direction, Line
 from simulation.carriers.carrier import Carrier, Truth
-from study.run.run import CarrierKind, Link, Run, execute
+from study.run.run import CarrierKind, Link, Run, carrier_factory, execute
 from study.scenario.scenario import load_scenario
+from sumo_cfg.build import net_for
 
 pytestmark = pytest.mark.system
 
@@ -120,3 +122,24 @@ def test_the_same_seed_is_the_same_run_and_another_is_not(turn_back: str) -> Non
         for seed in (1, 1, 7)
     ]
     assert digests[0] == digests[1] != digests[2]
+
+
+def test_a_train_that_moves_in_the_step_in_which_it_turns_keeps_what_it_ran(tmp_path: Path) -> None:
+    """SUMO turns it in its next step and is put right afterwards: by the turn, not back to a stand."""
+    line = load_scenario("rtri_test_line").setup.line
+    (track,) = (s for s in line.sections.values() if s.id == "3")
+    seen: list[Truth] = []
+    for kind in CarrierKind:
+        carrier = carrier_factory(kind, line, net_for(line, tmp_path))(0.0)
+        carrier.insert("K1", track.piece_ids, Direction.DOWN, 60.0, 40.0)
+        carrier.run([], 1)
+        carrier.reverse("K1", track.piece_ids, Direction.UP)
+        carrier.run([("K1", [0.3, 0.5])], 2)
+        seen.append(carrier.truth("K1"))
+        carrier.close()
+    on_sumo, on_plain = seen
+    assert on_sumo.piece_id == on_plain.piece_id
+    assert on_sumo.offset_m == pytest.approx(on_plain.offset_m, abs=1e-4)
+    assert on_plain.offset_m == pytest.approx(
+        line.pieces[track.piece_ids[0]].length_m - 20.0 + 0.015 + 0.04, abs=1e-9
+    )

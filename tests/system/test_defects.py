@@ -176,6 +176,13 @@ DEFECTS: Final = (
         (Checker.POINTS_UNDER_TRAIN,),
     ),
     Defect(
+        "the crew does not lock the points that it passes",
+        "points_never_commanded",
+        "crew_does_not_lock",
+        (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
+        "commands_after_the_look",
+    ),
+    Defect(
         "a telegram takes effect twice",
         "everything_twice",
         "accepts_telegrams_twice",

@@ -18,6 +18,7 @@ from onboard.authority import machine as authority
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.tables import Result, Standing
+from onboard.duty import fitness
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, Sensed
 from onboard.localisation.fix import Fix, Refused, Taken, take
@@ -25,6 +26,7 @@ from onboard.localisation.tags import TagDoubt
 from onboard.motion import Motion, PathData
 from onboard.records import UnitRow
 from onboard.unit import Answer, Report, Unit
+from onboard.vehicle import Vehicle
 from radio.envelope import header_of
 from simulation.world.crew import Crew
 from simulation.world.points import WaysideWorld
@@ -128,6 +130,22 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("study.run.run.terminal_configs", strict)
 
 
+def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Crew, "give_keys_back", lambda *_: None)
+
+
+def sees_no_vehicle(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Vehicle, "unfit", "")
+
+
+def acknowledges_whatever_is_wrong(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(fitness, "acknowledged", lambda _turn: True)
+
+
+def judges_no_time(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("radio.envelope.CLOCK_SKEW_MAX_S", math.inf)
+
+
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
 
     def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
@@ -186,6 +204,16 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "24_manager_frozen": (obeys_only_while_it_hears_the_manager, "T1 runs on within what it holds"),
         "25_wrong_tag_id": ("believes_any_tag", "the unit does not believe it"),
         "26_tags_swapped": (believes_any_tag_at_once, "no invariant is broken"),
+        "28_unit_restart_at_departure": (
+            "restarts_at_full_speed",
+            "low speed until position and holdings are known",
+        ),
+        "40_clock_wrong": (judges_no_time, "no section behind it is released"),
+        "41_clock_drifts": (judges_no_time, "it does not enter them"),
+        "42_doors": (sees_no_vehicle, "it does not depart with a door open"),
+        "44_points_locked_by_crew": (keeps_the_key_for_ever, "every train reaches its station"),
+        "45_tags_by_bits": ("expects_no_tag", "the unit finds that a tag is missing"),
+        "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
     }
 )
 

@@ -174,6 +174,17 @@ def test_the_emergency_brake_cuts_power_and_is_air_alone(ev_e301: Rows, changed:
     assert plant["acceleration_mps2"] == pytest.approx(-1.25, rel=2e-3)
 
 
+@pytest.mark.parametrize("factor", [1.0, 0.8])
+def test_an_emergency_brake_that_has_lost_force_brakes_by_what_is_left(
+    ev_e301: Rows, changed: Change, factor: float
+) -> None:
+    train, plant = changed(ev_e301, free=True)[0], new_plant(1, 15.0)[0]
+    plant["emergency_factor"] = factor
+    for _ in range(70):
+        step(plant, train, 0.0, True, 0.0, 0.0, DT_S)
+    assert plant["acceleration_mps2"] == pytest.approx(-1.25 * factor, rel=2e-3)
+
+
 def test_air_supplies_what_the_motors_cannot(ev_e301: Rows) -> None:
     plant = new_plant(1, 25.0)[0]
     for _ in range(400):

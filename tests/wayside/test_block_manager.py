@@ -9,7 +9,7 @@ from itertools import product
 
 import pytest
 
-from radio.keys import capability_key, capability_mac
+from radio.keys import capability_mac
 from radio.messages import (
     AnyMessage,
     Claim,
@@ -28,12 +28,10 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
-from radio.noted import Noted
+from tests.wayside.manager_desk import CONFIG, KEYS, Desk, defined
 from wayside.actions import Send, Show
-from wayside.acts import Act
 from wayside.block_manager import TELEGRAMS, Ask, Heard, step, wake_at_s
-from wayside.config import ManagerConfig, RouteEntry, SectionEntry
-from wayside.register import Register, Standing, start
+from wayside.register import Standing
 from wayside.said import (
     Accepted,
     AcceptPicture,
@@ -46,73 +44,7 @@ from wayside.said import (
     Refused,
 )
 
-MASTER = b"m" * 32
-KEYS = {terminal: capability_key(MASTER, terminal) for terminal in ("tA", "tD")}
-CONFIG = ManagerConfig(
-    "line",
-    "block-manager",
-    ("u1", "u2", "u3"),
-    (
-        SectionEntry("P0", portal=True),
-        SectionEntry("A", terminal_ids=("tA",)),
-        SectionEntry("B"),
-        SectionEntry("C"),
-        SectionEntry("D", terminal_ids=("tD",)),
-        SectionEntry("E"),
-        SectionEntry("P9", portal=True),
-    ),
-    (
-        RouteEntry("in", "P0", ("A", "B")),
-        RouteEntry("over", "B", ("C", "D", "E")),
-        RouteEntry("back", "E", ("D", "C", "B")),
-    ),
-)
 IN = RouteRequest("u1", "in", ("A", "B"))
-
-
-class Desk:
-    """A register and what it did last, so that tests read as a conversation."""
-
-    def __init__(self, epoch: int = 1) -> None:
-        self.register: Register = start(CONFIG, epoch, KEYS)
-        self.kinds: list[type[Noted]] = []
-        self.now_s = 0.0
-
-    def hear(
-        self, unit_id: str, message: AnyMessage, epoch: int = 1, fresh: bool = True, correlation: int = 1
-    ) -> AnyMessage:
-        """The last answer to a telegram; every answer goes to its sender with its correlation."""
-        event = Heard(unit_id, epoch, fresh, correlation, message)
-        self.register, actions = step(self.register, event, self.now_s)
-        sends = [action for action in actions if isinstance(action, Send)]
-        assert all((send.destination, send.correlation) == (unit_id, correlation) for send in sends)
-        self.kinds = [type(action.note) for action in actions if isinstance(action, Show)]
-        return sends[-1].message
-
-    def act(self, act: Act) -> list[type[Noted]]:
-        self.register, actions = step(self.register, act, self.now_s)
-        return [type(action.note) for action in actions if isinstance(action, Show)]
-
-    def standing(self, unit_id: str) -> Standing:
-        return self.register.unit(unit_id).standing
-
-    def enter(self, unit_id: str, *sections: str) -> int:
-        """Claim sections that nobody else holds; returns the token."""
-        accepted = self.hear(unit_id, Claim(sections, 0))
-        assert isinstance(accepted, SignOnAccepted)
-        assert accepted.section_ids == sections
-        return accepted.token
-
-
-def defined(**holdings: tuple[str, ...]) -> Desk:
-    """A desk with every unit outside but those named, who have claimed what they hold."""
-    desk = Desk()
-    for unit_id in CONFIG.unit_ids:
-        if unit_id in holdings:
-            desk.enter(unit_id, *holdings[unit_id])
-        else:
-            desk.act(ConfirmOutside(unit_id, "Sato"))
-    return desk
 
 
 def test_nothing_is_granted_while_anyone_is_unknown() -> None:

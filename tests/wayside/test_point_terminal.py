@@ -236,6 +236,22 @@ def test_detections_in_each_state(state: PointsState, shown: Position, after: Po
     assert box.drives == []
 
 
+@pytest.mark.parametrize("state", PointsState)
+@pytest.mark.parametrize("token", [3, 4])
+def test_points_locked_by_hand_are_commanded_by_nobody(state: PointsState, token: int) -> None:
+    box = in_state(state)
+    lying = R if state is PointsState.THROWING else N
+    box.do(PointsDetected("p1", lying, True, by_hand=True))
+    memory = box.terminal.memory
+    for position in Position:
+        told = box.do(command(token, position))
+        assert told == [("u1", refused(token, PointsRefusalReason.LOCKED_BY_HAND))]
+        assert box.drives == []
+    assert box.terminal.memory == memory
+    box.do(PointsDetected("p1", lying, True))
+    assert box.do(command(5, lying)) == [("u1", proof(5, lying))]
+
+
 def test_the_table_is_complete() -> None:
     assert set(TABLE) == set(product(PointsState, (Commanded, PointsDetected)))
 

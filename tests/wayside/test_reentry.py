@@ -1,23 +1,17 @@
-"""Re-entry after the manager lost its memory: what persons and units say, what stops each wrong entry, what it costs.
-
-The line, after figure 3: P0 (portal), A (points), B (track), C (between), D (points), E (track), P9 (portal). When
-the manager loses its power u1 holds A and B (and stands in B), u2 holds E, u3 holds P9, u4 is off the line.
-"""
+"""Re-entry after the manager lost its memory: what persons and units say, what stops each wrong entry."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import pytest
 
-from radio.keys import capability_key
+from radio.envelope import CLOCK_SKEW_MAX_S
 from radio.messages import (
-    AnyMessage,
     Claim,
     ClaimQuery,
     HoldingReport,
     RefusalReason,
-    RouteGranted,
     RouteRefused,
     RouteRequest,
     SignOff,
@@ -26,115 +20,28 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
-from radio.noted import Noted
+from tests.wayside.reentry_desk import HELD, KEYS, SECTIONS, Desk, config_of
 from wayside import reentry
 from wayside.actions import Send, Show
 from wayside.acts import Act
-from wayside.block_manager import Ask, Heard, step
-from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry
+from wayside.block_manager import Heard, step
+from wayside.config import ReentryMode
 from wayside.picture import picture
 from wayside.reentry import Clash
-from wayside.register import Register, Stage, Standing, start
+from wayside.register import Stage, Standing, start
 from wayside.said import (
     AcceptPicture,
     ConfirmHolding,
     ConfirmOutside,
     Contradicted,
     EnterSection,
-    Note,
     Outside,
     PictureChanged,
     Refused,
     WordTaken,
 )
 
-SECTIONS = ("P0", "A", "B", "C", "D", "E", "P9")
-ROUTES = (
-    RouteEntry("in", "P0", ("A", "B")),
-    RouteEntry("over", "B", ("C", "D", "E")),
-    RouteEntry("back", "E", ("D", "C", "B")),
-    RouteEntry("up", "P9", ("E",)),
-    RouteEntry("out", "B", ("A", "P0")),
-)
-HELD = {"u1": ("A", "B"), "u2": ("E",), "u3": ("P9",)}
 MODES = pytest.mark.parametrize("mode", ReentryMode)
-KEYS = {terminal: capability_key(b"m" * 32, terminal) for terminal in ("tA", "tD")}
-
-
-def config_of(mode: ReentryMode) -> ManagerConfig:
-    return ManagerConfig(
-        "line",
-        "block-manager",
-        ("u1", "u2", "u3", "u4"),
-        (
-            SectionEntry("P0", portal=True),
-            SectionEntry("A", terminal_ids=("tA",)),
-            SectionEntry("B"),
-            SectionEntry("C"),
-            SectionEntry("D", terminal_ids=("tD",)),
-            SectionEntry("E"),
-            SectionEntry("P9", portal=True),
-        ),
-        ROUTES,
-        reentry=mode,
-    )
-
-
-class Desk:
-    """The manager a minute after its restart, the persons at it, and the trains out on the line."""
-
-    def __init__(
-        self, mode: ReentryMode = ReentryMode.ASSISTED, ledger: Iterable[str] | None = tuple(HELD)
-    ) -> None:
-        self.mode = mode
-        self.register: Register = start(config_of(mode), 2, KEYS, ledger)
-        self.notes: list[Note] = []
-        self.now_s = 60.0
-        self.register, _ = step(self.register, Ask(), 0.0)
-
-    def act(self, act: Act) -> list[type[Noted]]:
-        self.register, actions = step(self.register, act, self.now_s)
-        self.notes = [action.note for action in actions if isinstance(action, Show)]
-        return [type(note) for note in self.notes]
-
-    def hear(self, unit_id: str, message: AnyMessage, epoch: int = 1) -> AnyMessage:
-        self.register, actions = step(self.register, Heard(unit_id, epoch, True, 1, message), self.now_s)
-        self.notes = [action.note for action in actions if isinstance(action, Show)]
-        return [action.message for action in actions if isinstance(action, Send)][-1]
-
-    def claim(self, *unit_ids: str) -> None:
-        for unit_id in unit_ids:
-            assert isinstance(self.hear(unit_id, Claim(HELD.get(unit_id, ()), 7)), SignOnAccepted)
-
-    def enter(self, wrong: Mapping[str, str | None] | None = None, person: str = "Sato") -> None:
-        """Every section by hand, as it is but for what is wrong."""
-        right = {section: unit_id for unit_id, held in HELD.items() for section in held}
-        for section in SECTIONS:
-            unit_id = (wrong or {}).get(section, right.get(section))
-            self.act(EnterSection(section, unit_id, person))
-
-    def accept(self) -> list[type[Noted]]:
-        return self.act(AcceptPicture("Sato"))
-
-    @property
-    def why(self) -> str:
-        """What the last notes say."""
-        return "; ".join(note.why for note in self.notes if isinstance(note, Refused | Contradicted))
-
-    def check_no_grant_takes_what_a_train_holds(self) -> int:
-        """Any unit asks for any route; returns how many are granted."""
-        granted = 0
-        for unit_id in HELD:
-            for route in ROUTES:
-                request = RouteRequest(unit_id, route.route_id, route.section_ids)
-                event: Heard[AnyMessage] = Heard(unit_id, 1, True, 99, request)
-                _, actions = step(self.register, event, self.now_s)
-                for action in actions:
-                    if isinstance(action, Send) and isinstance(action.message, RouteGranted):
-                        granted += 1
-                        for other in HELD.keys() - {unit_id}:
-                            assert not set(HELD[other]) & set(action.message.section_ids)
-        return granted
 
 
 @MODES
@@ -183,7 +90,8 @@ def enter_wrongly(desk: Desk, wrong: Mapping[str, str | None]) -> None:
     for unit_id in ("u1", "u2"):
         right = {section: unit for unit, held in HELD.items() for section in held}
         sections = tuple(section for section in SECTIONS if (right | dict(wrong)).get(section) == unit_id)
-        desk.act(ConfirmHolding(unit_id, sections, "Sato") if sections else ConfirmOutside(unit_id, "Sato"))
+        outside = ConfirmOutside(unit_id, "Sato", "P0")
+        desk.act(ConfirmHolding(unit_id, sections, "Sato") if sections else outside)
 
 
 @MODES
@@ -265,7 +173,7 @@ def test_swapped_and_the_units_speak_both_are_disputed_until_the_person_corrects
 @pytest.mark.parametrize("act", [EnterSection("B", "u1", "Sato"), AcceptPicture("Sato")])
 def test_too_early_a_grant_of_the_boot_before_may_still_arrive(mode: ReentryMode, act: Act) -> None:
     desk = Desk(mode)
-    age_max_s = desk.register.plan.telegram_age_max_s
+    age_max_s = desk.register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S
     desk.claim(*HELD)
     desk.now_s = age_max_s
     for entry in (act, ConfirmHolding("u1", ("B",), "Sato"), ConfirmOutside("u4", "Sato")):
@@ -333,10 +241,10 @@ def test_one_person_is_not_two(name: str) -> None:
 def test_the_ledger_blocks_outside_by_one_person_and_never_frees() -> None:
     desk = Desk()
     desk.claim("u2", "u3")
-    assert desk.act(ConfirmOutside("u1", "Sato")) == [Refused]
+    assert desk.act(ConfirmOutside("u1", "Sato", "P0")) == [Refused]
     assert "a second person" in desk.why
     assert desk.accept() == [Refused]
-    assert desk.act(ConfirmOutside("u1", "Mori")) == [WordTaken, PictureChanged]
+    assert desk.act(ConfirmOutside("u1", "Mori", "P0")) == [WordTaken, PictureChanged]
     desk.accept()
     assert desk.register.defined
     assert desk.register.ledger == {"u2", "u3"}

@@ -31,7 +31,7 @@ FOUR_OUT = {
 
 
 def karasuyama(mode: ReentryMode, silent: frozenset[str]) -> int:
-    """Inputs until the line is defined again, with four trains out of which some do not speak."""
+    """Inputs until the line is defined again, with four trains out of which some stand in stations and do not speak."""
     config = manager_config(load_line(KARASUYAMA), [], tuple(FOUR_OUT), reentry=mode)
     assert len(config.sections) == 11
     terminals = {terminal_id for section in config.sections for terminal_id in section.terminal_ids}
@@ -58,7 +58,7 @@ def karasuyama(mode: ReentryMode, silent: frozenset[str]) -> int:
 
 
 @pytest.mark.parametrize(
-    ("silent", "by_hand", "assisted"), [((), 12, 1), (("V2",), 13, 3)], ids=["all speak", "one is silent"]
+    ("silent", "by_hand", "assisted"), [((), 12, 1), (("V3",), 13, 3)], ids=["all speak", "one is silent"]
 )
 def test_assisted_needs_at_most_a_third_of_the_inputs(
     silent: tuple[str, ...], by_hand: int, assisted: int

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import pytest
+from msgspec.structs import replace
 
 from network.model import Position
 from onboard import notes
@@ -68,6 +69,8 @@ def test_each_request_goes_out_as_its_telegram(letters: Letters) -> None:
     assert letters.write(ROUTE) == Letter(MANAGER, radio.RouteRequest(UNIT, "3>8", SECTIONS), 2)
     assert letters.write(REPORT) == Letter(MANAGER, radio.HoldingReport(("7", "8"), 10), 3)
     assert letters.write(Send(Request(Ask.SIGN_OFF))) == Letter(MANAGER, radio.SignOff(UNIT, 10), 4)
+    swept = Send(replace(REPORT.request, swept=("5", "6")))
+    assert letters.write(swept) == Letter(MANAGER, radio.HoldingReport(("7", "8"), 10, ("5", "6")), 3)
 
 
 @pytest.mark.parametrize("section_ids", [("3",), None])
@@ -228,8 +231,20 @@ def test_a_proof_is_mine_only_under_the_token_commanded(holding: Letters, token:
     assert holding.read(heard(proof(token), source=TERMINAL)) == sym.Proof("P5", TERMINAL, "normal", mine)
     refused = radio.PointsRefused("P5", radio.PointsRefusalReason.OLD_TOKEN, token)
     assert holding.read(heard(refused, source=TERMINAL)) == sym.PointsDenied(
-        "P5", TERMINAL, "old token", mine
+        "P5", TERMINAL, "old token", mine, stale=True
     )
+
+
+@pytest.mark.parametrize("reason", radio.PointsRefusalReason)
+def test_a_refusal_of_the_grant_is_told_from_one_of_the_points(
+    holding: Letters, reason: radio.PointsRefusalReason
+) -> None:
+    """What another grant could mend is stale; that the points lie under a train or are broken, it could not."""
+    holding.keep(Commit(P5))
+    event = holding.read(heard(radio.PointsRefused("P5", reason, 20), source=TERMINAL))
+    assert isinstance(event, sym.PointsDenied)
+    grants = (radio.PointsRefusalReason.BAD_CAPABILITY, radio.PointsRefusalReason.OLD_TOKEN)
+    assert event.stale is (reason in grants)
 
 
 def test_a_proof_of_points_never_commanded_is_nobodys(holding: Letters) -> None:
@@ -241,6 +256,24 @@ def test_only_what_is_detected_and_locked_is_a_position(holding: Letters, lackin
     holding.keep(Commit(P5))
     event = holding.read(heard(proof(**lacking), source=TERMINAL))
     assert event == sym.Proof("P5", TERMINAL, None, mine=True)
+
+
+def test_what_is_contested_is_heard_with_whatever_says_so(letters: Letters) -> None:
+    letters.keep(Renew(Ask.REPORT))
+    assert letters.read(heard(radio.Contested(("3",)))) == sym.Contested(("3",))
+    confirmed = radio.HoldingConfirmed(("3",), 10, ("3",))
+    assert letters.read(heard(confirmed, 2)) == sym.Confirmed(
+        ("3",), answers=True, newer=False, contested=("3",)
+    )
+
+
+def test_what_must_be_swept_is_heard_with_what_is_granted(letters: Letters) -> None:
+    letters.keep(Renew(Ask.ROUTE))
+    granted = letters.read(heard(radio.RouteGranted("3>8", SECTIONS, 20, (FIVE,), ("6",)), 2))
+    assert isinstance(granted, sym.Granted)
+    accepted = letters.read(heard(radio.SignOnAccepted(("3", "6"), 20, None, (), ("6",)), 9))
+    assert isinstance(accepted, sym.SignedOn)
+    assert granted.on_sight == accepted.on_sight == ("6",)
 
 
 def test_a_restarted_peer_is_heard(letters: Letters) -> None:

@@ -21,7 +21,9 @@ from onboard.authority.records import (
     Event,
     PointsDenied,
     Proof,
+    Renew,
     Request,
+    Send,
     SendCommand,
     SetTimer,
     StopTimer,
@@ -54,6 +56,11 @@ def other(shown: Proof, **changes: object) -> Proof:
     return replace(shown, **changes)
 
 
+REPORTED: Final = (
+    Send(Request(Ask.REPORT, section_ids=HOLDING.held)),
+    SetTimer(Timer("report"), REPEAT_S),
+    Write(notes.Reported(section_ids=HOLDING.held, token=0)),
+)
 DROPPED: Final = Write(notes.ProofDropped(points_id="P5"))
 
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
@@ -146,7 +153,36 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, commands=(replace(OPEN, refusal="not detected"),)),
         (SetTimer(TIMER, REFUSED_REPEAT_S),),
     ),
-    "refused for another token": (THROWING, replace(DENIED, mine=False), THROWING, ()),
+    "refused because the grant is not the newest, it is reported, so that the manager can say so": (
+        THROWING,
+        replace(DENIED, why="old token", stale=True),
+        replace(
+            HOLDING,
+            commands=(replace(OPEN, refusal="old token"),),
+            requests=(Request(Ask.REPORT, sent=True),),
+        ),
+        (
+            Write(notes.ThrowDenied(points_id="P5", why="old token")),
+            SetTimer(TIMER, REFUSED_REPEAT_S),
+            Renew(Ask.REPORT),
+            *REPORTED,
+        ),
+    ),
+    "refused so again, one report is enough": (
+        replace(
+            HOLDING,
+            commands=(replace(OPEN, refusal="old token"),),
+            requests=(Request(Ask.REPORT, sent=True),),
+        ),
+        replace(DENIED, why="old token", stale=True),
+        replace(
+            HOLDING,
+            commands=(replace(OPEN, refusal="old token"),),
+            requests=(Request(Ask.REPORT, sent=True),),
+        ),
+        (SetTimer(TIMER, REFUSED_REPEAT_S),),
+    ),
+    "refused for another token": (THROWING, replace(DENIED, mine=False, stale=True), THROWING, ()),
     "refused by another terminal": (
         THROWING,
         replace(DENIED, terminal_id="B-W"),

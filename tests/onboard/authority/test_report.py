@@ -29,7 +29,7 @@ from onboard.authority.records import (
     Timer,
     Write,
 )
-from onboard.authority.tables import REPEAT_S, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
 from onboard.duty.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
@@ -53,6 +53,8 @@ def reported(*section_ids: str) -> tuple[Action, ...]:
         Write(notes.Reported(section_ids=section_ids, token=0)),
     )
 
+
+LESS, CONTESTED = "the register has less", "contested: 6, 7"
 
 CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
     "dropped here, with proofs and commands, before it is said": (
@@ -108,6 +110,95 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             Send(replace(ASKED, sent=False)),
             SetTimer(Timer("route"), REPEAT_S),
         ),
+    ),
+    "what is left that had to be swept was swept, and the report says so": (
+        replace(HOLDING, unswept=("3", "6")),
+        Cleared(("3", "5")),
+        replace(
+            HOLDING,
+            held=("6", "7", "8"),
+            commandable=("7",),
+            requests=(OPEN,),
+            unswept=("6",),
+            swept=("3",),
+        ),
+        (
+            Renew(Ask.REPORT),
+            Write(notes.Holds(section_ids=("6", "7", "8"), token=0)),
+            Send(Request(Ask.REPORT, section_ids=("6", "7", "8"), swept=("3",))),
+            *reported("6", "7", "8")[1:],
+        ),
+    ),
+    "what was swept and never held is not said": (
+        replace(HOLDING, unswept=("99",)),
+        Cleared(("99",)),
+        replace(HOLDING, unswept=("99",)),
+        (),
+    ),
+    "confirmed, what was swept is said no more": (
+        replace(REPORTING, swept=("5",)),
+        Confirmed(("6", "7", "8"), answers=True, newer=False),
+        replace(REPORTING, requests=(ASKED,)),
+        (StopTimer(REPORT),),
+    ),
+    "confirmed with more, what was swept stays to be said": (
+        replace(REPORTING, swept=("5",)),
+        Confirmed(("5", "6", "7", "8"), answers=True, newer=False),
+        replace(REPORTING, swept=("5",)),
+        (),
+    ),
+    "confirmed with less, the train is stopped, and it is reported again": (
+        REPORTING,
+        Confirmed(("6", "7"), answers=True, newer=False),
+        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=LESS)), mismatch=LESS),
+        (Write(notes.Mismatch(why=LESS)), SetTimer(REPORT, REFUSED_REPEAT_S)),
+    ),
+    "confirmed with less for the second time, nothing new is written": (
+        replace(REPORTING, mismatch=LESS),
+        Confirmed(("6", "7"), answers=True, newer=False),
+        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=LESS)), mismatch=LESS),
+        (SetTimer(REPORT, REFUSED_REPEAT_S),),
+    ),
+    "confirmed and contested, the train is stopped, and it is reported again": (
+        REPORTING,
+        Confirmed(("6", "7", "8"), answers=True, newer=False, contested=("6", "7")),
+        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
+        (Write(notes.Mismatch(why=CONTESTED)), SetTimer(REPORT, REFUSED_REPEAT_S)),
+    ),
+    "contested under a newer token, that is taken all the same": (
+        REPORTING,
+        Confirmed(("6", "7", "8"), answers=True, newer=True, contested=("6", "7")),
+        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
+        (
+            Write(notes.Mismatch(why=CONTESTED)),
+            SetTimer(REPORT, REFUSED_REPEAT_S),
+            Take(()),
+            Renew(Ask.ROUTE),
+            Send(replace(ASKED, sent=False)),
+            SetTimer(Timer("route"), REPEAT_S),
+        ),
+    ),
+    "agreement restored: the same is held, with nothing contested": (
+        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
+        Confirmed(("6", "7", "8"), answers=True, newer=False),
+        replace(REPORTING, requests=(ASKED,)),
+        (StopTimer(REPORT), Write(notes.Agreed())),
+    ),
+    "more in the register restores no agreement: it is reported until that has the same": (
+        replace(REPORTING, mismatch=CONTESTED),
+        Confirmed(("5", "6", "7", "8"), answers=True, newer=False),
+        replace(REPORTING, mismatch=CONTESTED),
+        (),
+    ),
+    "signing off, too, it is stopped while its portal is contested": (
+        SIGNING_OFF,
+        Confirmed(("PE",), answers=True, newer=False, contested=("PE",)),
+        replace(
+            SIGNING_OFF,
+            requests=(LEAVING, replace(OPEN, refusal="contested: PE")),
+            mismatch="contested: PE",
+        ),
+        (Write(notes.Mismatch(why="contested: PE")), SetTimer(REPORT, REFUSED_REPEAT_S)),
     ),
     "a confirmation of an older report is none": (
         REPORTING,

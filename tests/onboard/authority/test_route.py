@@ -29,7 +29,7 @@ from onboard.authority.records import (
     Timer,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Standing, standing
 from onboard.duty.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
@@ -128,11 +128,17 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         ASKING,
         (),
     ),
-    "on the line, a refusal of a sign-on is none": (
+    "a route that must be swept is passed on sight": (
         ASKING,
-        replace(REFUSAL, ask=Ask.SIGN_ON),
-        ASKING,
-        (),
+        other(GRANT, on_sight=("6",)),
+        replace(HOLDING, unswept=("6",)),
+        (*TAKEN, holds("3", *SECTIONS)),
+    ),
+    "granted anew after another has swept it, it is as any other": (
+        replace(HOLDING, requests=(OPEN,), unswept=("3", "6")),
+        other(GRANT, on_sight=()),
+        replace(HOLDING, unswept=("3",)),
+        (*TAKEN, holds("3", *SECTIONS)),
     ),
     "given back, what is left is reported": (
         replace(HOLDING, proven=(P5,)),
@@ -157,4 +163,6 @@ def test_row(name: str) -> None:
 
 
 def test_every_row_has_a_case() -> None:
-    assert {(standing(state), type(event)) for state, event, _, _ in CASES.values()} == set(route.TABLE)
+    """With the refusal of a route, whose row also takes that of a claim (`agreement`)."""
+    cases = {(standing(state), type(event)) for state, event, _, _ in CASES.values()}
+    assert cases == {*route.TABLE, (Standing.ON_LINE, Refused)}

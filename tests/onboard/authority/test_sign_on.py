@@ -34,7 +34,7 @@ from onboard.authority.records import (
     TurnedBack,
     Write,
 )
-from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Standing, standing
 from onboard.duty.plan import PointsNeeded
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
@@ -120,15 +120,50 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "with a newer token what is open is asked anew": (
         replace(HOLDING, requests=(ASKED,)),
-        SignedOn(("3",), (), answers=False, newer=True),
+        SignedOn(("3", "5", "6"), (), answers=False, newer=True),
         replace(HOLDING, requests=(ASKED,)),
         (Take(()), Renew(Ask.ROUTE), *said(ASKED)),
     ),
     "an answer to a claim that is not newer says nothing": (
         HOLDING,
-        SignedOn(("3",), (), answers=False, newer=False),
+        SignedOn(("3", "5", "6"), (), answers=False, newer=False),
         HOLDING,
         (),
+    ),
+    "accepted, it learns what must be swept": (
+        IGNORANT,
+        SignedOn(("3", "5", "6"), ("5",), answers=True, newer=True, on_sight=("5", "6")),
+        replace(HOLDING, unswept=("5", "6")),
+        (
+            StopTimer(SIGN_ON),
+            Take(("3", "5", "6")),
+            Write(notes.SignedOn(section_ids=("3", "5", "6"))),
+            holds("3", "5", "6"),
+        ),
+    ),
+    "an answer to a claim says what of it must be swept, and no more": (
+        replace(HOLDING, unswept=("3",)),
+        SignedOn(("3", "5", "6", "7"), (), answers=False, newer=False, on_sight=("6", "7")),
+        replace(HOLDING, unswept=("6",)),
+        (),
+    ),
+    "accepted, an older contradiction is over": (
+        replace(SIGNING_ON, mismatch="contested: 3"),
+        SignedOn(("3",), (), answers=True, newer=True),
+        Authority(held=("3",), on_line=True),
+        (
+            StopTimer(SIGN_ON),
+            Write(notes.Agreed()),
+            Take(("3",)),
+            Write(notes.SignedOn(section_ids=("3",))),
+            holds("3"),
+        ),
+    ),
+    "begun anew, what was contested or to be swept is forgotten": (
+        Authority(requests=(CLAIMING,), mismatch="contested: 3", unswept=("3",), swept=("5",)),
+        BeginOnLine(("3",)),
+        SIGNING_ON,
+        (Renew(Ask.SIGN_ON), holds("3"), *said(CLAIMING)),
     ),
     "signing off, too, a newer token is taken": (
         SIGNING_OFF,
@@ -252,4 +287,11 @@ def test_row(name: str) -> None:
 
 
 def test_every_row_has_a_case() -> None:
-    assert {(standing(state), type(event)) for state, event, _, _ in CASES.values()} == set(sign_on.TABLE)
+    """With the rows that it shares with `agreement`: answers to a claim, and refusals of a sign-off."""
+    cases = {(standing(state), type(event)) for state, event, _, _ in CASES.values()}
+    shared = {
+        (Standing.ON_LINE, SignedOn),
+        (Standing.SIGNING_OFF, SignedOn),
+        (Standing.SIGNING_OFF, Refused),
+    }
+    assert cases == {*sign_on.TABLE, *shared}

@@ -103,10 +103,27 @@ def test_sections_that_the_safe_rear_has_left(plan: Plan) -> None:
 
 
 def test_the_span_that_the_rear_leaves_next(plan: Plan) -> None:
-    assert next_rear_span(plan, authority(*ALL)) == 0
-    assert next_rear_span(plan, authority("6", "7", "8")) == 2
-    assert next_rear_span(plan, authority("8")) is None  # the last one is kept
-    assert next_rear_span(plan, authority()) is None
+    assert next_rear_span(plan, authority(*ALL), 5) == 0
+    assert next_rear_span(plan, authority("6", "7", "8"), 5) == 2
+    assert next_rear_span(plan, authority("8"), 5) is None  # the last one is kept
+    assert next_rear_span(plan, authority(), 5) is None
+
+
+@pytest.mark.parametrize(("freed", "rear"), [(0, None), (2, None), (3, 2), (4, 2)])
+def test_no_rear_is_watched_before_a_tag_proves_its_section_to_be_behind(
+    plan: Plan, freed: int, rear: int | None
+) -> None:
+    assert next_rear_span(plan, authority("6", "7", "8"), freed) == rear
+
+
+def test_before_a_section_not_swept_it_stops_and_then_passes_it_on_sight(plan: Plan) -> None:
+    state = replace(authority(*ALL, proven=(P5, P7)), unswept=("6", "7"))
+    limit = stop_limit(plan, state)
+    assert (limit.joint, limit.before, limit.why) == (2, "6", "to be passed on sight")
+    assert stop_limit(plan, state, sweeps=True).joint == len(plan.spans)
+    first = replace(state, unswept=("3",))  # a train that stands in it already
+    assert stop_limit(plan, first).joint == 0
+    assert stop_limit(plan, replace(state, proven=()), sweeps=True).before == "5"  # points all the same
 
 
 @pytest.mark.parametrize(

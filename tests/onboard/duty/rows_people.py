@@ -14,28 +14,35 @@ from onboard.authority.records import (
     Command,
     Commit,
     Renew,
+    SetTimer,
+    StopTimer,
+    Timer,
     Write,
 )
 from onboard.duty.records import (
+    ASK,
     LEAVE,
     AtMark,
     Begin,
     ChangeEnds,
     DutyState,
+    EndOfHeld,
     Finished,
     Leave,
     Limit,
+    NotAtMark,
+    Order,
     Phase,
     Place,
     PointsSeen,
     PointsWrong,
     SetBack,
-    SetTimerAt,
     SwitchedOn,
 )
 from tests.onboard.duty.stage import (
     AT_A,
     AT_B,
+    BEFORE_5,
     BEFORE_7,
     BEGUN,
     DENIED,
@@ -47,8 +54,8 @@ from tests.onboard.duty.stage import (
     HOLDS_ALL,
     HOLDS_REST,
     LOST,
-    NOW_S,
     OFF,
+    ON_6,
     ON_SIGHT,
     ON_THE_LINE,
     P5,
@@ -57,6 +64,7 @@ from tests.onboard.duty.stage import (
     RELEASE_LATER,
     REPORT_OPEN,
     ROUTE_OPEN,
+    RUNNING,
     SECTIONS,
     SIGN_OFF_OPEN,
     SIGN_ON_OPEN,
@@ -64,6 +72,7 @@ from tests.onboard.duty.stage import (
     SIGNING_ON,
     STANDING,
     STATES,
+    TO_THE_END,
     UNTIL_DEPARTURE,
     Case,
     commanded,
@@ -74,7 +83,21 @@ from tests.onboard.duty.stage import (
     sent,
 )
 
+BOTH: Final = frozenset({"5", "7"})
+P7_OPEN: Final = Command(P7, sent=True)
+HALT: Final = moved(ON_6, stands=True)
+HOLDS_ON_6: Final = Authority(held=("5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
+PAST_P7: Final = replace(HOLDS_ON_6, proven=(P7,))
+HOLDS_7_8: Final = Authority(held=("7", "8"), on_line=True)
+
 PEOPLE: Final[dict[str, Case]] = {
+    "on sight at the end of what it holds, it asks for the way that leads on": (
+        replace(ON_SIGHT, authority=HOLDS_3, limit=BEFORE_5),
+        EndOfHeld(0),
+        LOST,
+        replace(ON_SIGHT, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)), limit=BEFORE_5),
+        (Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+    ),
     "stock that comes onto the line signs on": (
         OFF,
         Begin(PLAN, signs_on=True),
@@ -172,7 +195,10 @@ PEOPLE: Final[dict[str, Case]] = {
         AT_A,
         replace(STANDING, authority=replace(HOLDS_3, requests=(REPORT_OPEN,))),
         (
-            *UNTIL_DEPARTURE,
+            *(
+                replace(timer, after_s=60.0 + late_s)
+                for timer, late_s in zip(UNTIL_DEPARTURE, (0.0, 45.0), strict=True)
+            ),
             Write(notes.GaveBack(section_ids=SECTIONS)),
             Renew(Ask.REPORT),
             holds("3"),
@@ -197,7 +223,7 @@ PEOPLE: Final[dict[str, Case]] = {
         SetBack(60.0),
         moved(AT_A, stands=False),
         replace(STANDING, place=moved(AT_A, stands=False)),
-        (ENTERED,),
+        (DENIED,),
     ),
     "none without a position": (
         STANDING,
@@ -206,8 +232,50 @@ PEOPLE: Final[dict[str, Case]] = {
         replace(STANDING, place=Place()),
         (DENIED,),
     ),
+    "set back at a halt on open line: the route beyond it, and asked for again after the hold": (
+        replace(RUNNING, place=HALT, authority=replace(HOLDS_ON_6, commands=(P7_OPEN,)), wanted=(P7,)),
+        SetBack(60.0),
+        HALT,
+        replace(
+            RUNNING,
+            place=HALT,
+            authority=replace(HOLDS_ON_6, held=("5", "6"), commandable=("5",), requests=(REPORT_OPEN,)),
+            limit=Limit(3, "7", "not held"),
+            may_ask=False,
+        ),
+        (
+            SetTimer(ASK, 60.0),
+            Write(notes.GaveBack(section_ids=("7", "8"))),
+            StopTimer(Timer("points", "P7")),
+            Renew(Ask.REPORT),
+            holds("5", "6"),
+            *reported("5", "6"),
+            limit(3, "7", "not held"),
+        ),
+    ),
+    "at a halt no section is set back that the front may have entered": (
+        replace(RUNNING, place=moved(HALT, perhaps=4), authority=PAST_P7, limit=TO_THE_END, entered=BOTH),
+        SetBack(60.0),
+        moved(HALT, perhaps=4),
+        replace(
+            RUNNING,
+            place=moved(HALT, perhaps=4),
+            authority=replace(PAST_P7, held=("5", "6", "7"), requests=(REPORT_OPEN,)),
+            limit=Limit(4, "8", "not held"),
+            entered=BOTH,
+            may_ask=False,
+        ),
+        (
+            SetTimer(ASK, 60.0),
+            Write(notes.GaveBack(section_ids=("8",))),
+            Renew(Ask.REPORT),
+            holds("5", "6", "7"),
+            *reported("5", "6", "7"),
+            limit(4, "8", "not held"),
+        ),
+    ),
     **{
-        f"none but at a stop: {at.value}": (
+        f"none but at a stand: {at.value}": (
             STATES[at],
             SetBack(60.0),
             STATES[at].place,
@@ -216,6 +284,80 @@ PEOPLE: Final[dict[str, Case]] = {
         )
         for at in ON_THE_LINE
         if at is not Phase.STANDING
+    },
+    **{
+        f"asked, the driver sees the whole train at its mark: {at.value}": (
+            replace(
+                STATES[at],
+                at=1,
+                place=AT_B,
+                authority=HOLDS_7_8,
+                entered=BOTH,
+            ),
+            AtMark(1),
+            AT_B,
+            replace(
+                STATES[at],
+                at=1,
+                place=AT_B,
+                authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
+                limit=TO_THE_END,
+                entered=BOTH,
+            ),
+            (
+                Renew(Ask.REPORT),
+                holds("8"),
+                *reported("8"),
+                *([] if at is not Phase.STANDING else [limit(5, None, "end of the path")]),
+            ),
+        )
+        for at in (Phase.STANDING, Phase.FINISHED)
+    },
+    "of another mark than that where it stands his word frees nothing": (
+        replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
+        AtMark(0),
+        AT_B,
+        replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
+        (),
+    ),
+    "seen at its mark, a train that leaves signs off once nothing but the portal is held": (
+        replace(SIGNING_OFF, authority=HOLDS_7_8),
+        AtMark(1),
+        AT_B,
+        replace(SIGNING_OFF, authority=replace(HOLDS_8, requests=(REPORT_OPEN, SIGN_OFF_OPEN))),
+        (
+            Renew(Ask.REPORT),
+            holds("8"),
+            *reported("8"),
+            Renew(Ask.SIGN_OFF),
+            *sent(SIGN_OFF_OPEN),
+        ),
+    ),
+    "a train that leaves and holds more does not sign off yet": (
+        replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
+        Leave(),
+        AT_B,
+        replace(SIGNING_OFF, authority=HOLDS_7_8, entered=BOTH),
+        (),
+    ),
+    **{
+        f"asked, the driver sees the train short of its mark: it goes on on sight: {at.value}": (
+            replace(STATES[at], at=1, place=AT_B, authority=HOLDS_7_8, limit=TO_THE_END),
+            NotAtMark(),
+            AT_B,
+            replace(
+                STATES[at],
+                phase=Phase.ON_SIGHT,
+                at=0,
+                place=moved(AT_B, known=False, emergency=True),
+                authority=HOLDS_7_8,
+                limit=TO_THE_END,
+                may_leave=True,
+                released=False,
+            ),
+            (Order.LOSE, RELEASE_LATER),
+        )
+        for at in (Phase.STANDING, Phase.FINISHED)
     },
     "the crew sees points lie as needed": (
         ON_SIGHT,
@@ -247,7 +389,7 @@ PEOPLE: Final[dict[str, Case]] = {
             may_leave=False,
         ),
         (
-            SetTimerAt(LEAVE, NOW_S + 20.0),
+            SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=None)),
             Renew(Ask.REPORT),
             holds("8"),

@@ -9,9 +9,13 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority.records import (
     Ask,
+    Authority,
     Command,
     Commit,
     Renew,
+    Request,
+    Send,
+    SetTimer,
     StopTimer,
     Timer,
     Write,
@@ -20,29 +24,32 @@ from onboard.duty.records import (
     LEAVE,
     Finished,
     How,
+    Limit,
     Looked,
     Order,
     Phase,
     Place,
     PositionLost,
-    SetTimerAt,
     Started,
     Stopped,
     TagPassed,
+    VehicleChecked,
 )
 from tests.onboard.duty.stage import (
     APPROACH,
     AT_A,
     AT_B,
+    BEFORE_7,
     FINISHED,
     HOLDS_3,
     HOLDS_8,
+    HOLDS_ALL,
     HOLDS_REST,
     LOST,
-    NOW_S,
     ON_6,
     ON_SIGHT,
     ON_THE_LINE,
+    P5,
     P7,
     POSITION,
     RELEASE_LATER,
@@ -57,28 +64,98 @@ from tests.onboard.duty.stage import (
     Case,
     commanded,
     holds,
+    limit,
     moved,
     reported,
     sent,
 )
+
+ARRIVAL, TAG_701 = 7, 6  # tags 801 on the arrival track, 701 between the points and their section's end
+BOTH: Final = frozenset({"5", "7"})
+HOLDS_PASSED: Final = Authority(held=("5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
+HOLDS_5_6: Final = Authority(held=("5", "6"), commandable=("5",), on_line=True)
+UNSWEPT: Final = replace(HOLDS_ALL, unswept=("6",))
+BEFORE_6_ON_SIGHT: Final = Limit(2, "6", "to be passed on sight")
+NO_FURTHER: Final = Limit(3, "7", "not held")
+AT_STAND: Final = moved(ON_6, stands=True)
+RUNNING_ON_5: Final = Place(known=True, stands=False, here=1, sure=2, perhaps=2, reach=2)
+IN_8: Final = Place(known=True, stands=False, here=4, sure=5, perhaps=5, clear=4, clear_at_mark=4, reach=5)
+REAR_IN_7: Final = moved(IN_8, clear=3, clear_at_mark=3)
+ARRIVING: Final = replace(RUNNING, place=IN_8, authority=HOLDS_PASSED, entered=BOTH, limit=TO_THE_END)
 
 SENSED: Final[dict[str, Case]] = {
     "at the approach tag the arrival points are thrown": (
         RUNNING,
         TagPassed(APPROACH, found=False),
         ON_6,
-        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
+        replace(
+            RUNNING,
+            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)),
+            wanted=(P7,),
+            proved=2,
+        ),
         (Commit(P7), *commanded(P7)),
     ),
     "at the next tag, if the approach tag was missed": (
         RUNNING,
         TagPassed(POSITION, found=False),
         ON_6,
-        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
+        replace(
+            RUNNING,
+            authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)),
+            wanted=(P7,),
+            proved=2,
+        ),
         (Commit(P7), *commanded(P7)),
     ),
-    "at a tag before the approach nothing is thrown": (RUNNING, TagPassed(3, found=False), ON_6, RUNNING, ()),
-    "nor beyond the arrival tag": (FINISHED, TagPassed(8, found=False), AT_B, FINISHED, ()),
+    "at a tag before the approach nothing is thrown": (
+        RUNNING,
+        TagPassed(3, found=False),
+        ON_6,
+        replace(RUNNING, proved=1),
+        (),
+    ),
+    "nor beyond the arrival tag": (
+        FINISHED,
+        TagPassed(8, found=False),
+        AT_B,
+        replace(FINISHED, proved=4, freed=4),
+        (),
+    ),
+    "a tag proves what is behind, but before the arrival tag nothing is given back": (
+        ARRIVING,
+        TagPassed(TAG_701, found=False),
+        IN_8,
+        replace(ARRIVING, proved=2),
+        (),
+    ),
+    "at the arrival tag all that it proves to be behind is given back": (
+        ARRIVING,
+        TagPassed(ARRIVAL, found=False),
+        IN_8,
+        replace(ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
+        (Renew(Ask.REPORT), holds("8"), *reported("8")),
+    ),
+    "at the arrival tag, and the safe rear by the odometer not clear yet: only what it has left": (
+        replace(ARRIVING, place=REAR_IN_7),
+        TagPassed(ARRIVAL, found=False),
+        REAR_IN_7,
+        replace(
+            ARRIVING,
+            place=REAR_IN_7,
+            proved=4,
+            freed=4,
+            authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",), requests=(REPORT_OPEN,)),
+        ),
+        (Renew(Ask.REPORT), holds("7", "8"), *reported("7", "8")),
+    ),
+    "a tag that tells the position late, the arrival tag missed: nothing before the mark": (
+        ARRIVING,
+        TagPassed(ARRIVAL + 1, found=False),
+        IN_8,
+        replace(ARRIVING, proved=4),
+        (),
+    ),
     "a tag that tells the position ends running on sight": (
         ON_SIGHT,
         TagPassed(3, found=True),
@@ -88,6 +165,7 @@ SENSED: Final[dict[str, Case]] = {
             authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)),
             entered=frozenset({"3", "5", "6"}),
             wanted=(P7,),
+            proved=1,
         ),
         (
             Write(notes.PositionFound()),
@@ -138,16 +216,73 @@ SENSED: Final[dict[str, Case]] = {
         )
         for at in (Phase.SIGNING_ON, Phase.ON_SIGHT, Phase.FINISHED, Phase.SIGNING_OFF)
     },
+    "position lost under way: throws still open are given up, the front may be upon the points": (
+        replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7, sent=True),)), wanted=(P7,)),
+        PositionLost(),
+        LOST,
+        replace(
+            ON_SIGHT,
+            authority=replace(HOLDS_REST, unsaid=(P7,)),
+            entered=frozenset({"5"}),
+            wanted=(P7,),
+        ),
+        (StopTimer(Timer("points", "P7")),),
+    ),
     "the wheels turn": (RUNNING, Started(), ON_6, RUNNING, (Write(notes.Moving()),)),
-    "stopped short: it asks for what it lacks": (
-        replace(RUNNING, place=moved(ON_6, stands=True)),
+    "stopped short of points, with all that it needs: it waits for their proof": (
+        replace(RUNNING, authority=HOLDS_PASSED),
         Stopped(How.SHORT, -120.004),
-        moved(ON_6, stands=True),
-        replace(RUNNING, place=moved(ON_6, stands=True)),
+        AT_STAND,
+        replace(RUNNING, place=AT_STAND, authority=HOLDS_PASSED),
         (Write(notes.StoppedShort(short_m=120.0, why="points not proven")),),
     ),
-    "arrived: what the safe rear has left is given back": (
-        replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END),
+    "stopped short, the route ahead given back: it asks for what it lacks": (
+        replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER),
+        Stopped(How.SHORT, -120.004),
+        AT_STAND,
+        replace(
+            RUNNING,
+            place=AT_STAND,
+            authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
+            limit=NO_FURTHER,
+        ),
+        (
+            Write(notes.StoppedShort(short_m=120.0, why="not held")),
+            Renew(Ask.ROUTE),
+            *sent(ROUTE_OPEN),
+        ),
+    ),
+    "standing short of its mark it asks again when it may": (
+        replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER, place=AT_STAND),
+        Looked(),
+        AT_STAND,
+        replace(
+            RUNNING,
+            place=AT_STAND,
+            authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
+            limit=NO_FURTHER,
+        ),
+        (Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+    ),
+    "standing where its bounds reach onto points not proven: the position is given up": (
+        replace(RUNNING, authority=HOLDS_PASSED),
+        Stopped(How.SHORT, -1.0),
+        moved(AT_STAND, perhaps=4),
+        replace(
+            RUNNING,
+            phase=Phase.ON_SIGHT,
+            place=moved(AT_STAND, perhaps=4, known=False, emergency=True),
+            authority=HOLDS_PASSED,
+            released=False,
+        ),
+        (
+            Write(notes.StoppedShort(short_m=1.0, why="points not proven")),
+            Order.LOSE,
+            RELEASE_LATER,
+        ),
+    ),
+    "arrived: what the tags read so far prove to be behind is given back": (
+        replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END, proved=4),
         Stopped(How.AT, 0.1234),
         AT_B,
         replace(
@@ -158,14 +293,34 @@ SENSED: Final[dict[str, Case]] = {
             at=1,
             limit=TO_THE_END,
             may_leave=False,
+            proved=4,
+            freed=4,
         ),
         (
-            SetTimerAt(LEAVE, NOW_S + 20.0),
+            SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=0.123)),
             Renew(Ask.REPORT),
             holds("8"),
             *reported("8"),
         ),
+    ),
+    "arrived by the tachometer alone: nothing is given back before the driver has looked": (
+        replace(RUNNING, authority=HOLDS_PASSED, limit=TO_THE_END, entered=BOTH, proved=1),
+        Stopped(How.AT, 0.1234),
+        AT_B,
+        replace(
+            RUNNING,
+            phase=Phase.STANDING,
+            place=AT_B,
+            authority=replace(HOLDS_PASSED, requests=()),
+            at=1,
+            limit=TO_THE_END,
+            entered=BOTH,
+            may_leave=False,
+            proved=1,
+            freed=1,
+        ),
+        (SetTimer(LEAVE, 20.0), Write(notes.Arrived(station="B", error_m=0.123))),
     ),
     "overran: no train sets back here, it has arrived": (
         replace(RUNNING, authority=HOLDS_8, limit=TO_THE_END),
@@ -174,7 +329,7 @@ SENSED: Final[dict[str, Case]] = {
         replace(FINISHED, entered=frozenset({"5"}), may_ask=True),
         (
             Write(notes.Overran(beyond_m=7.13)),
-            SetTimerAt(LEAVE, NOW_S + 20.0),
+            SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=7.126)),
             Finished("T1"),
         ),
@@ -200,12 +355,67 @@ SENSED: Final[dict[str, Case]] = {
         )
         for at in ON_THE_LINE
     },
-    "a joint passed by the safe rear: its section is given back": (
-        replace(RUNNING, authority=replace(HOLDS_REST, held=("5", "6", "7", "8"))),
+    "a joint passed by the safe rear before the arrival tag: nothing is given back": (
+        replace(RUNNING, authority=HOLDS_PASSED, proved=2),
         Looked(),
         ON_6,
-        replace(RUNNING, authority=replace(HOLDS_REST, requests=(REPORT_OPEN,))),
-        (Renew(Ask.REPORT), holds("6", "7", "8"), *reported("6", "7", "8")),
+        replace(RUNNING, authority=HOLDS_PASSED, proved=2),
+        (),
+    ),
+    "a joint passed by the safe rear after it: its section is given back": (
+        replace(
+            ARRIVING,
+            proved=4,
+            freed=4,
+            authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",)),
+        ),
+        Looked(),
+        IN_8,
+        replace(ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
+        (Renew(Ask.REPORT), holds("8"), *reported("8")),
+    ),
+    "what lies not on its path is given back": (
+        replace(RUNNING, authority=replace(HOLDS_PASSED, held=("9", "5", "6", "7", "8"))),
+        Looked(),
+        ON_6,
+        replace(RUNNING, authority=replace(HOLDS_PASSED, requests=(REPORT_OPEN,))),
+        (Renew(Ask.REPORT), holds("5", "6", "7", "8"), *reported("5", "6", "7", "8")),
+    ),
+    "from a stand it goes on on sight through what must be swept": (
+        replace(STANDING, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_6_ON_SIGHT),
+        Looked(),
+        AT_A,
+        replace(STANDING, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_7, sweeps=True),
+        (limit(3, "7", "points not proven"),),
+    ),
+    "moving, it stops before what must be swept": (
+        replace(RUNNING, place=RUNNING_ON_5, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_7),
+        Looked(),
+        RUNNING_ON_5,
+        replace(
+            RUNNING,
+            place=RUNNING_ON_5,
+            authority=replace(UNSWEPT, proven=(P5,)),
+            limit=BEFORE_6_ON_SIGHT,
+        ),
+        (limit(2, "6", "to be passed on sight"),),
+    ),
+    "it sweeps until none of it is held": (
+        replace(ARRIVING, freed=4, proved=4, sweeps=True, authority=replace(HOLDS_PASSED, unswept=("6",))),
+        Looked(),
+        IN_8,
+        replace(
+            ARRIVING,
+            proved=4,
+            freed=4,
+            authority=replace(HOLDS_8, requests=(REPORT_OPEN,), swept=("6",)),
+        ),
+        (
+            Renew(Ask.REPORT),
+            holds("8"),
+            Send(Request(Ask.REPORT, section_ids=("8",), swept=("6",))),
+            *reported("8")[1:],
+        ),
     ),
     "where the radio reaches again, what is due goes out": (
         replace(
@@ -222,5 +432,49 @@ SENSED: Final[dict[str, Case]] = {
         moved(ON_6, perhaps=4),
         replace(RUNNING, place=moved(ON_6, perhaps=4), authority=replace(HOLDS_REST, unsaid=(P7,))),
         (StopTimer(Timer("points", "P7")),),
+    ),
+    **{
+        f"the vehicle is not in order: it does not start: {at.value}": (
+            STATES[at],
+            VehicleChecked(),
+            moved(STATES[at].place, unfit="doors not closed"),
+            replace(STATES[at], place=moved(STATES[at].place, unfit="doors not closed")),
+            (Write(notes.VehicleUnfit(why="doors not closed")),),
+        )
+        for at in ON_THE_LINE
+        if at not in (Phase.RUNNING, Phase.ON_SIGHT)
+    },
+    **{
+        f"the vehicle is not in order: it is stopped: {at.value}": (
+            STATES[at],
+            VehicleChecked(),
+            moved(STATES[at].place, unfit="brake not in order"),
+            replace(STATES[at], place=moved(STATES[at].place, unfit="brake not in order")),
+            (Write(notes.VehicleUnfit(why="brake not in order")), Order.STOP),
+        )
+        for at in (Phase.RUNNING, Phase.ON_SIGHT)
+    },
+    "it stands short of its mark: stopped all the same, and the driver acknowledges": (
+        RUNNING,
+        VehicleChecked(),
+        moved(ON_6, stands=True, unfit="doors not closed"),
+        replace(RUNNING, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
+        (Write(notes.VehicleUnfit(why="doors not closed")), Order.STOP, RELEASE_LATER),
+    ),
+    "a vehicle in order again lets a train depart that is ready": (
+        replace(
+            STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_ask=True, may_leave=True
+        ),
+        VehicleChecked(),
+        AT_A,
+        replace(
+            STANDING,
+            phase=Phase.RUNNING,
+            authority=replace(HOLDS_ALL, proven=(P5,)),
+            limit=BEFORE_7,
+            may_ask=True,
+            may_leave=True,
+        ),
+        (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), Order.DEPART),
     ),
 }

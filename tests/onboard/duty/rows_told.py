@@ -9,14 +9,20 @@ from msgspec.structs import replace
 from network.model import Position
 from onboard import notes
 from onboard.authority.records import (
+    Action,
     Ask,
     Command,
     Commit,
+    Confirmed,
+    Contested,
     Granted,
     Proof,
     Queried,
+    Refused,
     Renew,
+    Request,
     SendClaim,
+    SetTimer,
     SignedOff,
     SignedOn,
     StopTimer,
@@ -24,6 +30,7 @@ from onboard.authority.records import (
     Timer,
     Write,
 )
+from onboard.authority.tables import REFUSED_REPEAT_S
 from onboard.duty.records import (
     ASK,
     LEAVE,
@@ -50,6 +57,8 @@ from tests.onboard.duty.stage import (
     ON_THE_LINE,
     P5,
     P7,
+    RELEASE_LATER,
+    REPORT_OPEN,
     ROUTE_OPEN,
     RUNNING,
     SECTIONS,
@@ -63,8 +72,22 @@ from tests.onboard.duty.stage import (
     holds,
     limit,
     moved,
+    reported,
     sent,
 )
+
+LESS, CONTESTED = "the register has less", "contested: 7"
+
+
+def halted(state: DutyState, why: str = CONTESTED, report: Request = REPORT_OPEN) -> DutyState:
+    """The state with a contradiction that is being reported, and braked."""
+    authority = replace(state.authority, mismatch=why, requests=(*state.authority.requests, report))
+    return replace(state, place=moved(state.place, emergency=True), authority=authority, halted=True)
+
+
+def disagreed(*held: str, why: str = CONTESTED) -> tuple[Action, ...]:
+    return Renew(Ask.REPORT), Write(notes.Mismatch(why=why)), *reported(*(held or HOLDS_REST.held))
+
 
 TOLD: Final[dict[str, Case]] = {
     "a route may be asked for": (
@@ -98,6 +121,130 @@ TOLD: Final[dict[str, Case]] = {
         )
         for at in ON_THE_LINE
     },
+    **{
+        f"an emergency stop is not acknowledged while the vehicle is not in order: {at.value}": (
+            replace(STATES[at], released=False),
+            TimerDue(RELEASE),
+            moved(STATES[at].place, emergency=True, unfit="brake not in order"),
+            replace(
+                STATES[at],
+                place=moved(STATES[at].place, emergency=True, unfit="brake not in order"),
+                released=False,
+            ),
+            (RELEASE_LATER,),
+        )
+        for at in ON_THE_LINE
+    },
+    "ready in all but its vehicle, it does not depart": (
+        replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
+        TimerDue(LEAVE),
+        moved(AT_A, unfit="doors not closed"),
+        replace(
+            STANDING,
+            place=moved(AT_A, unfit="doors not closed"),
+            authority=replace(HOLDS_ALL, proven=(P5,)),
+            limit=BEFORE_7,
+            may_leave=True,
+        ),
+        (),
+    ),
+    **{
+        f"not before register and unit agree: {at.value}": (
+            halted(STATES[at]),
+            TimerDue(RELEASE),
+            halted(STATES[at]).place,
+            replace(halted(STATES[at]), released=False),
+            (RELEASE_LATER,),
+        )
+        for at in (Phase.STANDING, Phase.RUNNING, Phase.ON_SIGHT)
+    },
+    "the time has come and the way is free, but not while register and unit contradict each other": (
+        halted(replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7)),
+        TimerDue(LEAVE),
+        halted(STANDING).place,
+        halted(replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_leave=True)),
+        (),
+    ),
+    "contested, a train that runs is braked at once": (
+        RUNNING,
+        Heard(Contested(("7",))),
+        ON_6,
+        halted(RUNNING),
+        (*disagreed(), Order.STOP),
+    ),
+    "contested, a train that stands is held by its emergency brake": (
+        STANDING,
+        Heard(Contested(("7",))),
+        AT_A,
+        replace(halted(STANDING), released=False),
+        (*disagreed("3"), Order.STOP, RELEASE_LATER),
+    ),
+    "contested twice, it is braked once": (
+        halted(RUNNING),
+        Heard(Contested(("7",))),
+        halted(RUNNING).place,
+        halted(RUNNING),
+        (),
+    ),
+    "its claim refused, the train is braked": (
+        RUNNING,
+        Heard(Refused(Ask.SIGN_ON, "", "held", lost_sight=False, answers=False)),
+        ON_6,
+        halted(RUNNING, "claim refused: held"),
+        (*disagreed(why="claim refused: held"), Order.STOP),
+    ),
+    "confirmed with less, the train is braked": (
+        replace(RUNNING, authority=replace(HOLDS_REST, requests=(REPORT_OPEN,))),
+        Heard(Confirmed(("6", "7"), answers=True, newer=False)),
+        ON_6,
+        halted(RUNNING, LESS, replace(REPORT_OPEN, refusal=LESS)),
+        (
+            Write(notes.Mismatch(why=LESS)),
+            SetTimer(Timer("report"), REFUSED_REPEAT_S),
+            Order.STOP,
+        ),
+    ),
+    "confirmed and contested, the train is braked": (
+        replace(RUNNING, authority=replace(HOLDS_REST, requests=(REPORT_OPEN,))),
+        Heard(Confirmed(("6", "7", "8"), answers=True, newer=False, contested=("7",))),
+        ON_6,
+        halted(RUNNING, CONTESTED, replace(REPORT_OPEN, refusal=CONTESTED)),
+        (
+            Write(notes.Mismatch(why=CONTESTED)),
+            SetTimer(Timer("report"), REFUSED_REPEAT_S),
+            Order.STOP,
+        ),
+    ),
+    "agreement restored: it goes on when the driver has acknowledged the stop": (
+        replace(halted(replace(RUNNING, authority=HOLDS_ALL)), released=False),
+        Heard(Confirmed(HOLDS_ALL.held, answers=True, newer=False)),
+        moved(ON_6, stands=True, emergency=True),
+        replace(
+            RUNNING,
+            place=moved(ON_6, stands=True, emergency=True),
+            authority=HOLDS_ALL,
+            released=False,
+        ),
+        (StopTimer(Timer("report")), Write(notes.Agreed())),
+    ),
+    "agreement restored at a stop, and its time has come: it leaves": (
+        halted(replace(STANDING, may_leave=True, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7)),
+        Heard(Confirmed(HOLDS_ALL.held, answers=True, newer=False)),
+        halted(STANDING).place,
+        DutyState(
+            Phase.RUNNING,
+            halted(STANDING).place,
+            replace(HOLDS_ALL, proven=(P5,)),
+            limit=BEFORE_7,
+            may_leave=True,
+        ),
+        (
+            StopTimer(Timer("report")),
+            Write(notes.Agreed()),
+            Write(notes.Departs(station="A")),
+            Order.DEPART,
+        ),
+    ),
     "granted, the departure points are thrown": (
         replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
         Heard(Granted("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)),

@@ -114,13 +114,13 @@ def limit(joint: int, before: str | None, why: str) -> Write:
     return Write(notes.LimitSet(kilometrage_m=kilometrage_m, piece_id=piece, before=before, why=why))
 
 
-def moved(place: Place, **changes: bool | int) -> Place:
+def moved(place: Place, **changes: bool | int | str) -> Place:
     return replace(place, **changes)
 
 
 BEGUN: Final = Write(notes.MissionBegun(train="T1", direction="down"))
 UNTIL_DEPARTURE: Final = (SetTimerAt(ASK, DEPARTURE_S - 45.0), SetTimerAt(LEAVE, DEPARTURE_S))
-RELEASE_LATER: Final = SetTimerAt(RELEASE, NOW_S + 30.0)
+RELEASE_LATER: Final = SetTimer(RELEASE, 30.0)
 DENIED: Final = Write(notes.GiveBackDenied(why="the train does not stand at a known place"))
 ENTERED: Final = Write(notes.GiveBackDenied(why="the train may have entered the route"))
 Case = tuple[DutyState, Event, Place, DutyState, tuple[Any, ...]]

@@ -11,7 +11,7 @@ from onboard.authority.records import (
     Command,
     PeerRestarted,
 )
-from onboard.duty.machine import TABLE, command_of, step, waits_for
+from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     DutyState,
     Event,
@@ -19,18 +19,22 @@ from onboard.duty.records import (
     Phase,
     TimerDue,
 )
+from onboard.duty.shown import command_of, waits_for
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
 from tests.onboard.duty.stage import (
+    AT_A,
     FINISHED,
     HOLDS_3,
+    HOLDS_8,
     HOLDS_REST,
     LOST,
     NOW_S,
     ON_SIGHT,
     P7,
     PLAN,
+    REPORT_OPEN,
     ROUTE_OPEN,
     RUNNING,
     SIGNING_OFF,
@@ -100,9 +104,33 @@ def test_on_sight_it_waits_for_the_driver_and_for_its_time(changes: dict[str, An
 
 
 def test_the_rear_that_is_watched_is_that_of_the_first_section_held() -> None:
-    assert command_of(PLAN, RUNNING).rear == 2
-    assert command_of(PLAN, FINISHED).rear is None
-    assert command_of(PLAN, ON_SIGHT).rear is None
+    assert command_of(PLAN, replace(RUNNING, freed=4)).rear == 2
+    assert command_of(PLAN, replace(FINISHED, freed=4)).rear is None
+    assert command_of(PLAN, replace(ON_SIGHT, freed=4)).rear is None
+
+
+def test_no_rear_is_watched_before_the_arrival_tag() -> None:
+    assert command_of(PLAN, replace(RUNNING, proved=4)).rear is None
+
+
+@pytest.mark.parametrize("at", Phase)
+def test_a_train_that_is_halted_drives_in_no_phase(at: Phase) -> None:
+    assert not command_of(PLAN, replace(STATES[at], halted=True)).drive
+
+
+@pytest.mark.parametrize("at", Phase)
+def test_the_driver_is_asked_at_a_mark_where_something_behind_is_still_held(at: Phase) -> None:
+    """And not while a report is open: what is held may be what that gives back."""
+    holding = replace(STATES[at], at=1, authority=replace(HOLDS_REST, held=("7", "8")))
+    asked = at in (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+    assert command_of(PLAN, holding).confirm is asked
+    reporting = replace(holding, authority=replace(holding.authority, requests=(REPORT_OPEN,)))
+    assert not command_of(PLAN, reporting).confirm
+    assert not command_of(PLAN, replace(holding, authority=HOLDS_8)).confirm
+
+
+def test_what_must_be_swept_is_shown() -> None:
+    assert command_of(PLAN, replace(RUNNING, sweeps=True)).sweeps
 
 
 @pytest.mark.parametrize(
@@ -115,11 +143,31 @@ def test_the_rear_that_is_watched_is_that_of_the_first_section_held() -> None:
         (ON_SIGHT, "a tag: its position is unknown"),
         (replace(ON_SIGHT, place=moved(LOST, emergency=True)), "release of the emergency brake"),
         (
+            replace(ON_SIGHT, place=moved(LOST, emergency=True, unfit="brake not in order")),
+            "vehicle: brake not in order",
+        ),
+        (
+            replace(STANDING, place=moved(AT_A, unfit="doors not closed"), may_leave=True),
+            "vehicle: doors not closed",
+        ),
+        (
             replace(STANDING, authority=replace(HOLDS_3, requests=(replace(ROUTE_OPEN, refusal="held: 6"),))),
             "route 3>8: held: 6",
         ),
         (replace(RUNNING, authority=replace(HOLDS_REST, commands=(Command(P7),))), "points P7: not proven"),
+        (
+            replace(RUNNING, authority=replace(HOLDS_REST, mismatch="contested: 7", commands=(Command(P7),))),
+            "agreement with the block manager: contested: 7",
+        ),
+        (
+            replace(FINISHED, authority=replace(HOLDS_REST, held=("7", "8"))),
+            "the driver's confirmation that the whole train has arrived",
+        ),
+        (
+            replace(FINISHED, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
+            "the block manager's confirmation of what is held",
+        ),
     ],
 )
 def test_a_train_says_what_it_waits_for(state: DutyState, words: str) -> None:
-    assert waits_for(state) == words
+    assert waits_for(PLAN, state) == words

@@ -7,7 +7,7 @@ answer well or ill, people, tags and timers.
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
+from typing import Final
 
 import pytest
 from hypothesis import given
@@ -28,8 +28,13 @@ from documents.explored_unit import (
     phase_name,
     steps,
 )
+from onboard.authority import machine as authority_machine
+from onboard.authority import report
+from onboard.authority.machine import TABLE
 from onboard.authority.records import (
-    Ask,
+    Authority,
+    Cleared,
+    Confirmed,
     Granted,
     SendCommand,
     SetTimer,
@@ -37,9 +42,12 @@ from onboard.authority.records import (
     SignedOn,
     StopTimer,
     Timer,
+    Withdrawn,
 )
-from onboard.duty import machine
-from onboard.duty.machine import command_of
+from onboard.authority.stop_limit import cleared_sections
+from onboard.authority.tables import Result, Standing
+from onboard.duty import arrival, machine, on_sight
+from onboard.duty.plan import Plan
 from onboard.duty.records import (
     ASK,
     LEAVE,
@@ -47,6 +55,7 @@ from onboard.duty.records import (
     AtMark,
     Begin,
     Heard,
+    Order,
     Phase,
     PointsSeen,
     PointsWrong,
@@ -55,6 +64,8 @@ from onboard.duty.records import (
     SwitchedOn,
     TimerDue,
 )
+from onboard.duty.shown import command_of
+from onboard.duty.turn import Turn
 
 SMALL_BYTES = 4096  # of a state, written out
 
@@ -72,7 +83,9 @@ def check_holds_what_was_granted(before: Run, step: Step) -> None:
 
 
 def check_drops_what_is_clear(before: Run, step: Step) -> None:
-    """Sections go when the safe rear has left them, when not entered, or by the manager's word on signing on or off."""
+    """Sections go when a tag proves them to be behind and the safe rear has left them, when not entered, by the
+    driver's eye at a mark, or by the manager's word on signing on or off.
+    """
     after = step.run
     dropped = set(before.state.authority.held) - set(after.state.authority.held)
     plan = PLANS[after.plan]
@@ -84,7 +97,8 @@ def check_drops_what_is_clear(before: Run, step: Step) -> None:
         case Begin() | SwitchedOn() | Heard(SignedOn(answers=True) | SignedOff(answers=True)):
             pass
         case _:
-            assert dropped <= {s.section_id for s in plan.spans[: after.place.clear]}
+            proved = max((tag.clear for tag in plan.tags[: after.read + 1]), default=0)
+            assert dropped <= {s.section_id for s in plan.spans[: min(proved, after.place.clear)]}
             assert dropped.isdisjoint(after.under)
 
 
@@ -97,6 +111,7 @@ def check_points(before: Run, step: Step) -> None:
         assert authority.holds(needed.section_id) or isinstance(step.event, PointsSeen) or crew_may_have_seen
     assert all(authority.holds(command.needed.section_id) for command in authority.commands)
     if not after.known:
+        assert not (before.known and authority.commands), "the front may be anywhere, so on them too"
         new = {c.needed for c in authority.commands} - {c.needed for c in before.state.authority.commands}
         assert not new or isinstance(step.event, PointsWrong)
         return
@@ -118,6 +133,8 @@ def timers_named(run: Run) -> set[Timer]:
     last = len(PLANS[run.plan].stops) - 1
     if state.phase is Phase.STANDING and state.at < last:
         named |= {timer for timer, over in ((ASK, state.may_ask), (LEAVE, state.may_leave)) if not over}
+    if state.phase is Phase.RUNNING and not state.may_ask:
+        named.add(ASK)
     if state.phase is Phase.ON_SIGHT and state.stands_at not in (None, last) and not state.may_leave:
         named.add(LEAVE)
     return named
@@ -134,24 +151,6 @@ def timers_after(running: frozenset[Timer], step: Step) -> frozenset[Timer]:
     return frozenset(left)
 
 
-# Dead states that are known, and mended with the issue on interlocking when things go wrong twice.
-KNOWN_DEAD: dict[str, Callable[[Run], bool]] = {
-    "the sign-off refused once": lambda run: (
-        run.state.phase is Phase.SIGNING_OFF and run.state.authority.open(Ask.SIGN_OFF) is None
-    ),
-    "bounds wider than the way to the points": lambda run: (
-        run.state.phase is Phase.RUNNING
-        and run.state.limit.why == "points not proven"
-        and run.place.perhaps > run.state.limit.joint
-    ),
-    "the route ahead not held where no route begins": lambda run: (
-        run.state.phase is Phase.RUNNING
-        and run.state.limit.why == "not held"
-        and PLANS[run.plan].leg_beyond(PLANS[run.plan].spans[run.place.here].section_id) is None
-    ),
-}
-
-
 def waits_for_nothing(run: Run) -> bool:
     """Neither anything outstanding nor a timer, and the train does not move; its duty not over."""
     state = run.state
@@ -164,11 +163,32 @@ def waits_for_nothing(run: Run) -> bool:
 
 
 def check_waits_for_something(run: Run) -> None:
-    known = [name for name, dead in KNOWN_DEAD.items() if dead(run)]
-    assert known or not waits_for_nothing(run), run
+    assert not waits_for_nothing(run), run
+
+
+def check_contradiction_stops(before: Run, step: Step) -> None:
+    """It drives no more from the event on that tells of it, until all it holds is confirmed and nothing contested."""
+    was, after = before.state.authority, step.run.state.authority
+    if step.run.state.phase in (Phase.OFF, Phase.GONE):
+        return
+    assert not (after.mismatch and command_of(PLANS[step.run.plan], step.run.state).drive)
+    if after.mismatch and not was.mismatch:
+        assert Order.STOP in step.actions
+    if after.mismatch:
+        assert Order.RELEASE not in step.actions
+        assert Order.DEPART not in step.actions
+    if was.mismatch and not after.mismatch:
+        match step.event:
+            case Heard(Confirmed(answers=True, contested=())):
+                assert set(step.event.event.section_ids) == set(was.held)
+            case Heard(SignedOn(answers=True) | SignedOff(answers=True)) | Begin() | SwitchedOn():
+                pass
+            case _:
+                raise AssertionError(step.event)
 
 
 def check(before: Run, step: Step) -> None:
+    check_contradiction_stops(before, step)
     check_holds_what_was_granted(before, step)
     check_drops_what_is_clear(before, step)
     check_points(before, step)
@@ -217,18 +237,34 @@ def test_a_run_gets_through(explored: Explored[Run]) -> None:
     assert any(run.spot == END and run.state.phase is Phase.FINISHED for run in explored.states)
 
 
-@pytest.mark.parametrize("off", ["waits for the rear", "withdraws throws under the front"])
+def frees_one_more(plan: Plan, authority: Authority, clear: int) -> tuple[str, ...]:
+    return tuple(s.section_id for s in plan.spans[: clear + 1] if authority.holds(s.section_id))
+
+
+def clears_by_the_odometer(turn: Turn) -> None:
+    cleared = cleared_sections(turn.plan, turn.state.authority, turn.state.place.clear)
+    if cleared:
+        turn.authority(Cleared(cleared))
+
+
+def forgets(state: Authority, event: Confirmed) -> Result:
+    after, actions = report.confirmed(state, event)
+    return replace(after, mismatch=""), actions
+
+
+SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
+    "waits for the rear": (arrival, "cleared_sections", frees_one_more),
+    "waits for the arrival tag": (machine, "clear_behind", clears_by_the_odometer),
+    "withdraws throws under the front": (machine, "points_perhaps_under", lambda *_: ()),
+    "withdraws throws when the position is lost": (on_sight, "Withdrawn", lambda _: Withdrawn(())),
+    "stops where register and unit contradict each other": (machine, "react", lambda _: None),
+    "waits until they agree": (authority_machine, "TABLE", {**TABLE, (Standing.ON_LINE, Confirmed): forgets}),
+}
+
+
+@pytest.mark.parametrize("off", SWITCHES)
 def test_a_rule_switched_off_is_found(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    if off == "waits for the rear":
-        monkeypatch.setattr(
-            machine,
-            "cleared_sections",
-            lambda plan, authority, clear: tuple(
-                s.section_id for s in plan.spans[: clear + 1] if authority.holds(s.section_id)
-            ),
-        )
-    else:
-        monkeypatch.setattr(machine, "points_perhaps_under", lambda *_: ())
+    monkeypatch.setattr(*SWITCHES[off])
     found = explore(course(), following, phase_name, 1000)
     with pytest.raises(AssertionError):
         for run in found.states:

@@ -29,7 +29,7 @@ def test_two_intervals_that_hold_the_truth_leave_one_that_holds_it(
     assert unit.fix_correction_m == pytest.approx(taken.correction_m)
     assert unit.position_m - unit.bound_behind_m <= true_m + 1e-9
     assert true_m - 1e-9 <= unit.position_m + unit.bound_ahead_m
-    assert unit.bound_behind_m + unit.bound_ahead_m <= 2.0 * min(own_m, its_m) + 1e-9
+    assert unit.bound_behind_m + unit.bound_ahead_m <= 2.0 * its_m + 1e-9
     assert unit.bound_behind_m >= -1e-9
     assert unit.bound_ahead_m >= -1e-9
 

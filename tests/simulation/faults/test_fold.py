@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from network.model import Position
 from radio.air import Delivery
 from simulation.agenda import Agenda
+from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff
 from simulation.faults.fault import Fault
 from simulation.faults.injector import Injector
@@ -20,9 +21,11 @@ from simulation.faults.links import Cut, Delay, Link
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.script import Failure, Script, Trigger
+from simulation.faults.vehicle import Brake, Doors
 from simulation.journal import Journal
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
+from simulation.world.clock import Clock
 from simulation.world.point_machine import Forced, PointMachine, Repaired, step
 from simulation.world.premises import Premises
 
@@ -39,12 +42,15 @@ class World:
     weather: float = 0.5
     power: dict[str, bool] = field(default_factory=lambda: {"K1": True, "B-W": True})
     frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
+    vehicle: dict[str, bool] = field(default_factory=lambda: {"doors_closed": True, "brake_good": True})
+    clocks: dict[str, Clock] = field(default_factory=lambda: {"K1": Clock(), "B-W": Clock()})
 
     def __post_init__(self) -> None:
         self.tachometer = SimpleNamespace(gain=1.0, frozen_mps=-1.0, wheel_factor=1.0)
         self.plant = SimpleNamespace(wheel_speed_mps=WHEEL_MPS)
         self.unit = SimpleNamespace(odometer_scale=1.0, bound_growth=0.02, position_known=1)
         self.rail_share = 1.0
+        self.brake_reserve = 1.0
         self.trains: Any = SimpleNamespace(
             slot_of={"K1": 0},
             tachometers=[self.tachometer],
@@ -52,6 +58,7 @@ class World:
             premises=Premises([self.tachometer], [self.unit]),  # type: ignore[list-item]
             tag_faults={},
             set_rail=lambda _slot, share: setattr(self, "rail_share", share),
+            set_brake=lambda _slot, reserve: setattr(self, "brake_reserve", reserve),
         )
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
         self.wayside: Any = SimpleNamespace(
@@ -61,6 +68,7 @@ class World:
             power_on=lambda _step, device: self.power.update({device: True}),
             power_off=lambda _step, device: self.power.update({device: False}),
             freeze=lambda _step, device, *, frozen: self.frozen.update({device: frozen}),
+            set_clock=lambda _step, device, clock: self.clocks.update({device: clock}),
         )
         self.agenda = Agenda()
         self.injector = Injector(
@@ -74,6 +82,8 @@ class World:
             lambda unit, on: self.power.update({unit: on}),
             lambda unit, frozen: self.frozen.update({unit: frozen}),
             lambda _unit, _hold_s: None,
+            lambda unit, clock: self.clocks.update({unit: clock}),
+            lambda _unit, part, good: self.vehicle.update({part: good}),
         )
         self.injector.start(0)
 
@@ -118,6 +128,43 @@ def test_power_comes_back_with_the_last_of_its_cuts() -> None:
     for second, on in ((4, True), (7, False), (12, False), (20, False), (60, True)):
         world.run_to(second * 10)
         assert world.power["B-W"] is on
+
+
+@pytest.mark.parametrize("party", ["K1", "B-W"])
+def test_a_clock_drifts_from_when_it_begins_to_and_is_right_again_afterwards(party: str) -> None:
+    world = World(
+        (
+            failure(WrongClock(target=party, offset_s=30.0), 100.0, 300.0),
+            failure(WrongClock(target=party, drift_ppm=10_000.0), 200.0, 100.0),
+        )
+    )
+    errors = []
+    for second in (50, 150, 250, 350, 450):
+        world.run_to(second * 10)
+        errors.append(round(world.clocks[party].shows(second) - second, 6))
+    assert errors == [0.0, 30.0, 30.5, 30.0, 0.0]
+
+
+def test_a_brake_is_in_order_again_with_the_last_of_its_faults() -> None:
+    world = World(
+        (
+            failure(Brake(target="K1", reserve=0.5), 1.0, 20.0),
+            failure(Brake(target="K1", reserve=0.4), 5.0, 5.0),
+        )
+    )
+    seen = []
+    for second in (0, 2, 6, 12, 30):
+        world.run_to(second * 10)
+        seen.append((world.vehicle["brake_good"], world.brake_reserve))
+    assert seen == [(True, 1.0), (False, 0.5), (False, 0.2), (False, 0.5), (True, 1.0)]
+
+
+def test_doors_and_brake_are_two_things() -> None:
+    world = World((failure(Doors(target="K1"), 1.0, 5.0), failure(Brake(target="K1"), 2.0, 20.0)))
+    world.run_to(30)
+    assert world.vehicle == {"doors_closed": False, "brake_good": False}
+    world.run_to(100)
+    assert world.vehicle == {"doors_closed": True, "brake_good": False}
 
 
 def test_what_is_stuck_shows_what_it_showed_whatever_the_factor() -> None:

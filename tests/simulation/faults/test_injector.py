@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,6 +23,7 @@ from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
 from simulation.journal import Journal
 from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
+from simulation.world.clock import Clock
 from simulation.world.point_machine import PointMachine
 from wayside.said import AcceptPicture, EnterSection
 
@@ -37,6 +39,8 @@ class World:
         self.frozen: list[tuple[str, bool]] = []
         self.repaired: list[str] = []
         self.given_back: list[tuple[str, float]] = []
+        self.clocks: list[tuple[str, Clock]] = []
+        self.shown: list[tuple[str, str, bool]] = []
         shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
         on_board: Any = SimpleNamespace(shown=shown.__getitem__)
         self.wayside: Any
@@ -66,6 +70,8 @@ class World:
             lambda unit_id, on: self.switched.append((unit_id, on)),
             lambda unit_id, frozen: self.frozen.append((unit_id, frozen)),
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
+            lambda unit_id, clock: self.clocks.append((unit_id, clock)),
+            lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
         )
         self.injector.start(0)
 
@@ -224,3 +230,24 @@ def test_started_again_without_power_a_device_stays_off() -> None:
     assert not any(on for _, on in world.switched)
     world.run_to(110)
     assert world.switched[-1] == ("B-W", True)
+
+
+def test_an_act_added_during_the_run_is_done_at_its_time_after_those_of_the_script() -> None:
+    accept = Act(ActKind.ACCEPT_PICTURE, "", Trigger(at_s=30.0))
+    world = World(Failure(PowerOff(target="A-W"), Trigger(at_s=1.0), 5.0), accept)
+    world.run_to(100)
+    switch_on = Act(ActKind.POWER_ON, "K1", Trigger(at_s=40.0), "staff")
+    world.injector.add(switch_on, 40.0)
+    world.injector.add(replace(accept, person="staff"), 20.0)
+    world.run_to(399)
+    assert world.inputs == [
+        ("block-manager", AcceptPicture("staff")),
+        ("block-manager", AcceptPicture("controller")),
+    ]
+    assert [course.begun_s for course in world.injector.courses] == [1.0, 30.0, 20.0]
+    world.run_to(400)
+    assert [course.item for course in world.injector.courses[1:]] == [
+        accept,
+        switch_on,
+        replace(accept, person="staff"),
+    ]

@@ -20,7 +20,8 @@ from onboard.duty.records import AtMark, Command, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.world.crew import SEES_M, Crew
-from simulation.world.point_machine import PointMachine
+from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, step
+from wayside.said import StartThrow
 
 LENGTH_M = 40.0
 
@@ -40,7 +41,8 @@ class Cab:
         self.plan = plan_of(mission, LENGTH_M)
         self.shown = Command(on_sight=True, on_line=True, held=sections)
         self.on_sight = True
-        self.truth: Any = SimpleNamespace(position_m=front_m, sight_m=math.inf)
+        self.truth: Any = SimpleNamespace(position_m=front_m, sight_m=math.inf, active=1)
+        self.occupied = False
         self.plant: Any = SimpleNamespace(speed_mps=0.0)
         self.machine = PointMachine("P7", 6.0, Position.NORMAL)
         self.journal = Journal()
@@ -48,14 +50,23 @@ class Cab:
             stock_ids=("K1",),
             truths=[self.truth],
             plants=[self.plant],
+            bodies=[SimpleNamespace(length_m=LENGTH_M)],
             duties=[SimpleNamespace(mission=mission)],
+            stands_in=lambda _section_id: self.occupied,
         )
         on_board: Any = SimpleNamespace(
             plan=lambda _slot: self.plan,
             shown=lambda _slot: self.shown,
             drives_on_sight=lambda _slot: self.on_sight,
         )
-        self.crew = Crew(trains, on_board, lambda _points_id: self.machine, self.journal)
+        self.duties = trains.duties
+        self.crew = Crew(trains, on_board, lambda _points_id: self.machine, self.journal, self)
+
+    def lock_by_hand(self, _step: int, _points_id: str, unit_id: str) -> None:
+        self.machine = step(self.machine, LockedByHand(unit_id), 0.0)
+
+    def give_key_back(self, _step: int, _points_id: str, unit_id: str) -> None:
+        self.machine = step(self.machine, KeyBack(unit_id), 0.0)
 
     def sight_m(self) -> float:
         self.crew.look_ahead(0)
@@ -111,6 +122,47 @@ def test_points_that_lie_right_and_locked_may_be_passed(mission: Mission) -> Non
     (needed,) = cab.plan.spans[mission.span_index("7")].points
     assert cab.crew.stand(0, 10.0) == [PointsSeen(needed)]
     assert isinstance(cab.journal.entries[-1].event, CrewCheckedPoints)
+
+
+def test_what_it_has_seen_stays_so_until_the_rear_has_left(mission: Mission) -> None:
+    cab = standing_before_points(mission)
+    cab.crew.stand(0, 10.0)
+    end_m = mission.spans[mission.span_index("7")].end_m
+    for front_m in (cab.start_m("7") + 1.0, end_m, end_m + LENGTH_M - 0.1):
+        cab.truth.position_m = front_m
+        cab.crew.give_keys_back(0, 20.0)
+        assert step(cab.machine, StartThrow("P7", Position.REVERSE), 20.0) == cab.machine
+    cab.truth.position_m = end_m + LENGTH_M
+    cab.crew.give_keys_back(0, 30.0)
+    assert step(cab.machine, StartThrow("P7", Position.REVERSE), 30.0).target is Position.REVERSE
+
+
+@pytest.mark.parametrize("goes_elsewhere", ["left the line", "another mission", "no longer its holder"])
+def test_nothing_stays_locked_for_a_train_that_goes_elsewhere(mission: Mission, goes_elsewhere: str) -> None:
+    cab = standing_before_points(mission)
+    cab.crew.stand(0, 10.0)
+    assert cab.machine.key == "K1"
+    if goes_elsewhere == "left the line":
+        cab.truth.active = 0
+    elif goes_elsewhere == "another mission":
+        cab.duties[0] = SimpleNamespace(mission=replace(mission, number="T2"))
+    else:
+        cab.shown = msgspec.structs.replace(cab.shown, held=("6",))
+    cab.occupied = goes_elsewhere != "left the line"
+    if cab.occupied:  # never under a train
+        cab.crew.give_keys_back(0, 20.0)
+        assert cab.machine.key == "K1"
+    cab.occupied = False
+    cab.crew.give_keys_back(0, 30.0)
+    assert cab.machine.key == ""
+
+
+def test_points_of_which_another_crew_has_the_key_are_waited_for(mission: Mission) -> None:
+    cab = standing_before_points(mission)
+    cab.machine = step(cab.machine, LockedByHand("K2"), 0.0)
+    (needed,) = cab.plan.spans[mission.span_index("7")].points
+    assert cab.crew.stand(0, 10.0) == [PointsWrong(needed)]
+    assert cab.machine.key == "K2"
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from host.units import LocalUnits
 from network.profile import PROFILE
-from onboard.records import EVENT_MOVING, EVENT_STOPPED, MODE_DRIVE
+from onboard.records import EVENT_MOVING, EVENT_STOPPED, MODE_DRIVE, MODE_HOLD
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup, unit_configs
 from simulation.world.kernel import advance, new_sheet, passed, track_under
@@ -192,3 +192,19 @@ def test_what_front_and_rear_pass() -> None:
     truth.tag_next = 2
     truth.position_m, truth.rear_boundary_m = 200.0, np.inf
     assert passed(truth, tags_m, 40.0) == 0  # no tag left
+
+
+def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_move(rtri_setup: Setup) -> None:
+    """Its command gone while the motors still pull: the carrier is told of its first step as of any other."""
+    bench = Bench(rtri_setup)
+    unit, plant = bench.trains.units[0], bench.trains.plants[0]
+    unit.mode = MODE_HOLD
+    plant.traction_built_n = 2.0e5
+    bench.advance()
+    assert bench.passed & PASSED_FROM_A_STAND
+    (course,) = bench.course  # no mover as the stretch begins
+    assert len(course) == bench.step
+    assert course[-1] == plant.speed_mps > 0.0
+    assert course[:-1] == [0.0] * (len(course) - 1)
+    run_m = float(bench.trains.truths[0].position_m) - 80.0
+    assert run_m == pytest.approx(0.5 * plant.speed_mps * STEP_S, abs=1e-9)

@@ -14,6 +14,8 @@ from simulation.world.point_machine import (
     TABLE,
     Arrived,
     Forced,
+    KeyBack,
+    LockedByHand,
     MachineEvent,
     MachineState,
     PointMachine,
@@ -27,7 +29,10 @@ from wayside.said import PointsDetected, StartThrow, StopThrow
 N, R = Position.NORMAL, Position.REVERSE
 AT_NORMAL = PointMachine("p", 6.0, N)
 TO_REVERSE = StartThrow("p", R)
-EVENTS: tuple[MachineEvent, ...] = (TO_REVERSE, StartThrow("p", N), StopThrow("p"), Forced(), Repaired(N))
+EVENTS: tuple[MachineEvent, ...] = (
+    *(TO_REVERSE, StartThrow("p", N), StopThrow("p"), Forced(), Repaired(N)),
+    *(LockedByHand("K1"), LockedByHand("K2"), KeyBack("K1"), KeyBack("K2")),
+)
 
 
 def test_a_throw_takes_its_time_and_is_detected_only_then() -> None:
@@ -79,7 +84,7 @@ def test_forced_open_until_repaired() -> None:
 
 
 def test_the_table_is_complete() -> None:
-    kinds = (StartThrow, StopThrow, Arrived, Forced, Repaired)
+    kinds = (StartThrow, StopThrow, Arrived, Forced, Repaired, LockedByHand, KeyBack)
     assert set(TABLE) == set(product(MachineState, kinds))
 
 
@@ -91,6 +96,28 @@ def test_locked_only_in_a_position_and_motor_only_between(events: list[tuple[Mac
         machine = step(advance(machine, now_s), event, now_s)
         assert not (machine.locked and machine.position is None)
         assert (machine.target is None) == (machine.done_at_s is None)
+        assert not (machine.key and machine.target is not None)
+
+
+@pytest.mark.parametrize("order", [TO_REVERSE, StopThrow("p"), Arrived(60.0)])
+def test_locked_by_hand_its_motor_is_cut_out_until_the_key_is_back(order: MachineEvent) -> None:
+    locked = step(AT_NORMAL, LockedByHand("K1"), 0.0)
+    assert detection(locked) == PointsDetected("p", N, True, by_hand=True)
+    assert step(locked, order, 0.0) == locked
+    assert step(locked, KeyBack("K2"), 0.0) == locked
+    assert step(locked, LockedByHand("K2"), 0.0) == locked
+    assert step(locked, KeyBack("K1"), 0.0) == AT_NORMAL
+
+
+@pytest.mark.parametrize("machine", [step(AT_NORMAL, TO_REVERSE, 0.0), replace(AT_NORMAL, locked=False)])
+def test_a_machine_that_is_not_locked_cannot_be_locked_by_hand(machine: PointMachine) -> None:
+    assert step(machine, LockedByHand("K1"), 1.0) == machine
+
+
+def test_staff_set_points_free_of_which_nobody_gives_the_key_back() -> None:
+    locked = step(AT_NORMAL, LockedByHand("K1"), 0.0)
+    for lying in (locked, step(locked, Forced(), 0.0)):
+        assert step(lying, Repaired(N), 0.0) == AT_NORMAL
 
 
 @pytest.mark.parametrize("state", MachineState)

@@ -223,3 +223,21 @@ def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_se
     assert drawn != pytest.approx(weather)
     placed.set_rail(0, 1.0)
     assert plant.adhesion_factor == pytest.approx(drawn)
+
+
+@pytest.mark.parametrize("reserve", [0.0, 0.5, 1.0])
+def test_a_brake_loses_no_more_than_it_has_beyond_what_supervision_counts_on(
+    rtri_setup: Setup, reserve: float
+) -> None:
+    spread = Scatter(brake_sigma=0.1, brake_leg_sigma=0.1)
+    placed = Trains(replace(rtri_setup, scatter=spread), plain(rtri_setup))
+    placed.place(0, first_duty(rtri_setup))
+    plant, driving = placed.plants[0], rtri_setup.driving
+    whole = float(plant.brake_factor)
+    placed.set_brake(0, reserve)
+    service, emergency = float(plant.brake_factor), float(plant.emergency_factor)
+    if whole > driving.service_guaranteed_share:
+        assert driving.service_guaranteed_share <= service <= whole
+    assert emergency == pytest.approx(1.0 - (1.0 - reserve) * (1.0 - driving.emergency_guaranteed_share))
+    placed.set_brake(0, 1.0)
+    assert (plant.brake_factor, plant.emergency_factor) == (whole, 1.0)

@@ -21,13 +21,13 @@ from simulation.judge.rail import Slippery
 from simulation.result import Ending, RunResult, Waiting
 from simulation.setup import Setup
 from simulation.world.records import TRACE
+from study.run.directory import RUN_FILES, check_out
 from study.run.outcome import outside_design
 from study.run.run import (
     CarrierKind,
     Link,
     Run,
     broken_by,
-    check_out,
     execute,
     link_of,
     specs_of,
@@ -241,7 +241,7 @@ def test_what_fails_at_the_last_rename_puts_the_run_before_back(
 
 
 def test_all_that_a_run_writes_may_be_replaced() -> None:
-    assert study.run.run.RUN_FILES >= WRITTEN
+    assert RUN_FILES >= WRITTEN
 
 
 def test_only_a_run_may_be_replaced(done: Run, tmp_path: Path) -> None:

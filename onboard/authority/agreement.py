@@ -1,0 +1,55 @@
+"""Where register and unit contradict each other (情報の不一致, Sugiyama et al. 2017, section 5): the train is stopped.
+
+Invariant: a contradiction once known stays until the manager's answer to the unit's newest word has neither less than
+the unit holds nor anything contested; telegrams about it only restrict, so that a lost one gives nothing away.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import Final
+
+from onboard.authority import route, sign_on
+from onboard.authority.records import Ask, Authority, Contested, Refused, SignedOn
+from onboard.authority.tables import Result, Standing, Table, disagrees
+
+
+def contested(state: Authority, event: Contested) -> Result:
+    """The train is stopped: another claims, or may be in, what the unit holds."""
+    return disagrees(state, f"contested: {', '.join(event.section_ids)}")
+
+
+def refused_on_line(state: Authority, event: Refused) -> Result:
+    """Its claim: the train is stopped. Its route: asks again, and reports first if the manager has lost sight of it."""
+    if event.ask is Ask.SIGN_ON:
+        return disagrees(state, f"claim refused: {event.why}")
+    return route.route_refused(state, event)
+
+
+def refused_signing_off(state: Authority, event: Refused) -> Result:
+    """Its claim: the train is stopped. Its sign-off: asks again."""
+    if event.ask is Ask.SIGN_ON:
+        return disagrees(state, f"claim refused: {event.why}")
+    return sign_on.sign_off_refused(state, event)
+
+
+def claim_accepted(state: Authority, event: SignedOn) -> Result:
+    """To a claim: takes a greater token, never sections; if it has less than the unit holds, the train is stopped."""
+    taken, actions = sign_on.claim_accepted(state, event)
+    if set(state.held) <= set(event.section_ids):
+        return taken, actions
+    stopped, more = disagrees(taken, "the register has less")
+    return stopped, (*actions, *more)
+
+
+TABLE: Final[Table] = MappingProxyType(
+    {
+        (Standing.SIGNING_ON, Contested): contested,
+        (Standing.ON_LINE, Contested): contested,
+        (Standing.SIGNING_OFF, Contested): contested,
+        (Standing.ON_LINE, Refused): refused_on_line,
+        (Standing.SIGNING_OFF, Refused): refused_signing_off,
+        (Standing.ON_LINE, SignedOn): claim_accepted,
+        (Standing.SIGNING_OFF, SignedOn): claim_accepted,
+    }
+)

@@ -1,0 +1,84 @@
+"""What a state of the duty means to the driving part and to the driver: the command, and what the train waits for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from onboard.authority.records import Ask
+from onboard.authority.stop_limit import cleared_sections, next_rear_span
+from onboard.duty.plan import Plan
+from onboard.duty.records import Command, DutyState, Phase
+
+_IDLE: Final[Mapping[Phase, str]] = MappingProxyType(
+    {
+        Phase.OFF: "its next train",
+        Phase.STANDING: "departure time",
+        Phase.FINISHED: "its next train",
+        Phase.GONE: "its next train",
+    }
+)
+_SIGNING: Final = MappingProxyType({Phase.SIGNING_ON: Ask.SIGN_ON, Phase.SIGNING_OFF: Ask.SIGN_OFF})
+AT_A_MARK: Final = (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+
+
+def command_of(plan: Plan, state: DutyState) -> Command:
+    """What the driving part is to do in a state."""
+    on_sight_now = state.phase is Phase.ON_SIGHT
+    running = state.phase is Phase.RUNNING
+    at_end = state.stands_at == len(plan.stops) - 1
+    may_run = state.released and not at_end and (state.stands_at is None or state.may_leave)
+    return Command(
+        drive=(running or (on_sight_now and may_run)) and not state.halted,
+        on_sight=on_sight_now,
+        at_mark=state.phase is Phase.STANDING,
+        target=state.at + 1 if running and state.at + 1 < len(plan.stops) else None,
+        at=state.at,
+        stands_at=state.stands_at,
+        limit=state.limit,
+        rear=None if on_sight_now else next_rear_span(plan, state.authority, state.freed),
+        await_radio=state.authority.waits_for_radio,
+        on_line=state.authority.on_line,
+        held=state.authority.held,
+        proven=state.authority.proven,
+        waits_for=waits_for(plan, state),
+        sweeps=state.sweeps,
+        confirm=to_confirm(plan, state),
+    )
+
+
+def to_confirm(plan: Plan, state: DutyState) -> bool:
+    """Whether sections are held that must be behind a train at this mark, and only the driver's eye can tell."""
+    stands = state.phase in AT_A_MARK and state.authority.open(Ask.REPORT) is None
+    return stands and bool(cleared_sections(plan, state.authority, plan.stops[state.at].clear))
+
+
+def waits_for(plan: Plan, state: DutyState) -> str:
+    """What the train waits for, in words, for whoever looks on when nothing moves."""
+    return next(_reasons(plan, state))
+
+
+def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
+    authority = state.authority
+    if authority.mismatch:
+        yield f"agreement with the block manager: {authority.mismatch}"
+    asks = [ask for phase, ask in _SIGNING.items() if phase is state.phase]
+    for ask in (*asks, Ask.ROUTE):
+        request = authority.open(ask)
+        if request is not None:
+            what = f"route {request.subject}" if ask is Ask.ROUTE else state.phase.value
+            yield f"{what}: {request.refusal or 'no answer from the block manager'}"
+    for command in authority.commands:
+        yield f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
+    if state.place.unfit:
+        yield f"vehicle: {state.place.unfit}"
+    if state.place.emergency:
+        yield "release of the emergency brake"
+    if to_confirm(plan, state):
+        yield "the driver's confirmation that the whole train has arrived"
+    if authority.open(Ask.REPORT) is not None and state.place.stands:
+        yield "the block manager's confirmation of what is held"
+    if state.phase is Phase.RUNNING and not state.may_ask:
+        yield "the end of the hold on its route"
+    yield _IDLE.get(state.phase, "nothing" if state.place.known else "a tag: its position is unknown")

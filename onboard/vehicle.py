@@ -1,0 +1,28 @@
+"""What the vehicle shows its unit of itself: the part of its state that a train must not start or run without.
+
+Sugiyama et al. 2017, 4.1.3 (2): vehicle and brakes are checked on board, and what is wrong with them is detected
+(車両状態・ブレーキ状態). The inputs are fail-safe: a wire that breaks reads as not in order.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class Vehicle(msgspec.Struct, frozen=True):
+    """The inputs. `doors_closed`: closed and locked, all of them (戸閉); `brake_good`: pressure is as commanded."""
+
+    doors_closed: bool = True
+    brake_good: bool = True
+
+    @property
+    def unfit(self) -> str:
+        """What is not in order, in words; empty: the train may run."""
+        wrong = (
+            "" if self.doors_closed else "doors not closed",
+            "" if self.brake_good else "brake not in order",
+        )
+        return ", ".join(filter(None, wrong))
+
+
+IN_ORDER = Vehicle()

@@ -1,0 +1,84 @@
+"""Faults of a train's doors and brakes (車両状態・ブレーキ状態, Sugiyama et al. 2017, 4.1.3 (2)).
+
+The unit sees them by its inputs. A brake that has lost force has lost no more than what it has beyond the share that
+supervision counts on (`[driving] service_guaranteed_share`, `emergency_guaranteed_share`): a weaker brake than the
+guaranteed one is outside the design, for no supervision could stop that train in time. Doors are not modelled beyond
+this: they count as closed whenever a train would start.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import Field
+
+from simulation.faults.fault import Fault, Names, World
+
+
+class DoorsFault(Fault[bool]):
+    """Whether the doors show that they are closed and locked."""
+
+    aims_at = "unit"
+    changes = "doors"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> bool:
+        return True
+
+    def put(self, world: World, closed: bool) -> None:
+        world.unit_vehicle(self.target, "doors_closed", closed)
+
+
+class Doors(DoorsFault):
+    """The doors show that they are not closed and locked."""
+
+    kind = "doors"
+
+    def over(self, _closed: bool) -> bool:
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class BrakeState:
+    """Whether the pressure is as commanded, and the share that is left of the force beyond the guaranteed one."""
+
+    good: bool = True
+    reserve: float = 1.0
+
+
+class BrakeFault(Fault[BrakeState]):
+    """What is wrong with a train's brakes."""
+
+    aims_at = "unit"
+    changes = "brake"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> BrakeState:
+        return BrakeState()
+
+    def put(self, world: World, brake: BrakeState) -> None:
+        world.trains.set_brake(world.slot(self.target), brake.reserve)
+        world.unit_vehicle(self.target, "brake_good", brake.good)
+
+
+class Brake(BrakeFault):
+    """The brake has not the pressure that it should have: its unit sees it, and force may be missing."""
+
+    kind = "brake"
+    reserve: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="what is left of the force beyond the guaranteed; 1: only the reading is wrong",
+    )
+
+    def over(self, brake: BrakeState) -> BrakeState:
+        return BrakeState(good=False, reserve=brake.reserve * self.reserve)

@@ -1,0 +1,104 @@
+"""Random cases, each from its family and seed alone: one to six faults that all heal, and people who tell the truth.
+
+The faults begin within six minutes in which trains move: at a time, or at an event (and a little later) that falls into
+them when nothing fails. What fails (power, a link, points, …) is drawn first, each as likely, then one of its kinds
+in the table of faults; fields come from its own schema. Each lasting fault is over after at most four minutes, so that
+an hour is enough for what it left to be put right.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+from simulation.faults.fault import Names
+from simulation.faults.table import KINDS
+from study.scenario.script_file import names_of
+from tests.system.chaos.case import Case, Manner
+from tests.system.chaos.course import Course, clock_tenths
+from tests.system.chaos.draw import Draw
+from tests.system.chaos.families import Family, ground_of
+from tests.system.chaos.fault_fields import fields_of, target_of
+from tests.system.chaos.run_one import undisturbed
+
+WINDOW_S: Final = 360.0
+FAULTS_MAX: Final = 6
+WINDOW_MIN_S: Final = 30.0  # faults that meet show more than faults that follow one another
+DURATION_S: Final = (5.0, 240.0)
+EVENT_P: Final = 0.6
+BEFORE_S: Final = 30  # trains ask for their routes before they move
+GIVE_BACK_P: Final = 0.15
+BY_HAND_P: Final = 0.2
+AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
+
+
+def case_of(family: Family, seed: int, nets: Path) -> Case:
+    """The case of a seed; `nets` keeps the nets of drawn lines."""
+    ground = ground_of(family, seed)
+    draw = Draw(seed, (family.value,))
+    scenario, course = undisturbed(ground, nets)
+    names = names_of(scenario.setup)
+    first_s, last_s = course.moving_s[0] - BEFORE_S, course.moving_s[-1]
+    length_s = draw.of("length").by_size(WINDOW_MIN_S, WINDOW_S)
+    moves_s = draw.of("window").one_of(course.moving_s)  # lies in the window
+    from_s = max(first_s, min(moves_s - BEFORE_S, last_s - length_s))
+    times = _Times(from_s, min(from_s + length_s, last_s), course)
+    faults = tuple(
+        _fault(times, names, draw.of("fault", str(i))) for i in range(draw.of("count").whole(1, FAULTS_MAX))
+    )
+    return Case(
+        f"{family.value}_{seed}",
+        ground,
+        _head(family, seed, draw.of("head")),
+        faults,
+        _give_back(times, names, draw.of("give back")),
+        Manner.drawn(seed, draw.of("staff")),
+    )
+
+
+class _Times:
+    """When something begins: the window, and the events in it."""
+
+    def __init__(self, from_s: float, to_s: float, course: Course) -> None:
+        self.from_s, self.to_s = from_s, to_s
+        self.events = tuple(words for t_s, words in course.events if from_s <= t_s <= to_s)
+        self.uses = frozenset(name for t_s, name in course.uses if from_s <= t_s <= to_s)
+
+    def drawn(self, draw: Draw) -> dict[str, Any]:
+        """The keys `start` and `after_s`."""
+        if self.events and draw.chance(EVENT_P):
+            return {
+                "start": draw.one_of(self.events),
+                "after_s": draw.one_of((0.0, draw.between(0.0, 15.0, 1))),
+            }
+        return {"start": clock_tenths(draw.between(self.from_s, self.to_s, 1))}
+
+
+def _fault(times: _Times, names: Names, draw: Draw) -> dict[str, Any]:
+    fails = draw.of("quantity").one_of(sorted({kind.changes for kind in KINDS}))
+    kind = draw.of("kind").one_of([kind for kind in KINDS if kind.changes == fails])
+    table = {"kind": kind.kind, "target": target_of(kind, names, times.uses, draw.of("target"))}
+    table |= times.drawn(draw.of("time"))
+    if not kind.momentary:
+        table["duration_s"] = draw.of("duration").by_size(*DURATION_S)
+    return table | fields_of(kind, names, draw.of("field"))
+
+
+def _give_back(times: _Times, names: Names, draw: Draw) -> tuple[dict[str, Any], ...]:
+    """A crew that sets its route back, which it may at any time."""
+    if not draw.chance(GIVE_BACK_P):
+        return ()
+    hold_s = draw.between(20.0, 120.0, 0)
+    return (
+        {"kind": "give_back", "target": draw.one_of(names.units), "person": "crew", "hold_s": hold_s}
+        | times.drawn(draw),
+    )
+
+
+def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
+    head: dict[str, Any] = {"seed": seed}
+    if family is not Family.HOUR and draw.chance(0.5):
+        head["air"] = AIR
+    if draw.chance(BY_HAND_P):
+        head["operation"] = {"reentry": "by_hand"}
+    return head

@@ -1,0 +1,75 @@
+"""Random cases of one to six faults that heal, with truthful staff: nothing unsafe happens, and every train arrives.
+
+A slice in every test, all of them in `make nightly`; each chunk leaves a line of figures at the end. A case that fails
+is made small and left as a drill; once its cause is mended it is kept in `replays/`, which are run here one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from study.run.drill import run_drill
+from study.run.run import Link
+from tests.system.chaos.campaign import campaign
+from tests.system.chaos.case import Case
+from tests.system.chaos.families import Family
+from tests.system.chaos.replay import shrunk, slug, write
+from tests.system.chaos.run_one import Outcome
+
+pytestmark = pytest.mark.system
+
+SLICE: Final = ((Family.TEST_LINE, 0, 160), (Family.HOUR, 0, 20), (Family.LINES, 0, 20))
+ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500}
+CHUNK: Final = 250
+CHUNKS: Final = tuple(
+    (family, low, high) for family, count in ALL.items() for low, high in pairwise(range(0, count + 1, CHUNK))
+)
+FOLDER: Final = Path(__file__).parent / "replays"  # a folder each, as `replay.write` makes it
+REPLAYS: Final = tuple(
+    sorted(path.name for path in FOLDER.glob("*") if (path / f"{path.name}.toml").is_file())
+)
+
+Record = Callable[[str, object], None]
+
+
+def _run(family: Family, low: int, high: int, nets: Path, found: Path, record: Record) -> None:
+    written: list[Path] = []
+
+    def keep(case: Case, outcome: Outcome) -> bool:
+        if not outcome.fine and len(written) < 3:
+            small, ended = shrunk(case, outcome.kind, nets)
+            written.append(write(small, ended, found / slug(outcome.kind)))
+        return True
+
+    figures = campaign(family, range(low, high), nets, keep)
+    record("figures", f"chaos, {family.value} {low} to {high - 1}: {figures}")
+    assert figures.runs == high - low
+    assert figures.faults >= figures.runs
+    failed = figures.failed
+    assert not failed, f"{figures.by_kind()}made small: {', '.join(map(str, written))}"
+
+
+def _ids(chunk: tuple[Family, int, int]) -> str:
+    return f"{chunk[0].value}-{chunk[1]}"
+
+
+@pytest.mark.parametrize("chunk", SLICE, ids=_ids)
+def test_a_slice(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path, record_property: Record) -> None:
+    _run(*chunk, nets, tmp_path, record_property)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("chunk", CHUNKS, ids=_ids)
+def test_all(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path, record_property: Record) -> None:
+    _run(*chunk, nets, tmp_path, record_property)
+
+
+@pytest.mark.parametrize("name", REPLAYS)
+def test_what_failed_once_does_not_fail_again(name: str) -> None:
+    drill = run_drill(str(FOLDER / name / f"{name}.toml"), Link.SIMULATED)
+    assert [v.happened for v in drill.verdicts if not v.passed] == []

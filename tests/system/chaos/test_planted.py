@@ -1,0 +1,52 @@
+"""Random cases find defects that are planted: that they find nothing means something.
+
+Not all: what only a party that misbehaves could bring out, random faults cannot. How many cases each takes depends on
+the draws; the limits here are several times that.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from simulation.judge.checkers import Checker
+from tests.system.chaos.families import Family
+from tests.system.chaos.planted import Found, found_by
+from tests.system.conftest import SWITCHES
+
+pytestmark = pytest.mark.system
+
+# A behaviour that is taken away, and words of what then goes wrong.
+AT_ONCE: Final = {
+    "grants_what_another_holds": ("collision", Checker.ONE_TRAIN_A_SECTION, Checker.NO_DOUBLE_GRANT),
+    "bounds_do_not_grow": (Checker.WITHIN_BOUNDS,),
+    "claims_only_where_it_stands": (Checker.INSIDE_HOLDING,),
+    "does_not_wait_for_proof": (Checker.PROVEN_BEFORE_ENTRY,),
+    "releases_at_the_front": (Checker.RELEASE_BEHIND_REAR,),
+}
+SOON: Final = {
+    "believes_any_tag": ("unsafe", Checker.WITHIN_BOUNDS, Checker.RELEASE_BEHIND_REAR),
+    "accepts_telegrams_twice": (Checker.TELEGRAM_ONCE,),
+    "ground_accepts_telegrams_twice": (Checker.TELEGRAM_ONCE,),
+    "crew_does_not_look": ("unsafe",),
+    "grants_while_undefined": (Checker.UNDEFINED_GRANTS_NOTHING,),
+}
+
+
+def _found(name: str, runs: int, nets: Path) -> Found:
+    found = found_by(SWITCHES[name], Family.TEST_LINE, range(runs), nets)
+    assert found is not None, f"not in {runs} cases"
+    return found
+
+
+@pytest.mark.parametrize("name", AT_ONCE)
+def test_a_defect_is_found_at_once(name: str, nets: Path) -> None:
+    assert _found(name, 40, nets).kind.startswith(AT_ONCE[name])
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", SOON)
+def test_a_defect_is_found_soon(name: str, nets: Path) -> None:
+    assert _found(name, 250, nets).kind.startswith(SOON[name])

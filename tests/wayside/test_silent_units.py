@@ -1,0 +1,182 @@
+"""Units that stay silent when the line is restored: where they stand, and what must then be swept (4.4 (4))."""
+
+from __future__ import annotations
+
+import pytest
+
+from radio.messages import (
+    AnyMessage,
+    Claim,
+    HoldingReport,
+    RouteGranted,
+    RouteRequest,
+    SignOnAccepted,
+    SignOnRefused,
+)
+from tests.wayside.reentry_desk import HELD, SECTIONS, Desk, config_of
+from wayside import reentry
+from wayside.block_manager import Heard, step
+from wayside.config import ReentryMode
+from wayside.register import Stage, Standing, start
+from wayside.said import (
+    AcceptPicture,
+    ConfirmHolding,
+    ConfirmOutside,
+    EnterSection,
+    TakeBack,
+    TakenBack,
+    ToBeSwept,
+)
+
+MODES = pytest.mark.parametrize("mode", ReentryMode)
+
+
+def silent(mode: ReentryMode, unit_id: str = "u1") -> Desk:
+    """All but one have spoken; by hand every section is entered as it is."""
+    desk = Desk(mode)
+    desk.claim(*(HELD.keys() - {unit_id}))
+    if mode is ReentryMode.BY_HAND:
+        desk.enter()
+    return desk
+
+
+@MODES
+def test_a_silent_unit_in_a_station_counts_by_two_persons_word_and_the_line_is_swept(
+    mode: ReentryMode,
+) -> None:
+    """But for what units that speak hold, and portals."""
+    desk = silent(mode)
+    for person in ("Sato", "Mori"):
+        desk.act(ConfirmHolding("u1", ("A", "B"), person))
+    assert ToBeSwept in desk.accept()
+    assert desk.register.defined
+    assert desk.register.unit("u1").standing is Standing.BY_HAND
+    assert desk.register.held_by("u1") == ("A", "B")
+    assert desk.register.unswept == {"A", "B", "C", "D"}
+
+
+@MODES
+def test_a_silent_unit_on_open_line_is_vouched_for_by_nobody(mode: ReentryMode) -> None:
+    desk = silent(mode)
+    for person in ("Sato", "Mori", "Abe"):
+        desk.act(ConfirmHolding("u1", ("B", "C"), person))
+    desk.accept()
+    assert not desk.register.defined
+    assert "u1" in reentry.missing(desk.register).unit_ids
+    for person in ("Sato", "Mori", "Abe"):  # brought into the station
+        desk.act(ConfirmHolding("u1", ("B",), person))
+    if mode is ReentryMode.BY_HAND:
+        for section_id in ("A", "C"):
+            desk.act(EnterSection(section_id, None, "Sato"))
+    desk.accept()
+    assert desk.register.defined
+    assert desk.register.held_by("u1") == ("B",)
+
+
+@MODES
+@pytest.mark.parametrize(
+    ("places", "defined"),
+    [
+        (("P0", "P0"), True),
+        (("P0", "P9"), False),
+        (("P0", ""), False),
+        (("", ""), False),
+        (("B", "B"), False),
+        (("P0", "P9", "P9"), False),
+    ],
+)
+def test_a_silent_unit_has_left_by_the_portal_that_all_name(
+    places: tuple[str, ...], defined: bool, mode: ReentryMode
+) -> None:
+    desk = Desk(mode)
+    desk.claim("u2", "u3")
+    if mode is ReentryMode.BY_HAND:
+        desk.enter({"A": None, "B": None})
+    for person, place in zip(("Sato", "Mori", "Abe"), places, strict=False):
+        desk.act(ConfirmOutside("u1", person, place))
+    desk.accept()
+    assert desk.register.defined is defined
+    if defined:
+        assert desk.register.unit("u1").standing is Standing.OUTSIDE
+        assert desk.register.unswept == {"A", "B", "C", "D"}
+
+
+def test_a_corrected_portal_counts() -> None:
+    desk = silent(ReentryMode.ASSISTED)
+    for person, place in (("Sato", "P9"), ("Mori", "P0"), ("Sato", "P0")):
+        desk.act(ConfirmOutside("u1", person, place))
+    desk.accept()
+    assert desk.register.defined
+
+
+def test_where_every_unit_on_the_line_spoke_nothing_is_to_be_swept() -> None:
+    desk = Desk()
+    desk.claim(*HELD)
+    desk.act(ConfirmOutside("u4", "Sato"))  # never signed on: nothing was ever granted to it
+    desk.accept()
+    assert desk.register.defined
+    assert desk.register.unswept == frozenset()
+
+
+@MODES
+def test_words_of_a_silent_unit_are_taken_back_before_they_are_in_force(mode: ReentryMode) -> None:
+    desk = silent(mode)
+    for person in ("Sato", "Mori"):
+        desk.act(ConfirmHolding("u1", ("A", "B"), person))
+    desk.act(TakeBack("u1", "Mori"))
+    desk.accept()
+    assert not desk.register.defined
+
+
+def test_taken_back_after_an_acceptance_that_is_over_too() -> None:
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.enter()
+    desk.accept()
+    assert reentry.stage(desk.register) is Stage.ACCEPTED
+    assert desk.act(TakeBack("u1", "Sato"))[0] is TakenBack
+    assert desk.register.reentry.accepted_by == ""
+
+
+def test_two_persons_who_agree_on_the_same_wrong_word_stop_trains_and_no_grant_is_given() -> None:
+    """u1 stands in B; Sato and Mori say that it left by P0. u2 comes on sight, u1 speaks: u2 is told to stop."""
+    desk = Desk()
+    desk.claim("u2", "u3")
+    for person in ("Sato", "Mori"):
+        desk.act(ConfirmOutside("u1", person, "P0"))
+    desk.accept()
+    back = RouteRequest("u2", "back", ("D", "C", "B"))
+    granted = desk.hear("u2", back)
+    assert isinstance(granted, RouteGranted)
+    assert granted.on_sight == ("D", "C", "B")
+    refused = desk.hear("u1", Claim(HELD["u1"], 7))
+    assert isinstance(refused, SignOnRefused)
+    assert ("u2", ("B",)) in desk.contested
+    assert desk.check_no_grant_takes_what_a_train_holds() == 0
+
+
+def test_an_acceptance_dies_with_a_new_contradiction() -> None:
+    """Of the picture that the person saw: with the contradiction gone it must be accepted again."""
+    desk = Desk(ReentryMode.BY_HAND)
+    desk.enter()
+    desk.accept()
+    desk.hear("u2", Claim(("B", "E"), 7))
+    assert desk.register.reentry.accepted_by == ""
+    desk.hear("u2", Claim(("E",), 7))
+    desk.hear("u2", HoldingReport(("E",), 7))
+    desk.claim(*HELD)
+    assert not desk.register.defined
+    desk.act(AcceptPicture("Sato"))
+    assert desk.register.defined
+
+
+def test_a_manager_that_finds_its_memory_gone_has_all_of_the_line_swept() -> None:
+    """What had to be swept was lost with the ledger."""
+    register = start(config_of(ReentryMode.ASSISTED), 1, {"tA": b"", "tD": b""})
+    event: Heard[AnyMessage] = Heard("u1", 1, True, 1, Claim(("B",), 3 << 32))
+    register, _ = step(register, event, 0.0)
+    assert register.restoring
+    assert register.unswept == set(SECTIONS) - {"P0", "P9"}
+    register, actions = step(register, event, 1.0)
+    accepted = [action.message for action in actions if hasattr(action, "message")][-1]
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.on_sight == ("B",)
