@@ -11,7 +11,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from branchline.progress import progress_of, tell
 from host.parties import PartyError
 from network.errors import InputError
 
@@ -66,13 +67,13 @@ def main() -> None:
     try:
         app()
     except InputError as error:
-        _tell(f"error: {error}")
+        tell(f"error: {error}")
         sys.exit(BAD_INPUT)
     except PartyError as error:
-        _tell(f"error: {error}")
+        tell(f"error: {error}")
         sys.exit(BROKEN)
     except _StoppedError as stopped:
-        _tell("interrupted")
+        tell("interrupted")
         sys.exit(stopped.args[0])
     except Exception as error:
         _tell_bug(error)
@@ -91,9 +92,9 @@ def _tell_bug(error: Exception) -> None:
     from study.run.crash import Crashed, keep, keep_traceback, named
 
     if isinstance(error, Crashed):
-        _tell(f"bug: {error}; its journal so far and the traceback are in {keep(error)}")
+        tell(f"bug: {error}; its journal so far and the traceback are in {keep(error)}")
     else:
-        _tell(f"bug: {named(error)}; the traceback is in {keep_traceback(error)}")
+        tell(f"bug: {named(error)}; the traceback is in {keep_traceback(error)}")
 
 
 @contextmanager
@@ -108,53 +109,9 @@ def _crashes_into(directory: Path | None) -> Generator[None]:
         raise
 
 
-def _tell(text: str) -> None:
-    sys.stderr.write(text + "\n")
-    sys.stderr.flush()
-
-
 def _print_json(value: object) -> None:
     sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
     sys.stdout.flush()
-
-
-@contextmanager
-def _progress(title: str) -> Generator[Callable[[float, float, int], None]]:
-    """A progress line on stderr; a plain line now and then where stderr is no terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        told = -1
-
-        def tell(now_s: float, _end_s: float, arrived: int) -> None:
-            nonlocal told
-            hour = int(now_s // 3600)
-            if hour != told:
-                told = hour
-                _tell(f"{title}: {hour:02d}:00, {arrived} trains arrived")
-
-        yield tell
-        return
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.fields[clock]}  {task.fields[arrived]} trains arrived"),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=console, transient=True, refresh_per_second=5) as bar:
-        task = bar.add_task(title, total=1.0, clock="", arrived=0)
-        first_s: list[float] = []
-
-        def show(now_s: float, end_s: float, arrived: int) -> None:
-            if not first_s:
-                first_s.append(now_s)
-            share = (now_s - first_s[0]) / max(end_s - first_s[0], 1.0)
-            clock = f"{int(now_s // 3600):02d}:{int(now_s % 3600 // 60):02d}"
-            bar.update(task, completed=share, clock=clock, arrived=arrived)
-
-        yield show
 
 
 @app.command()
@@ -181,18 +138,18 @@ def run(
     loaded = load_scenario(scenario, seed)
     directory = (out or Path("runs") / loaded.id).resolve()
     check_out(directory)
-    with _crashes_into(directory), _progress(loaded.id) as progress:
+    with _crashes_into(directory), progress_of(loaded.id) as progress:
         done = execute(loaded, chosen, units=hosted, carrier=CarrierKind(carrier), progress=progress)
-    _tell("writing the report")
+    tell("writing the report")
     report = write_run(done, directory)
     if as_json:
         _print_json(done.summary | {"out": str(directory)})
     else:
         _print_run(done, report)
     for text in done.summary["outside_design"]:
-        _tell(f"outside the design: {text}")
+        tell(f"outside the design: {text}")
     for text in done.broken:
-        _tell(f"broken: {text}")
+        tell(f"broken: {text}")
     raise typer.Exit(BROKEN if done.broken else 0)
 
 
@@ -245,10 +202,45 @@ def drill(
     link: LinkName = "simulated",
     units: UnitsName = "simulator",
     seed: Seed = None,
-    out: Annotated[Path | None, typer.Option("--out", help="Also write the run directory there.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Also write the run directory, or what a sweep found, there.")
+    ] = None,
     as_json: Json = False,
+    sweep: Annotated[
+        bool,
+        typer.Option(
+            "--sweep",
+            help="Move its faults and acts, as one piece, over the run: one line for each class of outcome. Its own"
+            " expectations make no sense at other instants: what counts is that everyone arrives, that no invariant"
+            " is broken, and that nothing crashes.",
+        ),
+    ] = False,
+    sweep_kinds: Annotated[
+        bool,
+        typer.Option("--sweep-kinds", help="FILE is a scenario: sweep single faults of every kind over it."),
+    ] = False,
+    every: Annotated[float, typer.Option("--every", min=0.1, help="Of a sweep: its step, s.")] = 1.0,
+    from_time: Annotated[
+        str | None,
+        typer.Option("--from", help="Of a sweep: first instant; default just before the trains hit begin."),
+    ] = None,
+    to_time: Annotated[
+        str | None, typer.Option("--to", help="Of a sweep: last instant; default where their day has ended.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", min=1, help="Of a sweep: runs at a time; default one a processor.")
+    ] = None,
 ) -> None:
-    """Run a drill and print it expectation by expectation; exit code 1 if one is not met."""
+    """Run a drill and print it expectation by expectation; exit code 1 if one is not met, or a swept run is bad."""
+    if sweep or sweep_kinds:
+        from branchline.sweeping import Asked, sweep_drill
+        from branchline.sweeping import sweep_kinds as sweep_all_kinds
+
+        if link != "simulated" or units != "simulator":
+            raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
+        asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
+        good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
+        raise typer.Exit(0 if good else BROKEN)
     from study.run.directory import check_out
     from study.run.drill import run_drill, score_text, sentence_of, shipped_drills, write_drill
     from study.run.run import link_of, units_at
@@ -264,7 +256,7 @@ def drill(
     if out is not None:
         check_out(out.resolve())
     into = None if out is None else out.resolve()
-    with _crashes_into(into), _progress(Path(file).stem) as progress:
+    with _crashes_into(into), progress_of(Path(file).stem) as progress:
         chosen = link_of(link)
         done = run_drill(file, chosen, seed, progress, units_at(units, chosen))
     if out is not None:
@@ -292,7 +284,7 @@ def bench(
     """Measure the same day three ways: SUMO alone, full system, full system over Zenoh."""
     from study.evaluate.bench import bench as measure
 
-    found = [measure(scenario, rounds, _tell) for scenario in scenarios or ["karasuyama_weekday"]]
+    found = [measure(scenario, rounds, tell) for scenario in scenarios or ["karasuyama_weekday"]]
     if as_json:
         _print_json({"scenarios": found})
     else:
@@ -315,7 +307,7 @@ def _print_bench(figures: dict[str, Any]) -> None:
             f"budget: {budget['what']} at most {budget['limit']:g}: {budget['found']:g}, {kept}\n"
         )
     same = "the same journal digest" if figures["same_digest"] else "DIFFERENT journal digests"
-    _tell(f"the full runs gave {same}")
+    tell(f"the full runs gave {same}")
 
 
 def _print_table(heads: tuple[str, ...], rows: list[dict[str, object]]) -> None:
@@ -437,7 +429,7 @@ def import_geometry_command(
     from network.exchange.geometry import import_geometry
 
     import_geometry(polyline, stations, out)
-    _tell(f"wrote {out}")
+    tell(f"wrote {out}")
 
 
 @importers.command("timetable")
@@ -450,7 +442,7 @@ def import_timetable_command(
     from network.exchange.mini_tokyo import import_timetable
 
     import_timetable(source, out, calendar)
-    _tell(f"wrote {out}")
+    tell(f"wrote {out}")
 
 
 if __name__ == "__main__":

@@ -33,7 +33,9 @@ def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void], plan: NDArr
     unit.wheel_slide = sensed.wheel_slide
     events = locate(unit, train, sensed.odometer_m, speed_mps, step_s)
     if events & (EVENT_TACHOMETER | EVENT_TAG_OVERDUE) != 0:
-        unit.intervention = EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when
+        unit.intervention = (
+            EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when
+        )
     events |= read_all(board.readers, sensed.readings, unit, step_s)
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0

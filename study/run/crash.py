@@ -29,13 +29,15 @@ class Crashed(RuntimeError):  # noqa: N818 - names what happened
 
 
 @contextmanager
-def bugs_named(scenario: str, simulation: Simulation) -> Generator[None]:
-    """Any exception becomes a `Crashed`, save bad input and a party that fails: those say what they are."""
+def bugs_named(scenario: str, simulation: Simulation, *, processes: bool) -> Generator[None]:
+    """Any exception becomes a `Crashed`, save bad input and a failing party process: those say what they are."""
     try:
         yield
-    except (InputError, PartyError):
+    except InputError:
         raise
     except Exception as error:
+        if processes and isinstance(error, PartyError):
+            raise
         setup = simulation.setup
         journal = simulation.journal.to_bytes()
         raise Crashed(error, scenario, setup.seed, simulation.step, journal) from error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
@@ -29,11 +29,14 @@ RUN_FILES: Final = frozenset(
 )
 
 
-def check_out(out: Path) -> None:
-    """Only a run directory may be replaced: anything else in the way is somebody's work. Raises InputError."""
-    expected = "a new directory, or one that holds a run and nothing else"
+def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run") -> None:
+    """Only a run directory may be replaced: anything else in the way is somebody's work. Raises InputError.
+
+    Another `what` is what has other files of its own, by their names.
+    """
+    expected = f"a new directory, or one that holds {what} and nothing else"
     try:
-        strange = [path.name for path in out.iterdir() if path.name not in RUN_FILES]
+        strange = [path.name for path in out.iterdir() if not owns(path.name)]
     except FileNotFoundError:
         return
     except OSError as error:
@@ -43,12 +46,14 @@ def check_out(out: Path) -> None:
 
 
 @contextmanager
-def replaced(out: Path) -> Generator[Path]:
+def replaced(
+    out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run"
+) -> Generator[Path]:
     """A path at which a folder is to be made; it takes the place of `out` when the context ends well.
 
     Raises InputError as `check_out` does, and when the directory cannot be written.
     """
-    check_out(out)
+    check_out(out, owns, what)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))

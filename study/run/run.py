@@ -115,7 +115,7 @@ def execute(
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
                     link.value,
                 )
-                with bugs_named(scenario.id, simulation):
+                with bugs_named(scenario.id, simulation, processes=link is Link.ZENOH):
                     result = simulation.run(progress)
             if last:
                 break

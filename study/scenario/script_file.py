@@ -190,7 +190,7 @@ def _expectation(file: str, key: str, table: ExpectTable, names: Names, timetabl
         raise InputError(file, key, table.text, "either event or property, and not both")
     after = None if table.after is None else _matcher(file, f"{key}.after", table.after, names)
     until = None if table.until is None else _matcher(file, f"{key}.until", table.until, names)
-    by_s = None if table.by is None else _time(file, f"{key}.by", table.by)
+    by_s = None if table.by is None else time_of(file, f"{key}.by", table.by)
     last_s = max(call.last_s for train in timetable.trains.values() for call in train.calls)
     if by_s is not None and by_s > last_s + 86_400:
         raise InputError(file, f"{key}.by", table.by, "a time within the run")
@@ -231,11 +231,12 @@ def _expectation(file: str, key: str, table: ExpectTable, names: Names, timetabl
 
 def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: Names) -> Trigger:
     if isinstance(given, str) and _CLOCK.fullmatch(given):
-        return Trigger(at_s=_time(file, key, given), after_s=after_s)
+        return Trigger(at_s=time_of(file, key, given), after_s=after_s)
     return Trigger(on=_matcher(file, key, given, names), after_s=after_s)
 
 
-def _time(file: str, key: str, text: str) -> float:
+def time_of(file: str, key: str, text: str) -> float:
+    """Seconds after midnight of a time in a file or on the command line. InputError for anything else."""
     match = _CLOCK.fullmatch(text)
     if match is None:
         raise InputError(file, key, text, "a time HH:MM or HH:MM:SS")

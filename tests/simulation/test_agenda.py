@@ -42,3 +42,17 @@ def test_all_telegrams_of_a_device_can_be_taken_at_once() -> None:
     while (item := agenda.pop_due(9)) is not None:
         rest.append(item.data)
     assert rest == [b"other", b"unit", b"later"]
+
+
+def test_what_is_put_in_first_comes_before_all_of_its_kind_in_its_own_order() -> None:
+    """As what a script has from the beginning does, however late it is told."""
+    agenda = Agenda()
+    agenda.put(3, Due.SCRIPT, "crew K1")
+    agenda.put(3, Due.TO_UNIT, "K1")
+    agenda.put_first(3, Due.SCRIPT, "begin 0")
+    agenda.put_first(3, Due.SCRIPT, "begin 1")
+    agenda.put_first(2, Due.SCRIPT, "begin 2")
+    came = []
+    while (item := agenda.pop_due(3)) is not None:
+        came.append(item.subject)
+    assert came == ["begin 2", "K1", "begin 0", "begin 1", "crew K1"]

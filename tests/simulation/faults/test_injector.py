@@ -19,7 +19,7 @@ from simulation.faults.devices import PowerOff, Restart
 from simulation.faults.injector import Injector
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Link, LinkFault, Loss, Reorder
 from simulation.faults.points import Stuck
-from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
+from simulation.faults.script import Act, ActKind, Failure, Script, Trigger, matcher_of
 from simulation.journal import Journal
 from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
@@ -251,3 +251,28 @@ def test_an_act_added_during_the_run_is_done_at_its_time_after_those_of_the_scri
         switch_on,
         replace(accept, person="staff"),
     ]
+
+
+def test_a_script_can_be_taken_up_later_where_there_is_none() -> None:
+    """As if it had been there from the beginning: the same items at the same steps, what is past at once."""
+    failures = (
+        Failure(Cut(target=Link("K1", "K2")), Trigger(at_s=12.0), 5.0),
+        Failure(Restart(target="K1"), Trigger(at_s=3.0, after_s=1.0)),
+    )
+    world = World()
+    world.injector.take_up(Script(failures), 100)
+    due = []
+    while (item := world.agenda.pop_due(1000)) is not None:
+        due.append((item.step, item.subject))
+        world.injector.due(item.step, item.subject)
+    assert due == [(100, "begin 1"), (120, "begin 0"), (170, "end 0")]
+    assert world.switched == [("K1", False), ("K1", True)]
+    assert [course.item for course in world.injector.courses] == list(failures)
+    with pytest.raises(ValueError, match="where there is none"):
+        world.injector.take_up(Script(failures), 200)
+
+
+def test_a_script_that_waits_for_events_cannot_be_taken_up() -> None:
+    trigger = Trigger(on=matcher_of("points P7 move"))
+    with pytest.raises(ValueError, match="by time"):
+        World().injector.take_up(Script((Failure(Restart(target="K1"), trigger),)), 100)

@@ -10,9 +10,11 @@ from typing import Any, Final
 
 import pytest
 
+from host.parties import PartyError
 from network.errors import InputError
 from simulation.journal import read_journal
 from simulation.loop import Simulation
+from study.run.crash import Crashed
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 
@@ -109,6 +111,17 @@ def test_bad_input_is_no_bug(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(Simulation, "settle", refuses)
     with pytest.raises(InputError, match="another"):
+        execute(load_scenario("rtri_test_line"), Link.SIMULATED)
+
+
+def test_a_party_that_is_down_in_this_process_is_a_bug(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over Zenoh it is a process that has died (tests/system); here the simulator has asked for what it had killed."""
+
+    def down(_: Simulation) -> str:
+        raise PartyError("party K1 is down")
+
+    monkeypatch.setattr(Simulation, "settle", down)
+    with pytest.raises(Crashed, match="PartyError: party K1 is down; scenario rtri_test_line, seed 1, step"):
         execute(load_scenario("rtri_test_line"), Link.SIMULATED)
 
 

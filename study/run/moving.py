@@ -1,0 +1,184 @@
+"""What a sweep moves: the faults and acts of a drill as one rigid piece, or single faults of every kind.
+
+A drill's faults and acts keep the times between them that they have in the drill itself. What waits for an event is
+put where the event was in the run of the drill as it is written: at another instant the same event may never come, or
+be another one. What never came due there is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Final
+
+from network.errors import InputError
+from simulation.events import TagPassed
+from simulation.faults.devices import PowerFault
+from simulation.faults.fault import Fault, Names
+from simulation.faults.links import ANY, BOTH_WAYS, LinkFault
+from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
+from simulation.faults.table import FAULTS
+from simulation.setup import STEPS_PER_S, Setup, step_not_before
+from study.run.drill import text_of
+from study.run.forks import alone
+from study.run.run import simulated
+from study.run.sweep import Variation
+from study.scenario.scenario import Scenario
+from study.scenario.script_file import names_of
+from wayside.config import MANAGER_ID
+
+NO_TIME: Final = Trigger()
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """A drill as a sweep moves it. `left_out`: what never came due in the drill itself, in words."""
+
+    variation: Variation
+    left_out: tuple[str, ...]
+
+
+def moved(scenario: Scenario) -> Moved:
+    """What a sweep of a drill moves. InputError where there is nothing, or no fault begins in the drill itself."""
+    setup, script = scenario.setup, scenario.setup.script
+    if not script.faults and not script.acts:
+        raise InputError(scenario.file, "fault", None, "at least one [[fault]] or [[act]] that can be moved")
+    steps = _steps(setup)
+    begun = [step for step in steps[: len(script.faults) or None] if step is not None]
+    if not begun:
+        expected = "a time, or an event that happens in the drill itself, so that it can be moved"
+        raise InputError(scenario.file, "fault[0].start", None, expected)
+    at = min(begun)
+    both = list(zip(_items(script), steps, strict=True))
+    kept = [(step - at, item) for item, step in both if step is not None]
+    faults = tuple((offset, item) for offset, item in kept if isinstance(item, Failure))
+    acts = tuple((offset, item) for offset, item in kept if isinstance(item, Act))
+    left_out = tuple(text_of(item) for item, step in both if step is None)
+    stocks = stocks_of([item for _, item in faults], setup)
+    return Moved(Variation(scenario.id, faults, acts, stocks), left_out)
+
+
+def stocks_of(failures: Iterable[Failure], setup: Setup) -> frozenset[str]:
+    """The stocks whose trains a sweep follows: those that the faults aim at; all, where one aims at something else."""
+    everyone = frozenset(diagram.stock_id for diagram in setup.timetable.diagrams)
+    named: set[str] = set()
+    for failure in failures:
+        target = failure.fault.target
+        ends = (target.source, target.destination) if isinstance(failure.fault, LinkFault) else (target,)
+        hit = everyone.intersection(ends)
+        if not hit:
+            return everyone
+        named |= hit
+    return frozenset(named) or everyone
+
+
+def _items(script: Script) -> tuple[Failure | Act, ...]:
+    return (*script.faults, *script.acts)
+
+
+def _steps(setup: Setup) -> list[int | None]:
+    """When each fault and act begins in the drill itself; None for never."""
+    triggers = [item.trigger for item in _items(setup.script)]
+    if any(trigger.at_s is None for trigger in triggers):
+        return alone(list[int | None], partial(_begun, setup))
+    return [step_not_before((trigger.at_s or 0.0) + trigger.after_s) for trigger in triggers]
+
+
+def _begun(setup: Setup) -> list[int | None]:
+    with simulated(setup) as simulation:
+        courses = simulation.run().courses
+    step_of = {id(course.item): round(course.begun_s * STEPS_PER_S) for course in courses}
+    return [step_of.get(id(item)) for item in _items(setup.script)]
+
+
+# single faults of every kind ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Single:
+    """A kind of fault as it is swept alone: how long it lasts (None: it is over at once), and its own keys."""
+
+    duration_s: float | None
+    keys: Mapping[str, Any]
+
+
+SINGLES: Final[Mapping[str, Single]] = {
+    "power_off": Single(60.0, {}),
+    "restart": Single(None, {}),
+    "frozen": Single(30.0, {}),
+    "clock": Single(60.0, {"offset_s": 30.0}),
+    "doors": Single(30.0, {}),
+    "brake": Single(30.0, {}),
+    "cut": Single(60.0, {}),
+    "loss": Single(120.0, {"p": 0.5}),
+    "delay": Single(60.0, {"seconds": 5.0}),
+    "duplicate": Single(120.0, {"p": 0.5}),
+    "reorder": Single(120.0, {"p": 0.5, "seconds": 2.0}),
+    "flip": Single(120.0, {"p": 0.5}),
+    "scale": Single(60.0, {"factor": 0.9}),
+    "stuck_output": Single(20.0, {}),
+    "no_output": Single(20.0, {}),
+    "slippery": Single(60.0, {"factor": 0.25}),
+    # Half a second before each passage, and nowhere else.
+    "miss": Single(1.0, {}),
+    "wrong_id": Single(1.0, {}),
+    "stuck": Single(60.0, {}),
+    "no_detection": Single(60.0, {}),
+    "slow": Single(60.0, {"factor": 3.0}),
+}
+REENTRY_AFTER_S: Final = (30.0, 120.0)  # after the manager is on again, a person looks at the picture: twice
+
+
+def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, ...]:
+    """Single faults of every kind, or of some: on every party, link, train and points, on each tag as it is passed.
+
+    A person takes part where nothing goes on without: a manager that has lost its power needs its picture accepted.
+    """
+    names = names_of(setup)
+    passages = alone(list[tuple[int, int]], partial(_passages, setup))
+    variations: list[Variation] = []
+    for kind in kinds or SINGLES:
+        single, fault = SINGLES[kind], FAULTS[kind]
+        for target in _targets(fault, names):
+            keys = dict(single.keys) | ({"id": _another(target, names)} if kind == "wrong_id" else {})
+            failure = Failure(fault(target=target, **keys), NO_TIME, single.duration_s)
+            before = None
+            if fault.aims_at == "tag":
+                before = tuple(step - STEPS_PER_S // 2 for step, tag in passages if str(tag) == target)
+                if not before:
+                    continue  # no train passes it
+            stocks = stocks_of([failure], setup)
+            name = f"{kind} {target}"
+            variations.append(Variation(name, ((0, failure),), _people(failure), stocks, before))
+    return tuple(variations)
+
+
+def _targets(kind: type[Fault[Any]], names: Names) -> tuple[str, ...]:
+    """What a kind is swept on: a cut on each link of a unit, what comes by chance on all links together."""
+    if not issubclass(kind, LinkFault):
+        return kind.targets(names)
+    if kind.kind != "cut":
+        return (f"{ANY}{BOTH_WAYS}{ANY}",)
+    return tuple(f"{unit}{BOTH_WAYS}{device}" for unit in names.units for device in names.devices)
+
+
+def _another(tag: str, names: Names) -> int:
+    """The tag that another reads as: the one beside it in the line's table."""
+    at = names.tags.index(tag)
+    return int(names.tags[at - 1 if at else 1])
+
+
+def _people(failure: Failure) -> tuple[tuple[int, Act], ...]:
+    if not isinstance(failure.fault, PowerFault) or failure.fault.target != MANAGER_ID:
+        return ()
+    on_again_s = failure.duration_s or 0.0
+    act = Act(ActKind.REENTER_ASSISTED, "", NO_TIME)
+    return tuple((round((on_again_s + after_s) * STEPS_PER_S), act) for after_s in REENTRY_AFTER_S)
+
+
+def _passages(setup: Setup) -> list[tuple[int, int]]:
+    """Which tag is passed at which step when nothing fails."""
+    with simulated(replace(setup, script=Script())) as simulation:
+        entries = simulation.run().journal.entries
+    return [(round(e.t_s * STEPS_PER_S), e.event.tag_id) for e in entries if isinstance(e.event, TagPassed)]

@@ -1,0 +1,172 @@
+"""Sweeps: the same faults at every instant of a run, each run forked from the state before them (全時刻試験).
+
+One process runs the scenario without any fault. Wherever a stretch begins, it forks a copy for each instant that may
+lie in that stretch; the copy is told what happens, and when, and runs on to its end. The parent's stretches are not
+cut at the instants, so a copy's run is, to the byte, the run of the drill that has the fault at that time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import count
+from typing import Final
+
+from simulation.faults.script import DEFAULTS, Act, Failure, Script, Trigger
+from simulation.loop import Simulation
+from simulation.setup import STEPS_PER_S, Setup, step_not_before
+from simulation.world.roster import draw_up
+from study.run.forks import Died, Forks
+from study.run.outcome_class import Outcome, outcome_of, outcome_of_death
+from study.run.run import simulated
+
+LEAD_S: Final = 10.0  # a sweep begins this long before the first train of interest
+Progress = Callable[[int, int], None]  # runs done, runs to do
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """What is moved, as a whole: faults and acts, each at so many steps after the instant (before it where negative).
+
+    The first fault, or the first act where there is no fault, is at the instant. `stocks` are those whose trains the
+    sweep follows. `instants`: the steps at which alone it can have an effect, in order; None: every one may matter.
+    """
+
+    name: str
+    faults: tuple[tuple[int, Failure], ...] = ()
+    acts: tuple[tuple[int, Act], ...] = ()
+    stocks: frozenset[str] = frozenset()
+    instants: tuple[int, ...] | None = None
+
+    @property
+    def first(self) -> int:
+        """The step, after the instant, of the first thing that happens."""
+        return min(offset for offset, _ in (*self.faults, *self.acts))
+
+    def at(self, step: int) -> Script:
+        """The script with its instant at `step`."""
+        return Script(
+            tuple(replace(failure, trigger=_at(step + offset)) for offset, failure in self.faults),
+            tuple(replace(act, trigger=_at(step + offset)) for offset, act in self.acts),
+            DEFAULTS,
+        )
+
+
+def _at(step: int) -> Trigger:
+    return Trigger(at_s=step / STEPS_PER_S)
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """Which instants, s. From LEAD_S before the first train of interest to where the last of them has ended its day.
+
+    `staggered`: several variations one after the other within each `every_s`, so that together they are closer.
+    """
+
+    every_s: float = 1.0
+    from_s: float | None = None
+    to_s: float | None = None
+    staggered: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """All outcomes of a sweep, by the variation's name and the step of the instant."""
+
+    every_step: int
+    outcomes: dict[str, dict[int, Outcome]]
+
+    @property
+    def bad(self) -> bool:
+        """Whether any run was."""
+        return any(outcome.bad for runs in self.outcomes.values() for outcome in runs.values())
+
+
+class _Course:
+    """Where the sweep of one variation is."""
+
+    def __init__(self, variation: Variation, instants: Iterable[int]) -> None:
+        self.variation = variation
+        self._instants = iter(instants)
+        self._next = next(self._instants, None)
+
+    @property
+    def open(self) -> bool:
+        """Whether instants are left."""
+        return self._next is not None
+
+    def due(self, simulation: Simulation) -> Iterable[int]:
+        """The instants whose runs part from the fault-free one in the stretch that begins now."""
+        first = self.variation.first
+        while self._next is not None and self._next + first <= simulation.horizon_step:
+            if self._next + first >= simulation.step:
+                yield self._next
+            self._next = next(self._instants, None)
+
+    def close(self) -> None:
+        """No further instants."""
+        self._next = None
+
+
+def sweep(
+    setup: Setup,
+    variations: Sequence[Variation],
+    window: Window,
+    jobs: int,
+    progress: Progress | None = None,
+) -> Swept:
+    """Run every variation at every instant of its window."""
+    every_step = max(1, round(window.every_s * STEPS_PER_S))
+    planned = [_planned(setup, variation, window) for variation in variations]
+    if window.staggered:
+        later = [n * p.step // len(planned) for n, p in enumerate(planned)]
+        planned = [range(p.start + n, p.stop, p.step) for n, p in zip(later, planned, strict=True)]
+    courses: list[_Course] = []
+    for variation, steps in zip(variations, planned, strict=True):
+        # Trains may be late: without an end of its own a sweep goes on to where they have ended their day.
+        endless = steps if window.to_s is not None else count(steps.start, steps.step)
+        courses.append(_Course(variation, endless if variation.instants is None else variation.instants))
+    total = sum(
+        len(steps if variation.instants is None else variation.instants)
+        for variation, steps in zip(variations, planned, strict=True)
+    )
+    with simulated(replace(setup, script=Script())) as simulation, Forks(Outcome, jobs) as copies:
+        simulation.begin()
+        while any(course.open for course in courses) and not simulation.settle():
+            for course in courses:
+                variation = course.variation
+                for step in course.due(simulation):
+                    copies.start((variation.name, step), partial(_end_of, simulation, variation.at(step)))
+                    if progress is not None:
+                        progress(len(copies.results), total)
+                if window.to_s is None and all(map(simulation.done, course.variation.stocks)):
+                    course.close()
+            simulation.advance()
+        copies.wait()
+    outcomes: dict[str, dict[int, Outcome]] = {variation.name: {} for variation in variations}
+    for (name, step), found in sorted(copies.results.items(), key=_key):
+        outcomes[name][step] = outcome_of_death(found) if isinstance(found, Died) else found
+    return Swept(every_step, outcomes)
+
+
+def _end_of(simulation: Simulation, script: Script) -> Outcome:
+    """In a copy: what becomes of it all with this script."""
+    simulation.happens(script)
+    return outcome_of(simulation.finish(), script)
+
+
+def _key(item: tuple[tuple[str, int], object]) -> tuple[str, int]:
+    return item[0]
+
+
+def _planned(setup: Setup, variation: Variation, window: Window) -> range:
+    """The instants of a variation if its trains run to plan."""
+    lengths = {stock: float(train.row[0]["length_m"]) for stock, train in setup.trains.items()}
+    drawn = draw_up(setup.line, setup.timetable, lengths, setup.operation.portal_lead_s)
+    duties = [duty for stock in variation.stocks for duty in drawn[stock]]
+    first_s = min(duty.enter_s for duty in duties) - LEAD_S if window.from_s is None else window.from_s
+    ends_s = [duty.train.calls[-1].last_s for duty in duties]
+    last_s = max(ends_s) if window.to_s is None else window.to_s
+    every = max(1, round(window.every_s * STEPS_PER_S))
+    return range(step_not_before(first_s), step_not_before(last_s) + 1, every)

@@ -1,0 +1,30 @@
+"""A sweep that must find nothing bad."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from study.run.sweep import Variation, Window, sweep
+from study.run.sweep_report import classes_of, figures_of, text_of, write_sweep
+from study.scenario.scenario import Scenario
+
+JOBS: Final = 1  # the other worker has the other line
+
+Sweeps = Callable[[Scenario, Sequence[Variation], Window], list[str]]
+
+
+@pytest.fixture
+def bad_in(tmp_path: Path) -> Sweeps:
+    """Sweep, and tell what is bad, each with the drill that shows it."""
+
+    def run(scenario: Scenario, variations: Sequence[Variation], window: Window) -> list[str]:
+        swept = sweep(scenario.setup, variations, window, JOBS)
+        out = tmp_path / "sweep"
+        write_sweep(scenario, swept, variations, figures_of(scenario, swept, ()), out)
+        return [f"{text_of(found)}; {out / found.replay}" for found in classes_of(swept) if found.bad]
+
+    return run

@@ -1,0 +1,35 @@
+"""One round trip of the Karasuyama line: single faults of every kind, so that every few seconds something fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import pytest
+
+from simulation.faults.devices import Restart
+from simulation.faults.script import Failure, Trigger
+from study.run.moving import single_faults
+from study.run.sweep import Variation, Window
+from study.scenario.scenario import Scenario, load_scenario
+
+Sweeps = Callable[[Scenario, Sequence[Variation], Window], list[str]]
+
+pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
+
+EVERY_S: Final = 30.0  # of one fault; all of them take half an hour on two processors
+
+
+def test_single_faults_of_every_kind_over_a_round_trip(bad_in: Sweeps) -> None:
+    scenario = load_scenario("karasuyama_round_trip")
+    assert bad_in(scenario, single_faults(scenario.setup), Window(EVERY_S, staggered=True)) == []
+
+
+def test_a_unit_that_starts_again_around_the_arrival_of_another_train(bad_in: Sweeps) -> None:
+    """322M's unit on open line out of coverage, around the moment of the drill `karasuyama/28`."""
+    scenario = load_scenario("karasuyama_round_trip")
+    variation = Variation(
+        "restart V1", ((0, Failure(Restart(target="V1"), Trigger())),), (), frozenset({"V1"})
+    )
+    window = Window(0.5, 6 * 3600.0 + 600.0, 6 * 3600.0 + 680.0)
+    assert bad_in(scenario, (variation,), window) == []

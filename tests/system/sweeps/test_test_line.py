@@ -1,0 +1,69 @@
+"""Every second of the test line's runs: single faults of every kind, every drill, every tenth of each departure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from simulation.faults.devices import PowerOff, Restart
+from simulation.faults.script import Failure, Trigger
+from simulation.setup import STEPS_PER_S
+from study.run.drill import find_drill, shipped_drills
+from study.run.moving import moved, single_faults
+from study.run.sweep import Variation, Window
+from study.scenario.scenario import Scenario, load_scenario
+
+Sweeps = Callable[[Scenario, Sequence[Variation], Window], list[str]]
+
+pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
+
+MOVABLE: Final = [
+    name
+    for name in shipped_drills()
+    if name.startswith("rtri/") and name.split("/")[1] not in ("01_normal", "02_turn_back", "03_block_held")
+]
+
+
+@pytest.fixture
+def two_trains(tmp_path: Path) -> Scenario:
+    file = tmp_path / "two.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\nid = "two"\nname = "two"\ntimetable = "rtri_two_trains"\n', "utf-8"
+    )
+    return load_scenario(str(file))
+
+
+def test_single_faults_of_every_kind_at_every_second(two_trains: Scenario, bad_in: Sweeps) -> None:
+    assert bad_in(two_trains, single_faults(two_trains.setup), Window(1.0)) == []
+
+
+@pytest.mark.parametrize("name", MOVABLE)
+def test_every_drill_at_every_second(name: str, bad_in: Sweeps) -> None:
+    scenario = load_scenario(find_drill(name))
+    assert bad_in(scenario, (moved(scenario).variation,), Window(1.0)) == []
+
+
+@pytest.mark.parametrize("departure_s", [36_000.0, 36_300.0, 36_420.0])
+def test_a_unit_without_power_at_every_tenth_of_a_departure(
+    two_trains: Scenario, departure_s: float, bad_in: Sweeps
+) -> None:
+    """Restarts, and power off for half a second, 2 s and 30 s, from the order to 3 s after it."""
+    failures = [
+        failure
+        for unit in ("K1", "K2")
+        for failure in (
+            Failure(Restart(target=unit), Trigger()),
+            *(Failure(PowerOff(target=unit), Trigger(), duration_s) for duration_s in (0.5, 2.0, 30.0)),
+        )
+    ]
+    variations = tuple(
+        Variation(
+            f"{f.fault.kind} {f.fault.target} {f.duration_s}", ((0, f),), (), frozenset({f.fault.target})
+        )
+        for f in failures
+    )
+    window = Window(1.0 / STEPS_PER_S, departure_s, departure_s + 3.0)
+    assert bad_in(two_trains, variations, window) == []
