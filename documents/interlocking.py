@@ -40,6 +40,9 @@ INVARIANTS: Final = (
     ("onboard.authority.route", "on-board unit: routes"),
     ("onboard.authority.points", "on-board unit: points"),
     ("onboard.authority.report", "on-board unit: giving back"),
+    ("onboard.duty.arrival", "on-board unit: what lies behind"),
+    ("onboard.authority.agreement", "on-board unit: contradictions with the register"),
+    ("onboard.duty.fitness", "on-board unit: vehicle and brakes"),
     ("onboard.authority.letters", "on-board unit: tokens and correlations"),
     ("onboard.localisation.tachometer", "on-board unit: position"),
     ("onboard.driving.supervision", "on-board unit: speed"),
@@ -167,7 +170,8 @@ Who may be where is decided by three kinds of party that talk by radio only: one
 terminal at each end of a station, an on-board unit in each train. The frame is that of Sugiyama, Fukuda and Kitano
 (RTRI), "Evaluation of Functions of a Train Control System by Using the On-board Interlocking"; sections and tags are
 named as in its figure 3. A train asks for all sections up to its next track at once, has the points in them thrown by
-itself, and moves its stop limit (停止限界点) on as grants and proofs come in.
+itself, and moves its stop limit (停止限界点) on as grants and proofs come in. What that paper leaves open, and how it was
+decided, is [a page of its own](interlocking-gaps.md).
 """
 _MACHINES: Final = """
 Each is a pure function of its state and one event. What a table does not name is refused and changes nothing; lines

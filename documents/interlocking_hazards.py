@@ -46,11 +46,25 @@ HAZARDS: Final = (
     Hazard(
         "The restored picture lacks a train or a section",
         "a person accepts too early or enters wrongly, or a unit claims only where it stands",
-        "a unit's own full claim outranks entries; for a silent unit two persons must say the same",
+        "a unit's own full claim outranks entries; for a silent unit two persons must say the same, and where it is",
         ("wayside.reentry", "wayside.acts", "onboard.authority.machine"),
         (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
         ("rtri/09_manager_power", "rtri/09b_manager_power_by_hand"),
         ("a picture accepted without a silent unit", "a claim of less than is held"),
+    ),
+    Hazard(
+        "Two persons are wrong about a silent unit that is on the line",
+        "a train with its radio cut is said to stand, or to have left, where it does not",
+        "a place must be named, in a station; what no unit speaks for is locked until a train on sight has run through;"
+        " who is heard again and claims what another holds stops both",
+        ("wayside.acts", "wayside.reentry", "onboard.authority.agreement", "simulation.world.crew"),
+        (Checker.SUMO_COLLISION, Checker.INSIDE_HOLDING),
+        (
+            "rtri/53_word_without_a_place",
+            "rtri/53b_two_wrong_persons",
+            "rtri/53c_wrong_word_taken_back",
+            "rtri/55_unit_dead_for_good",
+        ),
     ),
     Hazard(
         "A section is freed under a train",
@@ -63,11 +77,12 @@ HAZARDS: Final = (
     ),
     Hazard(
         "A section is given back with the rear still in it",
-        "the unit goes by its front or by its estimate",
-        "released by the safe rear: estimate less bound less length; dropped on board before it is reported",
-        ("onboard.authority.stop_limit", "onboard.authority.machine"),
+        "the unit goes by its front, by its estimate, or by a tachometer that shows too much",
+        "released at the arrival tag, and by the safe rear besides: estimate less bound less length; dropped on board"
+        " before it is reported",
+        ("onboard.duty.arrival", "onboard.authority.stop_limit", "onboard.authority.machine"),
         (Checker.RELEASE_BEHIND_REAR, Checker.INSIDE_HOLDING),
-        ("rtri/01_normal", "rtri/20_route_given_back"),
+        ("rtri/01_normal", "rtri/20_route_given_back", "rtri/54_tachometer_over_reads"),
         ("sections given back by the front instead of the safe rear",),
     ),
     Hazard(
@@ -241,7 +256,9 @@ HAZARDS: Final = (
 )
 
 REMAINING: Final = (
-    "Two persons who agree on the same wrong word about a silent unit that is on the line (`wayside.reentry`).",
+    "Two persons who agree on the same wrong word about a silent unit, while its train runs at speed: drivers see each"
+    " other, but from more than 60 km/h 200 m do not suffice.",
+    "Two trains in one section after such a word: both stand and say why, and people must part them.",
     "A crew that passes points without looking, while their unit has no position: handling outside the system"
     " (section 4.4 (3) of the paper).",
     "A clock that is slow by as much as its link is late, both more than the age limit: such a telegram counts as new"
