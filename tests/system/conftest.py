@@ -303,16 +303,16 @@ def releases_at_the_front(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
-    def held_alone(plan: Plan, state: Authority, _entered: Collection[str] = ()) -> Limit:
+    def held_alone(plan: Plan, state: Authority, _entered: Collection[str] = (), **how: bool) -> Limit:
         bare = tuple(msgspec.structs.replace(span, points=()) for span in plan.spans)
-        return stop_limit(msgspec.structs.replace(plan, spans=bare), state)
+        return stop_limit(msgspec.structs.replace(plan, spans=bare), state, **how)
 
     patch.setattr(duty_machine, "stop_limit", held_alone)
 
 
 @switch
 def runs_beyond_what_it_holds(patch: pytest.MonkeyPatch) -> None:
-    def end_of_path(plan: Plan, _state: Authority, _entered: Collection[str] = ()) -> Limit:
+    def end_of_path(plan: Plan, _state: Authority, _entered: Collection[str] = (), **_how: bool) -> Limit:
         return Limit(len(plan.spans), None, "end of the path")
 
     patch.setattr(duty_machine, "stop_limit", end_of_path)
