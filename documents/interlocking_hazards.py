@@ -49,7 +49,13 @@ HAZARDS: Final = (
         "a unit's own full claim outranks entries; for a silent unit two persons must say the same, and where it is",
         ("wayside.reentry", "wayside.acts", "onboard.authority.machine"),
         (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
-        ("rtri/09_manager_power", "rtri/09b_manager_power_by_hand"),
+        (
+            "rtri/09_manager_power",
+            "rtri/09b_manager_power_by_hand",
+            "rtri/14a_manager_and_units_in_stations",
+            "rtri/14b_manager_and_units_on_open_line",
+            "rtri/14c_manager_and_units_one_each",
+        ),
         ("a picture accepted without a silent unit", "a claim of less than is held"),
     ),
     Hazard(

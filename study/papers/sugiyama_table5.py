@@ -1,5 +1,7 @@
 """Table 5 of Sugiyama, Fukuda and Kitano (2017): every row of the test menu, as drills on two lines.
 
+Row 14 is no row of theirs: the failure of table 2 that table 5 leaves out, at three moments.
+
 The paper ran the menu on its own test track and found every reaction as expected. Here each row is one drill or
 several (`study/drills/<line>/<row>_*.toml`) on the model of that track and again on a day of the Karasuyama line.
 A row passes if every expectation of its drill is met, no invariant is broken and every train arrives.
@@ -72,6 +74,11 @@ TABLE5: Final = (
     Reaction(11, "terminal: transmission cut", "a stop pattern to the points, thrown or not"),
     Reaction(12, "terminal: power off", "a stop pattern to the points, thrown or not"),
     Reaction(13, "tag: not read", "a position detection fault, against the tachometer"),
+    Reaction(
+        14,
+        "block manager and on-board units: power off together (table 2)",
+        "nothing is granted; low speed; the picture is restored from the trains' places, then accepted (4.4 (4))",
+    ),
 )
 
 

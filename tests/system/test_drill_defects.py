@@ -197,6 +197,12 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "12_terminal_power": ("does_not_wait_for_proof", "it does not enter them"),
         "12b_terminal_power_after_throw": (points_unlock_without_power, "no invariant is broken"),
         "13_tag_not_read": ("expects_no_tag", "position fault: the expected tag was not read"),
+        "14a_manager_and_units_in_stations": ("claims_only_where_it_stands", "no invariant is broken"),
+        "14b_manager_and_units_on_open_line": (
+            "restarts_at_full_speed",
+            "K2 runs at low speed until position and holdings are known",
+        ),
+        "14c_manager_and_units_one_each": ("starts_with_every_section_free", "no invariant is broken"),
         "20_route_given_back": (keeps_a_route_set_back, "then the manager frees it"),
         "21_points_stuck": ("proves_what_it_has_not_detected", "the train waits before them"),
         "22_points_no_detection": ("proves_what_it_has_not_detected", "but not proven"),

@@ -13,8 +13,10 @@ from host.units import LocalUnits
 from onboard.duty.records import Phase
 from onboard.notes import UnitRestarted
 from onboard.records import EMERGENCY_INTERVENTION, UNIT
+from radio.envelope import header_of
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup, unit_configs
+from simulation.world.clock import Clock
 from simulation.world.kernel import advance, new_sheet
 from simulation.world.on_board import OnBoard
 from simulation.world.records import TRACE
@@ -102,6 +104,32 @@ def test_a_unit_that_boots_has_forgotten_and_brakes(cab: Cab) -> None:
     assert cab.trains.units[0].position_known == 0
     assert cab.trains.units[0].intervention == EMERGENCY_INTERVENTION
     assert cab.on_board.drives_on_sight(0)
+
+
+@pytest.mark.parametrize("drift", [0.1, -0.1])
+def test_a_timer_runs_out_by_the_units_own_clock(cab: Cab, drift: float) -> None:
+    """The sign-on is repeated after 2 s of it; its telegrams are stamped with it, too."""
+    cab.on_board.clocks[0] = Clock().wrong(100.0, drift, 0.0)
+    first = cab.on_board.tell(0, 10.0)  # set forward: what was due has run out
+    assert first is not None
+    (repeated,) = first[0].telegrams
+    header = header_of(repeated.data)
+    assert header is not None
+    assert header.sent_s == pytest.approx(100.0 + 10.0 * (1.0 + drift))
+    wake_at_s = first[0].wake_at_s
+    assert wake_at_s == pytest.approx(10.0 + 2.0 / (1.0 + drift))
+    before, after = cab.on_board.tell(0, wake_at_s - 0.01), cab.on_board.tell(0, wake_at_s)
+    assert before is not None and not before[0].telegrams
+    assert after is not None and len(after[0].telegrams) == 1
+
+
+def test_what_the_vehicle_shows_outlives_a_boot_of_its_unit(cab: Cab) -> None:
+    cab.on_board.power_off(0)
+    assert cab.on_board.vehicle_shows(0, "doors_closed", good=False) == []
+    cab.on_board.power_on(0)
+    answered = cab.on_board.tell(0, 60.0, cab.on_board.switch_on(0, cab.duty, 0))
+    assert answered is not None
+    assert cab.units._running["K1"].state.place.unfit == "doors not closed"
 
 
 def test_the_driver_is_shown_what_the_unit_says(cab: Cab) -> None:

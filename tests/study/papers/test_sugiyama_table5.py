@@ -7,8 +7,9 @@ import pytest
 from study.papers.reproduction import Options, reproduction
 from study.papers.sugiyama_table5 import LINES, NAME, TABLE5, drills_of, reproduce
 
-# as counted in table 5: no failure 3, on-board 4, tachometer 1, manager 2, terminal 2 ("cut / power off"), tag 1
-ROWS = 3 + 4 + 1 + 2 + 2 + 1
+# as counted in table 5: no failure 3, on-board 4, tachometer 1, manager 2, terminal 2 ("cut / power off"), tag 1;
+# and from table 2: manager and on-board units together
+ROWS = 3 + 4 + 1 + 2 + 2 + 1 + 1
 
 
 def test_the_table_has_the_papers_rows_in_order() -> None:
@@ -25,6 +26,15 @@ def test_every_row_has_its_drill_on_every_line(line: str, row: int) -> None:
 def test_the_tachometer_fails_both_ways_and_the_tag_variant_is_there(line: str) -> None:
     assert len(drills_of(8, line)) >= 2  # 出力異常・出力なし
     assert f"{line}/05b_extra_tag" in drills_of(5, line)  # table 3's note
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_manager_and_units_fail_together_in_stations_on_the_open_line_and_one_each(line: str) -> None:
+    assert [name.split("manager_and_units_")[1] for name in drills_of(14, line)] == [
+        "in_stations",
+        "on_open_line",
+        "one_each",
+    ]
 
 
 def test_it_is_known_by_name() -> None:
