@@ -23,6 +23,8 @@ RANGES: Final[dict[tuple[str, str], tuple[float, float, str]]] = {
     ("loss", "p"): (0.2, 1.0, "less than this the air does by itself"),
     ("slow", "factor"): (1.0, 6.0, "a throw of half a minute is longer than any terminal waits"),
     ("scale", "factor"): (0.0, 3.0, "from dead to three times the speed"),
+    ("clock", "offset_s"): (-30.0, 30.0, "beyond the age limit of a telegram nothing gets through"),
+    ("clock", "drift_ppm"): (-2000.0, 2000.0, "the worst clocks that are sold as such"),
     ("slippery", "factor"): (0.6, 1.0, "what the guaranteed brake can stand; below it is outside the design"),
 }
 WITHOUT_BOUND: Final = (0.0, 10.0)
