@@ -41,9 +41,7 @@ class Staff:
         self._off_s: dict[str, float] = {}  # since when, by device
         self._broken_s: dict[str, float] = {}  # the same of points
         self._restored_from_s: float | None = None  # the manager's last restart, until the line is defined
-        self._watched_from_s: float | None = (
-            None  # the one after which the controller began to look at the picture
-        )
+        self._watched_from_s: float | None = None  # the one after which the controller looks at the picture
         self._silent_s: dict[str, float] = {}
         self._again_s: dict[str, float] = {}
         self._tries: Counter[str] = Counter()
