@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, ONE_WAY
+from simulation.settings import Driving
 from tests.system.chaos.draw import Draw
 from wayside.config import MANAGER_ID
 
@@ -23,7 +24,9 @@ RANGES: Final[dict[tuple[str, str], tuple[float, float, str]]] = {
     ("loss", "p"): (0.2, 1.0, "less than this the air does by itself"),
     ("slow", "factor"): (1.0, 6.0, "a throw of half a minute is longer than any terminal waits"),
     ("scale", "factor"): (0.0, 3.0, "from dead to three times the speed"),
-    ("slippery", "factor"): (0.6, 1.0, "what the guaranteed brake can stand; below it is outside the design"),
+    ("clock", "offset_s"): (-30.0, 30.0, "beyond the age limit of a telegram nothing gets through"),
+    ("clock", "drift_ppm"): (-2000.0, 2000.0, "the worst clocks that are sold as such"),
+    ("slippery", "factor"): (Driving().design_adhesion_share, 1.0, "below it is outside the design"),
 }
 WITHOUT_BOUND: Final = (0.0, 10.0)
 TAG_OF_THE_LINE_P: Final = 0.6  # a wrong id that is another tag's says a wrong place; most others say nothing

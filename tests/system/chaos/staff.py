@@ -40,7 +40,8 @@ class Staff:
         self._next_look_s = 0.0
         self._off_s: dict[str, float] = {}  # since when, by device
         self._broken_s: dict[str, float] = {}  # the same of points
-        self._restored_from_s: float | None = None
+        self._restored_from_s: float | None = None  # the manager's last restart, until the line is defined
+        self._watched_from_s: float | None = None  # the one after which the controller looks at the picture
         self._silent_s: dict[str, float] = {}
         self._again_s: dict[str, float] = {}
         self._tries: Counter[str] = Counter()
@@ -57,6 +58,7 @@ class Staff:
             case Started() if entry.who == MANAGER_ID:
                 self._silent_s = dict.fromkeys(self._simulation.trains.stock_ids, t_s)
                 self._restored_from_s = t_s if event.epoch > 1 else None
+                self._again_s.clear()
             case PictureChanged(stage=Stage.DEFINED.value):
                 self._restored_from_s = None
             case Accepted() | Outside() | ConfirmedByHand():
@@ -79,7 +81,8 @@ class Staff:
         by_hand = self._simulation.setup.operation.reentry is ReentryMode.BY_HAND
         if restores and by_hand:
             self._enter_all(t_s)
-        elif restores:
+        elif restores and self._watched_from_s != self._restored_from_s:  # they go on looking by themselves
+            self._watched_from_s = self._restored_from_s
             self._act(t_s, ActKind.REENTER_ASSISTED, "", CONTROLLER)
         for unit_id, since_s in list(self._silent_s.items()):
             if t_s - since_s > self._manner.silent_s and not (restores and by_hand):
