@@ -19,7 +19,7 @@ _IDLE: Final[Mapping[Phase, str]] = MappingProxyType(
         Phase.GONE: "its next train",
     }
 )
-_SIGNING: Final = MappingProxyType({Phase.SIGNING_ON: Ask.SIGN_ON, Phase.SIGNING_OFF: Ask.SIGN_OFF})
+_ASKS: Final = MappingProxyType({Ask.SIGN_ON: "signing on", Ask.SIGN_OFF: "signing off", Ask.ROUTE: "route"})
 AT_A_MARK: Final = (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
 
 
@@ -63,12 +63,13 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
     authority = state.authority
     if authority.mismatch:
         yield f"agreement with the block manager: {authority.mismatch}"
-    asks = [ask for phase, ask in _SIGNING.items() if phase is state.phase]
-    for ask in (*asks, Ask.ROUTE):
+    for ask, what in _ASKS.items():
         request = authority.open(ask)
         if request is not None:
-            what = f"route {request.subject}" if ask is Ask.ROUTE else state.phase.value
-            yield f"{what}: {request.refusal or 'no answer from the block manager'}"
+            yield (
+                f"{what} {request.subject}".rstrip()
+                + f": {request.refusal or 'no answer from the block manager'}"
+            )
     for command in authority.commands:
         yield f"points {command.needed.points_id}: {command.refusal or 'not proven'}"
     if state.place.unfit:

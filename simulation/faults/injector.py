@@ -223,13 +223,14 @@ class Injector:
             self._enter([AcceptPicture(act.person)], act.pace_s)
 
     def _reenter(self, act: Act) -> None:
-        """Every section of the line by what the crews say they hold, then the whole picture (手動入力)."""
+        """Every section of the line by what the crews say they hold and stand in, then the whole picture (手動入力)."""
         holder = {
             section_id: stock_id
             for slot, stock_id in enumerate(self._trains.stock_ids)
             if self._on_board.shown(slot).on_line  # who has not been accepted holds nothing yet
             for section_id in self._on_board.shown(slot).held
         }
+        holder |= {s: stock_id for stock_id, under in self._trains.sections_under().items() for s in under}
         entries = [EnterSection(s, holder.get(s), act.person) for s in self._wayside.section_ids]
         self._enter([*entries, AcceptPicture(act.person)], act.pace_s)
 

@@ -210,7 +210,7 @@ class Checkers:
         if self._rail.outside(t_s, body.unit_id):
             body.overrun |= {s for s in body.sections - sections if self._missing(body, s)}
         for piece_id in self._track.touched(body):
-            self._check_entry(t_s, body, piece_id)
+            self._check_entry(t_s, body, piece_id, on_points)
         if body.pieces != pieces:
             self._points.check(t_s, body)
             for points_id in on_points - self._points.under(body):
@@ -219,14 +219,15 @@ class Checkers:
             self._check_alone(t_s, body, sections)
         self._check_held(t_s, body)
 
-    def _check_entry(self, t_s: float, body: Body, piece_id: str) -> None:
+    def _check_entry(self, t_s: float, body: Body, piece_id: str, on_points: Collection[str]) -> None:
         """`proven-before-entry`: the unit has a proof, no older than its grant, for the position.
 
-        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`.
+        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`. Points that the
+        train was on already are not entered again.
         """
         unit_id = body.unit_id
         need = self._points.needs(piece_id)
-        if need is not None:
+        if need is not None and need[0] not in on_points:
             proof: Proof | str | None = self._proofs.get(unit_id, {}).get(need[0])
             if proof is None:
                 proof = self._locking.enters(body, piece_id, need[0])

@@ -219,14 +219,21 @@ class Trains:
 
     def stands_in(self, section_id: str) -> bool:
         """Whether any train truly stands in a section, wholly or in part."""
+        return any(self._is_in(slot, section_id) for slot in self.active())
+
+    def _is_in(self, slot: int, section_id: str) -> bool:
         pieces = set(self.setup.line.sections[section_id].piece_ids)
-        for slot in self.active():
-            front_m = float(self.truths[slot].position_m)
-            rear_m = front_m - float(self.kinds[slot].length_m)
-            steps = self.true_path(slot).steps
-            if any(s.piece_id in pieces and s.end_m > rear_m and s.start_m < front_m for s in steps):
-                return True
-        return False
+        front_m = float(self.truths[slot].position_m)
+        rear_m = front_m - float(self.kinds[slot].length_m)
+        steps = self.true_path(slot).steps
+        return any(s.piece_id in pieces and s.end_m > rear_m and s.start_m < front_m for s in steps)
+
+    def sections_under(self) -> dict[str, set[str]]:
+        """The sections that each train on the line truly stands in, by stock id."""
+        return {
+            self.stock_ids[slot]: {s for s in self.setup.line.sections if self._is_in(slot, s)}
+            for slot in self.active()
+        }
 
     def train_ahead_m(self, slot: int) -> float:
         """Where on its path (m) the nearest part of another train is, ahead of this one; infinite if none."""
