@@ -1,0 +1,224 @@
+"""Behaviours of on-board units, their timers and crews that can be taken away."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from network.model import Position
+from onboard import motion
+from onboard.authority import points
+from onboard.authority import records as sym
+from onboard.authority.records import Authority
+from onboard.authority.stop_limit import stop_limit
+from onboard.authority.tables import Handler, Result
+from onboard.duty import arrival
+from onboard.duty import machine as duty_machine
+from onboard.duty.mission import Mission
+from onboard.duty.plan import Plan, PointsNeeded
+from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
+from onboard.localisation.fix import Fix, Refused, Taken, take
+from onboard.motion import Motion, PathData
+from onboard.notes import Claimed
+from onboard.records import UnitRow
+from onboard.unit import Answer, Report, Telegram, Unit
+from radio.messages import (
+    PointsCommand,
+)
+from simulation.setup import Setup, behaviour_rows
+from simulation.world.crew import Crew
+from simulation.world.roster import Duty
+from simulation.world.trains import Trains
+from tests.system.switchboard import ON_THE_POINTS_AFTER_S, switch, with_handlers
+
+# duty and timers ----------------------------------------------------------------------------------------------
+
+
+@switch
+def never_asks_again(patch: pytest.MonkeyPatch) -> None:
+    def once(handler: Handler) -> Handler:
+        def heard(state: Authority, event: sym.Event) -> Result:
+            state, actions = handler(state, event)
+            return state, tuple(sym.StopTimer(a.timer) if isinstance(a, sym.SetTimer) else a for a in actions)
+
+        return heard
+
+    with_handlers(patch, {sym.Refused: once})
+
+
+@switch
+def drops_its_timers(patch: pytest.MonkeyPatch) -> None:
+    advance = Unit.advance
+
+    def forgetful(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if self.state.authority.on_line:
+            self._timers.clear()
+            answer = msgspec.structs.replace(answer, wake_at_s=None)
+        return answer
+
+    patch.setattr(Unit, "advance", forgetful)
+
+
+# on-board unit ------------------------------------------------------------------------------------------------
+
+
+@switch
+def releases_at_the_front(patch: pytest.MonkeyPatch) -> None:
+    """What the front has surely passed counts as left by the rear, whatever tags say."""
+    place = Motion.place
+
+    def at_front(self: Motion) -> Place:
+        here = place(self)
+        passed = max(here.sure - 1, 0)
+        return msgspec.structs.replace(here, clear=passed, clear_at_mark=passed)
+
+    patch.setattr(Motion, "place", at_front)
+    patch.setattr(arrival, "arrived", lambda turn: turn.set(freed=len(turn.plan.spans)))
+
+
+@switch
+def does_not_wait_for_proof(patch: pytest.MonkeyPatch) -> None:
+    def held_alone(plan: Plan, state: Authority, _entered: Collection[str] = (), **how: bool) -> Limit:
+        bare = tuple(msgspec.structs.replace(span, points=()) for span in plan.spans)
+        return stop_limit(msgspec.structs.replace(plan, spans=bare), state, **how)
+
+    patch.setattr(duty_machine, "stop_limit", held_alone)
+
+
+@switch
+def runs_beyond_what_it_holds(patch: pytest.MonkeyPatch) -> None:
+    def end_of_path(plan: Plan, _state: Authority, _entered: Collection[str] = (), **_how: bool) -> Limit:
+        return Limit(len(plan.spans), None, "end of the path")
+
+    patch.setattr(duty_machine, "stop_limit", end_of_path)
+
+
+@switch
+def ignores_a_withdrawn_proof(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(points, "_lost", lambda state, _event: (state, ()))
+
+
+@switch
+def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
+    def claim(_queried: Handler) -> Handler:
+        def first(state: Authority, _event: sym.Queried) -> Result:
+            here = state.held[:1]
+            return state, (sym.SendClaim(here), sym.Write(Claimed(section_ids=here, token=0)))
+
+        return first
+
+    with_handlers(patch, {sym.Queried: claim})
+
+
+@switch
+def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
+    def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
+        row.position_known = 0  # so that nothing is compared
+        return take(row, fix)
+
+    patch.setattr(motion, "missed_by_m", lambda *_: 0.0)
+    patch.setattr(motion, "take", take_any)
+
+
+@switch
+def expects_no_tag(patch: pytest.MonkeyPatch) -> None:
+    def expect(self: Motion, _after_m: float | None = None) -> None:
+        self.row.expected_tag_m = math.inf
+
+    patch.setattr(Motion, "_expect_tag", expect)
+
+
+@switch
+def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
+    take_up = Motion._take_up
+
+    def certain(self: Motion, mission: Mission, path: PathData) -> None:
+        take_up(self, mission, path)
+        self.row.bound_growth = 0.0
+
+    patch.setattr(Motion, "_take_up", certain)
+
+
+@switch
+def restarts_at_full_speed(patch: pytest.MonkeyPatch) -> None:
+    obey = Motion.obey
+
+    def at_once(self: Motion, command: Command, now_s: float) -> None:
+        obey(self, command, now_s)
+        self.row.restricted_mps = math.inf
+
+    patch.setattr(Motion, "obey", at_once)
+
+
+@switch
+def service_brake_is_weak(patch: pytest.MonkeyPatch) -> None:
+    """Given: the service brake gives a fifth of what automatic driving counts on; the emergency brake is sound."""
+    place = Trains.place
+
+    def worn(self: Trains, slot: int, duty: Duty) -> None:
+        place(self, slot, duty)
+        self.plants[slot].brake_factor = 0.2
+
+    patch.setattr(Trains, "place", worn)
+
+
+@switch
+def supervision_trusts_any_brake(patch: pytest.MonkeyPatch) -> None:
+    """Brakes taken for so strong that the curve before the stop limit leaves no room to stop."""
+
+    def strong(setup: Setup, stocks: tuple[str, ...]) -> NDArray[np.void]:
+        made = behaviour_rows(setup, stocks)
+        made["service_guaranteed_mps2"] = made["emergency_guaranteed_mps2"] = 1e3
+        made["service_reaction_s"] = made["emergency_reaction_s"] = 0.0
+        return made
+
+    patch.setattr("simulation.world.trains.behaviour_rows", strong)
+
+
+@switch
+def crew_does_not_look(patch: pytest.MonkeyPatch) -> None:
+    stand = Crew.stand
+
+    def nod(self: Crew, slot: int, now_s: float) -> list[Person]:
+        return [PointsSeen(p.points) if isinstance(p, PointsWrong) else p for p in stand(self, slot, now_s)]
+
+    patch.setattr(Crew, "stand", nod)
+
+
+@switch
+def crew_does_not_lock(patch: pytest.MonkeyPatch) -> None:
+    """The crew only looks: what it has seen may change before its train has passed."""
+
+    def looks(self: Crew, _slot: int, _mission: Mission, needed: PointsNeeded, _now_s: float) -> bool:
+        machine = self._machine_of(needed.points_id)
+        return machine.locked and machine.position is needed.position
+
+    patch.setattr(Crew, "_locks", looks)
+
+
+@switch
+def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
+    """Given: a unit commands P7 the other way, by its own token, when its train is on its way over it on sight."""
+    advance, due_s = Unit.advance, list[float]()
+
+    def rogue(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if any(isinstance(event, PointsSeen) for event in sensed.happened):
+            due_s.append(now_s + ON_THE_POINTS_AFTER_S)
+        if not due_s:
+            return answer
+        if now_s < due_s[0]:
+            return msgspec.structs.replace(answer, wake_at_s=min(due_s[0], answer.wake_at_s or math.inf))
+        due_s.clear()
+        own = self._letters
+        order = PointsCommand("P7", Position.REVERSE, "7", own.token, own._macs["7", "B-W"])
+        data = self._endpoint.seal("B-W", order, now_s)
+        return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, Telegram("B-W", data)))
+
+    patch.setattr(Unit, "advance", rogue)

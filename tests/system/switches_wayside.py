@@ -1,0 +1,170 @@
+"""Behaviours of block manager and point terminals that can be taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import msgspec
+import pytest
+
+from host import device
+from network.model import Position
+from onboard.authority import letters
+from onboard.authority import records as sym
+from onboard.authority.letters import Letters
+from onboard.unit import Answer, Report, Telegram, Unit
+from radio.keys import MAC_BYTES
+from radio.messages import (
+    PointsCommand,
+    PointsProof,
+    PointsRefusalReason,
+    RefusalReason,
+)
+from radio.noted import TookEffect
+from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
+from wayside import block_manager, point_terminal, reentry, register
+from wayside.actions import Action, Send, Show
+from wayside.config import ManagerConfig
+from wayside.register import Register, Standing
+from wayside.said import Freed
+
+# block manager ----------------------------------------------------------------------------------------------
+
+
+@switch
+def grants_what_another_holds(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Register, "other_holder", lambda *_: None)
+
+
+@switch
+def grants_while_undefined(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Register, "defined", property(lambda _: True))
+
+
+@switch
+def starts_with_every_section_free(patch: pytest.MonkeyPatch) -> None:
+    start = register.start
+
+    def afresh(
+        config: ManagerConfig, epoch: int, keys: Mapping[str, bytes], _ledger: Iterable[str] = ()
+    ) -> Register:
+        return replace(start(config, epoch, keys, ()), restoring=False)
+
+    patch.setattr(device, "start_register", afresh)
+    patch.setattr(register, "UNKNOWN_UNIT", register.Unit(Standing.OUTSIDE))
+
+
+@switch
+def accepts_a_picture_without_the_silent(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(reentry, "vouched", lambda *_: True)
+
+
+@switch
+def tokens_begin_anew(patch: pytest.MonkeyPatch) -> None:
+    def next_token(self: Register) -> tuple[Register, int]:
+        return replace(self, counter=self.counter + 1), self.counter + 1
+
+    patch.setattr(Register, "next_token", next_token)
+
+
+@switch
+def silence_frees(patch: pytest.MonkeyPatch) -> None:
+    """A lease: what a unit holds is free when it has been silent for 15 s."""
+    step, heard_s = block_manager.step, dict[str, float]()
+
+    def leased(state: Register, event: block_manager.Event, now_s: float) -> reentry.Step:
+        if isinstance(event, block_manager.Heard):
+            heard_s[event.unit_id] = now_s
+        lapsed: list[Action] = []
+        for unit_id, last_s in heard_s.items():
+            if now_s - last_s > 15.0 and (held := state.held_by(unit_id)):
+                state = state.with_held(unit_id, ())
+                lapsed.append(Show(Freed(unit_id=unit_id, section_ids=held)))
+        state, actions = step(state, event, now_s)
+        return state, (*lapsed, *actions)
+
+    patch.setattr(block_manager, "step", leased)
+
+
+@switch
+def refuses_everything(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(block_manager, "_against", lambda *_: (RefusalReason.HELD, None, None))
+
+
+# point terminal -----------------------------------------------------------------------------------------------
+
+
+@switch
+def commands_what_it_does_not_hold(patch: pytest.MonkeyPatch) -> None:
+    """Given: K2, refused because K1 is on its way over P7, commands P7 with a capability that it made up."""
+    advance = Unit.advance
+
+    def rogue(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        refused = any(isinstance(n, TookEffect) and n.kind == "RouteRefused" for n in answer.notes)
+        if self.unit_id != "K2" or now_s < K1_ON_P7_S or not refused:
+            return answer
+        order = PointsCommand("P7", Position.REVERSE, "7", self._letters.token + 10, bytes(MAC_BYTES))
+        data = self._endpoint.seal("B-W", order, now_s)
+        made_up = Telegram("B-W", data)
+        return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, made_up))
+
+    patch.setattr(Unit, "advance", rogue)
+
+
+@switch
+def throws_for_anyone(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(point_terminal, "refusal", lambda *_: None)
+
+
+@switch
+def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
+    """Given: K1 keeps its command of P7, and repeats it long after it gave the section back."""
+    advance, kept = Unit.advance, list[tuple[str, PointsCommand]]()
+    write = Letters.write
+
+    def writing(self: Letters, action: sym.Send | sym.SendClaim | sym.SendCommand) -> letters.Letter:
+        letter = write(self, action)
+        message = letter.message
+        if self._unit_id == "K1" and isinstance(message, PointsCommand) and message.points_id == "P7":
+            kept[:] = [(letter.destination, message)]
+        return letter
+
+    def repeating(self: Unit, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> Answer:
+        answer = advance(self, now_s, telegrams, sensed)
+        if self.unit_id != "K1" or now_s < K2_ON_P7_S or not kept:
+            return answer
+        destination, order = kept.pop()
+        again = Telegram(destination, self._endpoint.seal(destination, order, now_s))
+        return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, again))
+
+    patch.setattr(Letters, "write", writing)
+    patch.setattr(Unit, "advance", repeating)
+
+
+@switch
+def obeys_an_old_token(patch: pytest.MonkeyPatch) -> None:
+    """The capability is authentic; that a newer holder has commanded since is not looked at."""
+    real, tables = point_terminal.refusal, dict(point_terminal.TABLE)
+
+    def forgetful(
+        terminal: point_terminal.Terminal, unit_id: str, command: PointsCommand
+    ) -> PointsRefusalReason | None:
+        reason = real(terminal, unit_id, command)
+        return None if reason is PointsRefusalReason.OLD_TOKEN else reason
+
+    patch.setattr(point_terminal, "refusal", forgetful)
+    for state in point_terminal.PointsState:
+        tables[state, point_terminal.Commanded] = point_terminal._command
+    patch.setattr(point_terminal, "TABLE", tables)
+
+
+@switch
+def proves_what_it_has_not_detected(patch: pytest.MonkeyPatch) -> None:
+    def proof(view: point_terminal.PointsView, commitment: point_terminal.Commitment) -> Send:
+        said = PointsProof(view.entry.points_id, commitment.position, True, True, commitment.token)
+        return Send(commitment.unit_id, said, view.correlation)
+
+    patch.setattr(point_terminal, "_shows", lambda *_: True)
+    patch.setattr(point_terminal, "_proof", proof)
