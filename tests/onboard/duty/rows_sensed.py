@@ -82,6 +82,7 @@ RUNNING_ON_5: Final = Place(known=True, stands=False, here=1, sure=2, perhaps=2,
 IN_8: Final = Place(known=True, stands=False, here=4, sure=5, perhaps=5, clear=4, clear_at_mark=4, reach=5)
 REAR_IN_7: Final = moved(IN_8, clear=3, clear_at_mark=3)
 ARRIVING: Final = replace(RUNNING, place=IN_8, authority=HOLDS_PASSED, entered=BOTH, limit=TO_THE_END)
+CLEARED_TO_8: Final = replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)
 
 SENSED: Final[dict[str, Case]] = {
     "at the approach tag the arrival points are thrown": (
@@ -229,12 +230,21 @@ SENSED: Final[dict[str, Case]] = {
         (StopTimer(Timer("points", "P7")),),
     ),
     "the wheels turn": (RUNNING, Started(), ON_6, RUNNING, (Write(notes.Moving()),)),
-    "stopped short of points, with all that it needs: it waits for their proof": (
+    "stopped short of points, with all that it needs: it throws them": (
         replace(RUNNING, authority=HOLDS_PASSED),
         Stopped(How.SHORT, -120.004),
         AT_STAND,
-        replace(RUNNING, place=AT_STAND, authority=HOLDS_PASSED),
-        (Write(notes.StoppedShort(short_m=120.0, why="points not proven")),),
+        replace(
+            RUNNING,
+            place=AT_STAND,
+            authority=replace(HOLDS_PASSED, commands=(Command(P7, sent=True),)),
+            wanted=(P7,),
+        ),
+        (
+            Write(notes.StoppedShort(short_m=120.0, why="points not proven")),
+            Commit(P7),
+            *commanded(P7),
+        ),
     ),
     "stopped short, the route ahead given back: it asks for what it lacks": (
         replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER),
@@ -455,10 +465,10 @@ SENSED: Final[dict[str, Case]] = {
         for at in (Phase.RUNNING, Phase.ON_SIGHT)
     },
     "it stands short of its mark: stopped all the same, and the driver acknowledges": (
-        RUNNING,
+        CLEARED_TO_8,
         VehicleChecked(),
         moved(ON_6, stands=True, unfit="doors not closed"),
-        replace(RUNNING, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
+        replace(CLEARED_TO_8, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
         (Write(notes.VehicleUnfit(why="doors not closed")), Order.STOP, RELEASE_LATER),
     ),
     "a vehicle in order again lets a train depart that is ready": (
