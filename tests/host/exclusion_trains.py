@@ -45,7 +45,7 @@ CONFIG: Final = ManagerConfig(
         SectionEntry("A", terminal_ids=("tA",)),
         SectionEntry("B"),
         SectionEntry("B2"),
-        SectionEntry("C"),
+        SectionEntry("C", open_line=True),
         SectionEntry("D", terminal_ids=("tD",)),
         SectionEntry("E"),
         SectionEntry("E2"),
