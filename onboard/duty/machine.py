@@ -133,11 +133,10 @@ def set_back(turn: Turn, event: SetBack) -> None:
         turn.note(notes.GiveBackDenied(why="the train may have entered the route"))
         return
     ahead = tuple(s.section_id for s in plan.spans[place.perhaps :] if state.authority.holds(s.section_id))
-    ask_s = turn.now_s + event.hold_s
     if state.phase is Phase.STANDING:
-        turn.schedule(ask_s + turn.parameters.request_lead_s, state.at)
+        turn.schedule(turn.now_s + event.hold_s + turn.parameters.request_lead_s, state.at)
     else:
-        turn.set(may_ask=turn.timer("ask", ask_s))
+        turn.set(may_ask=turn.timer("ask", event.hold_s))
     turn.set(wanted=())
     turn.note(notes.GaveBack(section_ids=ahead))
     turn.authority(GiveBack(ahead))

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from network.model import SectionKind
 from onboard import notes
-from onboard.authority.records import BeginOnLine, CheckedByCrew, Cleared, Throw, Withdrawn
+from onboard.authority.records import Ask, BeginOnLine, CheckedByCrew, Cleared, Throw, Withdrawn
 from onboard.authority.stop_limit import cleared_sections
 from onboard.duty.records import (
     AtMark,
@@ -108,6 +108,7 @@ def recovered(turn: Turn) -> bool:
     if state.place.known and on_line:
         resume(turn)
         return True
+    claim_place(turn)
     if state.stands_at is not None and state.stands_at == len(turn.plan.stops) - 1:
         if on_line:
             turn.set(phase=Phase.FINISHED)
@@ -116,6 +117,15 @@ def recovered(turn: Turn) -> bool:
     if state.stands_at is not None and on_line:
         turn.ask(turn.plan.leg_at(turn.stop(state.stands_at).span))
     return False
+
+
+def claim_place(turn: Turn) -> None:
+    """Claims where it may stand, a tag having told that: the manager has said that it does not know either."""
+    state, place = turn.state, turn.state.place
+    request = state.authority.open(Ask.SIGN_ON)
+    if place.known and request is not None and request.section_ids is None and request.refusal:
+        under = turn.plan.spans[place.clear : place.perhaps]
+        turn.authority(BeginOnLine(tuple(span.section_id for span in under)))
 
 
 def resume(turn: Turn) -> None:

@@ -14,14 +14,14 @@ ASKED_FROM_S = 10 * 3600.0 - 45.0  # a route is asked for 45 s before the depart
 RELEASED_S = 10 * 3600.0 + 300.0
 MESSAGE = '''
 
-class HoldAtStation(Message, frozen=True, array_like=True, tag=18):
+class HoldAtStation(Message, frozen=True, array_like=True, tag=19):
     """Manager to unit: at your next stop stay, and ask for no route; or no more (発車抑止). It restricts alone."""
 
     hold: bool
 '''
 INPUT = '''
 
-class HoldTrain(msgspec.Struct, frozen=True, array_like=True, tag=6):
+class HoldTrain(msgspec.Struct, frozen=True, array_like=True, tag=7):
     """Operator to manager: have this train held back at its next stop, or let it go."""
 
     unit_id: str
@@ -49,16 +49,16 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
     clone.write(
         "radio/messages.py",
         (
-            'send again. The envelope names the new\n    boot.\n    """\n',
+            'while the contradiction lasts.\n    """\n\n    section_ids: tuple[str, ...]\n',
             MESSAGE,
         ),
-        ("    | PointsRefused\n", "    | HoldAtStation\n"),
+        ("    | Restarted\n", "    | HoldAtStation\n"),
     )
     clone.write(
         "wayside/said.py",
         ('has looked at the whole line as it is shown; it is right."""\n\n    person: str\n', INPUT),
         (
-            "Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture",
+            "Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture | TakeBack",
             " | HoldTrain",
         ),
     )
@@ -69,7 +69,7 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
             "from wayside.actions import Show\n",
             "from wayside.actions import Send\nfrom wayside.said import HoldTrain\n",
         ),
-        ("Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture", " | HoldTrain"),
+        ("Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture | TakeBack", " | HoldTrain"),
         ("_Handler = Callable[[Register, Any], Step]\n", "\n\n" + ACT),
         (
             "UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxyType(\n    {\n",
@@ -93,10 +93,10 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
     clone.write(
         "onboard/authority/machine.py",
         (
-            "from onboard.authority import points, report, route, sign_on\n",
+            "from onboard.authority import agreement, points, report, route, sign_on\n",
             "from onboard.authority import hold\n",
         ),
-        ("**report.TABLE, ", "**hold.TABLE, "),
+        ("        **report.TABLE,\n", "        **hold.TABLE,\n"),
     )
     clone.write(
         "onboard/duty/machine.py",

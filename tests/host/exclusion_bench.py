@@ -29,6 +29,7 @@ from onboard.duty.records import (
     Leave,
     LeftLine,
     Looked,
+    NotAtMark,
     Order,
     Person,
     Phase,
@@ -133,8 +134,12 @@ class World:
         answer = train.unit.advance(self.now_s, telegrams, Report(train.place(stands=stands), happened))
         train.command, train.wake_at_s = answer.command, answer.wake_at_s
         train.notes += answer.notes
-        if Order.RELEASE in answer.command.orders:
+        orders = answer.command.orders
+        if Order.RELEASE in orders:
             train.emergency = False
+        if Order.STOP in orders or Order.LOSE in orders:
+            train.emergency = True
+        train.known = train.known and Order.LOSE not in orders
         if train.unit_id not in self.silent:
             self.flying += [(t.destination, t.data, self.now_s) for t in answer.telegrams]
         for told in answer.told:
@@ -145,6 +150,8 @@ class World:
                     train.finished = True
                 case LeftLine():
                     train.where, train.finished = Where.OUTSIDE, False
+        if (Order.STOP in orders or Order.LOSE in orders) and not stands:
+            self.tell(train, Stopped(How.SHORT, -1.0))  # brought to a stand where it is
 
     def enter(self, train: Train) -> None:
         """Through the portal, if the unit was accepted and nothing truly stands there."""
@@ -176,7 +183,8 @@ class World:
         """By a joint, as far as the unit and, on sight, the crew let it."""
         train = self.units[unit_id]
         self.enter(train)
-        if train.where is not Where.ON_LINE or not train.command.drive:
+        self.look(train)
+        if train.where is not Where.ON_LINE or not train.command.drive or train.emergency:
             return
         if train.command.on_sight and not train.known:
             self.go_on_sight(train)
@@ -184,12 +192,20 @@ class World:
             train.rear += 1
             target = train.command.target
             arrived = target is not None and train.plan.stops[target].span == train.front
-            self.tell(train, *([Stopped(How.AT, 0.0)] if arrived else [Looked()]), stands=arrived)
+            then = Stopped(How.AT, 0.0) if arrived else Looked()
+            self.tell(train, TagPassed(train.tag, found=False), then, stands=arrived)
         elif not train.command.on_sight and train.front + 1 < train.command.limit.joint:
             train.front += 1
             self.tell(train, Looked(), stands=False)
         elif not train.command.on_sight:  # at the end of what it holds, its mark yet to come
             self.tell(train, Stopped(How.SHORT, -10.0))
+
+    def look(self, train: Train) -> None:
+        """Asked whether the whole train is at its mark, the driver says what is so."""
+        if train.where is Where.ON_LINE and train.command.confirm:
+            at = train.command.at
+            there = train.rear == train.front == train.plan.stops[at].span
+            self.tell(train, AtMark(at) if there else NotAtMark())
 
     def go_on_sight(self, train: Train) -> None:
         """The crew drives within what the unit shows as held, and tells it of the marks that it reaches."""
@@ -207,7 +223,7 @@ class World:
         train = self.units[unit_id]
         if train.where is Where.ON_LINE and not train.known and train.unit.state.phase is not Phase.OFF:
             train.known = True
-            self.tell(train, TagPassed(train.front, found=True))
+            self.tell(train, TagPassed(train.tag, found=True))
 
     def lose_position(self, unit_id: str) -> None:
         """A position fault: the emergency brake brings the train to a stand."""
@@ -304,10 +320,10 @@ class World:
     # the persons ------------------------------------------------------------------------------------------------
 
     def confirm_by_hand(self, unit_id: str, person: str = "Mori") -> None:
-        """A true word about one train."""
+        """A true word about one train: where it stands, or that it is off the line by P9, as all that left it."""
         believed = tuple(sorted(self.units[unit_id].believed))
         entry: Input = (
-            ConfirmHolding(unit_id, believed, person) if believed else ConfirmOutside(unit_id, person)
+            ConfirmHolding(unit_id, believed, person) if believed else ConfirmOutside(unit_id, person, "P9")
         )
         self.manage(inputs=[entry])
 

@@ -45,7 +45,7 @@ CONFIG: Final = ManagerConfig(
         SectionEntry("A", terminal_ids=("tA",)),
         SectionEntry("B"),
         SectionEntry("B2"),
-        SectionEntry("C"),
+        SectionEntry("C", open_line=True),
         SectionEntry("D", terminal_ids=("tD",)),
         SectionEntry("E"),
         SectionEntry("E2"),
@@ -64,7 +64,10 @@ KINDS: Final = {
 
 
 def plan(number: str, section_ids: tuple[str, ...], routes: tuple[str, ...]) -> Plan:
-    """A way over the made-up line: it stops in its first section, at the end of each route, and has a tag in each."""
+    """A way over the made-up line: it stops in its first section and at the end of each route.
+
+    Each section has two tags: one is read when the front has come in, one when the whole train is in it.
+    """
     legs = tuple(Leg(r, ROUTES[r].from_section, ROUTES[r].section_ids) for r in routes)
     stops = [0, *(section_ids.index(leg.section_ids[-1]) for leg in legs)]
     return Plan(
@@ -73,11 +76,18 @@ def plan(number: str, section_ids: tuple[str, ...], routes: tuple[str, ...]) -> 
         spans=tuple(Span(s, KINDS.get(s, SectionKind.TRACK), (), s, 0.0) for s in section_ids),
         legs=legs,
         stops=tuple(Stop(section_ids[i], True, i, i, None, None) for i in stops),
-        tags=tuple(Tag(i, TagPurpose.POSITION, i + 1) for i in range(len(section_ids))),
+        tags=tuple(tag for i, s in enumerate(section_ids) for tag in _tags_of(i, s)),
         end_piece=section_ids[-1],
         end_kilometrage_m=100.0,
         enters=section_ids[0] == "P0",
     )
+
+
+def _tags_of(span: int, section_id: str) -> tuple[Tag, Tag]:
+    arrives = KINDS.get(section_id, SectionKind.TRACK) in (SectionKind.TRACK, SectionKind.PORTAL)
+    within = TagPurpose.ARRIVAL if arrives else TagPurpose.POSITION
+    first = Tag(2 * span, TagPurpose.POSITION, span + 1, max(span - 1, 0))
+    return first, Tag(2 * span + 1, within, span + 1, span)
 
 
 PLANS: Final = MappingProxyType(
@@ -128,6 +138,11 @@ class Train:
         if self.where is not Where.ON_LINE:
             return frozenset()
         return frozenset(span.section_id for span in self.plan.spans[self.rear : self.front + 1])
+
+    @property
+    def tag(self) -> int:
+        """The tag that it reads where it is."""
+        return 2 * self.front + (self.rear == self.front)
 
     @property
     def knows(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -18,6 +19,7 @@ from radio.messages import (
     AnyMessage,
     Claim,
     ClaimQuery,
+    HoldingReport,
     PointsCommand,
     PointsProof,
     Restarted,
@@ -40,6 +42,7 @@ from wayside.config import (
 )
 from wayside.point_terminal import Commitment, Memory
 from wayside.said import (
+    ConfirmHolding,
     ConfirmOutside,
     InputRefused,
     PointsCommanded,
@@ -212,7 +215,8 @@ def test_a_lost_ledger_stays_lost_until_a_device_has_a_new_one(tmp_path: Path) -
     store.save(Durable(1, spare=None))
     assert store.load().spare is None
     manager(store).advance(0.0, [])
-    assert store.load() == Durable(2, spare=msgspec.msgpack.encode(("u1",)))  # any unit may be on the line
+    # Any unit may be on the line, and anywhere on it.
+    assert store.load() == Durable(2, spare=msgspec.msgpack.encode((("u1",), ("S", "T"))))
 
 
 def test_a_ledger_that_cannot_be_read_is_a_lost_one_and_a_memory_is_no_start() -> None:
@@ -220,13 +224,43 @@ def test_a_ledger_that_cannot_be_read_is_a_lost_one_and_a_memory_is_no_start() -
     store.save(Durable(1, spare=b"\xc1"))
     manager(store).advance(0.0, [])
     assert ledger(store) == ("u1",)
+    assert unswept(store) == ("S", "T")
     store.save(Durable(1, vital=b"\xc1"))
     with pytest.raises(InputError, match="a terminal's memory"):
         terminal(store)
 
 
+def remembered(store: Store) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    kept = tuple[tuple[str, ...], tuple[str, ...]]
+    return msgspec.msgpack.decode(store.load().spare or b"\xc0", type=kept)
+
+
 def ledger(store: Store) -> tuple[str, ...]:
-    return msgspec.msgpack.decode(store.load().spare or b"\xc0", type=tuple[str, ...])
+    return remembered(store)[0]
+
+
+def unswept(store: Store) -> tuple[str, ...]:
+    return remembered(store)[1]
+
+
+def test_what_must_be_swept_is_kept_over_a_power_cut_until_a_train_has_run_through_it() -> None:
+    train, store = unit(), MemoryStore()
+    host = manager(store)
+    host.advance(0.0, [], [ConfirmHolding("u1", ("S", "T"), "Sato")])
+    assert (ledger(store), unswept(store)) == (("u1",), ())
+    host.advance(1.0, [], [ConfirmOutside("u1", person, "P") for person in ("Sato", "Mori")])
+    assert (ledger(store), unswept(store)) == ((), ("S", "T"))
+    again = manager(store)
+    assert unswept(store) == ("S", "T")
+    heard(train, again.advance(2.0, [train.seal(MANAGER_ID, Claim((), 0), 2.0)]), 2.0)
+    for now_s, claimed in ((3.0, ()), (4.0, ("S", "T"))):
+        data = train.seal(MANAGER_ID, Claim(claimed, 0), now_s)
+        answer = heard(train, again.advance(now_s, [data]), now_s)[-1]
+    assert isinstance(answer, SignOnAccepted)
+    assert answer.on_sight == ("S", "T")
+    swept = train.seal(MANAGER_ID, HoldingReport(("T",), answer.token, ("S",)), 5.0)
+    again.advance(5.0, [swept])
+    assert unswept(store) == ("T",)
 
 
 def test_the_ledger_is_kept_before_the_unit_is_told_and_until_it_has_left() -> None:
@@ -247,9 +281,46 @@ def test_the_ledger_is_kept_before_the_unit_is_told_and_until_it_has_left() -> N
     assert ledger(store) == ()
 
 
+class Watched(MemoryStore):
+    """Writes down when something was kept."""
+
+    def __init__(self, order: list[str]) -> None:
+        super().__init__()
+        self.order = order
+
+    def save(self, durable: Durable) -> None:
+        super().save(durable)
+        self.order.append("kept")
+
+
+def test_what_changes_is_kept_before_a_telegram_of_it_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A boot before all else, a unit that comes onto the line, and what points are locked for."""
+    order: list[str] = []
+    seal = Endpoint.seal
+
+    def sealed(self: Endpoint, *what: Any) -> bytes:  # noqa: ANN401 - as it is
+        order.append(f"said by {self.owner}")
+        return seal(self, *what)
+
+    monkeypatch.setattr(Endpoint, "seal", sealed)
+    train, grant = unit(), granted(unit(2))
+    host = manager(Watched(order))
+    host.advance(0.0, [], [ConfirmOutside("u1", "Sato")])
+    data = train.seal(MANAGER_ID, SignOn("u1", ("P",)), 0.2)
+    del order[:]
+    host.advance(0.2, [data])
+    assert order == ["kept", f"said by {MANAGER_ID}"]
+    points = terminal(Watched(order))
+    points.advance(0.0, [], [PointsDetected("p", Position.REVERSE, True)])
+    data = train.seal("t", command(grant), 1.0)
+    del order[:]
+    points.advance(1.0, [data])
+    assert order == ["kept", "said by t"]
+
+
 def test_a_unit_on_the_line_cannot_be_struck_off_the_fleet_list() -> None:
     store = MemoryStore()
-    store.save(Durable(1, spare=msgspec.msgpack.encode(("u9",))))
+    store.save(Durable(1, spare=msgspec.msgpack.encode((("u9",), ()))))
     with pytest.raises(InputError, match=r"unit_ids.*expected a fleet list with u9"):
         manager(store)
 

@@ -21,9 +21,9 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from onboard.authority.letters import _READERS, Letters
 from onboard.authority.records import Authority, Event
 from onboard.authority.stop_limit import cleared_sections
-from onboard.duty import machine as duty_machine
+from onboard.duty import arrival
 from onboard.duty.plan import Plan
-from onboard.notes import GaveBack, Resumed, RouteHeld, UnitRestarted
+from onboard.notes import Agreed, GaveBack, Mismatch, Resumed, RouteHeld, UnitRestarted
 from onboard.notes import SignedOff as UnitSignedOff
 from radio.envelope import Received
 from radio.messages import SignOnAccepted
@@ -46,6 +46,10 @@ from wayside.said import (
     Input,
     Outside,
     Started,
+    Swept,
+    TakeBack,
+    TakenBack,
+    ToBeSwept,
     WordTaken,
 )
 
@@ -57,7 +61,8 @@ sections = st.sampled_from(SECTIONS)
 wrong_entries = st.one_of(
     st.builds(EnterSection, sections, st.none() | units, st.just("Sato")),
     st.builds(ConfirmHolding, units, st.lists(sections, min_size=1, unique=True).map(tuple), st.just("Sato")),
-    st.builds(ConfirmOutside, units, st.just("Sato")),
+    st.builds(ConfirmOutside, units, st.just("Sato"), st.sampled_from(("", "P0", "P9"))),
+    st.builds(TakeBack, units, st.just("Sato")),
     st.just(AcceptPicture("Sato")),
 )
 seldom = st.sampled_from([False, False, True])
@@ -220,7 +225,8 @@ class Walker:
         wrong: list[Input] = [
             EnterSection(some[0], chance.choice([None, unit_id]), "Sato"),
             ConfirmHolding(unit_id, some, "Sato"),
-            ConfirmOutside(unit_id, "Sato"),
+            ConfirmOutside(unit_id, "Sato", chance.choice(["", "P0", "P9"])),
+            TakeBack(unit_id, "Sato"),
         ]
         return chance.choice(wrong)
 
@@ -245,7 +251,7 @@ def test_walks_and_after_them_all_goes_on(seed: int, recovering: bool, mode: Ree
 def test_walks_grant_run_and_disturb_enough(mode: ReentryMode) -> None:
     kinds: Counter[type[Noted]] = Counter()
     granted_again = 0
-    for seed in range(6):
+    for seed in range(8):
         walker = Walker(seed, mode)
         for _ in range(250):
             walker.step()
@@ -258,6 +264,7 @@ def test_walks_grant_run_and_disturb_enough(mode: ReentryMode) -> None:
         **dict.fromkeys((Granted, Freed, TelegramDropped, Started, RouteHeld), 20),
         **dict.fromkeys((ConfirmedByHand, WordTaken, Contradicted), 20),
         **dict.fromkeys((UnitRestarted, GaveBack, Resumed, UnitSignedOff), 5),
+        **dict.fromkeys((TakenBack, ToBeSwept, Swept, Mismatch, Agreed), 5),
     }
     assert granted_again > 10
     assert {kind: kinds[kind] for kind, count in enough.items() if kinds[kind] < count} == {}
@@ -285,7 +292,7 @@ def releases_where_it_stands(patch: pytest.MonkeyPatch) -> None:
     def too_many(way: Plan, state: Authority, clear: int) -> tuple[str, ...]:
         return cleared_sections(way, state, clear + 1)
 
-    patch.setattr(duty_machine, "cleared_sections", too_many)
+    patch.setattr(arrival, "cleared_sections", too_many)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,6 +20,27 @@ def test_file_store_keeps_what_it_was_given(tmp_path: Path) -> None:
     store.save(durable)
     assert FileStore(tmp_path / "durable").load() == durable
     assert [path.name for path in tmp_path.iterdir()] == ["durable"]
+
+
+def test_it_is_on_the_disk_before_it_takes_the_place_of_the_old_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The whole file is synced while the old one is in place, the directory when the new one is."""
+    path, fsync = tmp_path / "durable", os.fsync
+    store = FileStore(path)
+    store.save(Durable(1))
+    synced: list[tuple[bool, int, int]] = []
+
+    def seen(descriptor: int) -> None:
+        found = os.fstat(descriptor)
+        synced.append((stat.S_ISDIR(found.st_mode), found.st_size, FileStore(path).load().epoch))
+        fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", seen)
+    store.save(Durable(2, b"tokens"))
+    file, directory = synced
+    assert file == (False, path.stat().st_size, 1)
+    assert (directory[0], directory[2]) == (True, 2)
 
 
 @pytest.mark.parametrize("on_disk", [False, True])

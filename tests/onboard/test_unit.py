@@ -24,7 +24,6 @@ from onboard.duty.records import (
 from onboard.motion import Motion
 from onboard.records import (
     EMERGENCY_INTERVENTION,
-    EVENT_MOVING,
     EVENT_POSITION,
     EVENT_SAFE_REAR,
     EVENT_STOPPED,
@@ -40,21 +39,16 @@ from onboard.unit import Unit
 from onboard.unit_records import UnitParameters
 from onboard.vehicle import Vehicle
 from radio.messages import (
-    Claim,
-    ClaimQuery,
-    Contested,
     HoldingConfirmed,
     HoldingReport,
     PointsCommand,
     RefusalReason,
-    RouteGranted,
     RouteRefused,
     RouteRequest,
     SignOff,
     SignOffAccepted,
     SignOn,
     SignOnAccepted,
-    SignOnRefused,
 )
 from tests.onboard.unit_bench import (
     DEPARTURE_S,
@@ -345,19 +339,19 @@ def test_an_emergency_is_released_only_at_a_stand(running: Bench) -> None:
 
 
 def test_a_brake_that_is_not_in_order_stops_the_train_until_it_is_and_the_driver_acknowledges(
-    running: Bench,
+    cleared_to_b: Bench,
 ) -> None:
-    running.tell(running.motion.vehicle_shows(Vehicle(brake_good=False)))
-    assert running.notes == ["vehicle_unfit"]
-    assert running.row.intervention == EMERGENCY_INTERVENTION
-    running.stop(200.0)
-    running.at(running.now_s + UnitParameters().emergency_release_s)
-    assert running.row.intervention == EMERGENCY_INTERVENTION
-    assert running.waits_for == "vehicle: brake not in order"
-    running.tell(running.motion.vehicle_shows(Vehicle()))
-    assert running.row.intervention == EMERGENCY_INTERVENTION
-    running.at(running.wake_at_s or 0.0)
-    assert (running.row.intervention, running.row.mode) == (NO_INTERVENTION, MODE_DRIVE)
+    cleared_to_b.tell(cleared_to_b.motion.vehicle_shows(Vehicle(brake_good=False)))
+    assert cleared_to_b.notes == ["vehicle_unfit"]
+    assert cleared_to_b.row.intervention == EMERGENCY_INTERVENTION
+    cleared_to_b.stop(200.0)
+    cleared_to_b.at(cleared_to_b.now_s + UnitParameters().emergency_release_s)
+    assert cleared_to_b.row.intervention == EMERGENCY_INTERVENTION
+    assert cleared_to_b.waits_for == "vehicle: brake not in order"
+    cleared_to_b.tell(cleared_to_b.motion.vehicle_shows(Vehicle()))
+    assert cleared_to_b.row.intervention == EMERGENCY_INTERVENTION
+    cleared_to_b.at(cleared_to_b.wake_at_s or 0.0)
+    assert (cleared_to_b.row.intervention, cleared_to_b.row.mode) == (NO_INTERVENTION, MODE_DRIVE)
 
 
 def test_nothing_is_reported_that_has_not_changed(running: Bench) -> None:
@@ -388,87 +382,6 @@ def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) ->
     assert running.row.restricted_mps == math.inf
     assert running.held == ("6", "7", "8")
     assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
-
-
-# contradictions -------------------------------------------------------------------------------------------------
-
-
-def check_braked_until_agreed(bench: Bench) -> None:
-    """Each of its reports gets an answer; it moves again only after the one that has all and nothing contested."""
-    assert bench.row.intervention == EMERGENCY_INTERVENTION
-    assert bench.row.mode == MODE_HOLD
-    bench.row.speed_mps = 0.0
-    bench.ticked(EVENT_STOPPED)
-    for answer in (HoldingConfirmed(("3", "5", "6"), TOKEN), HoldingConfirmed(bench.held, TOKEN, ("7",))):
-        bench.hear(MANAGER, answer)
-        bench.at(bench.now_s + UnitParameters().emergency_release_s)
-        assert HoldingReport(bench.held, TOKEN) in bench.said  # again, until it is over
-        assert bench.row.intervention == EMERGENCY_INTERVENTION
-        assert bench.row.mode == MODE_HOLD
-    bench.hear(MANAGER, HoldingConfirmed(bench.held, TOKEN))
-    assert "agreed" in bench.notes
-    bench.at(bench.now_s + UnitParameters().emergency_release_s)
-    assert bench.row.intervention == NO_INTERVENTION
-    assert bench.row.mode == MODE_DRIVE
-
-
-def test_a_train_whose_section_another_claims_is_braked_until_that_is_over(running: Bench) -> None:
-    running.hear(MANAGER, Contested(("7",)))
-    assert "mismatch" in running.notes
-    assert running.said == [HoldingReport(running.held, TOKEN)]
-    check_braked_until_agreed(running)
-
-
-def test_a_train_whose_claim_is_refused_is_braked_until_that_is_over(running: Bench) -> None:
-    running.hear(MANAGER, ClaimQuery())
-    assert running.said == [Claim(running.held, TOKEN)]
-    running.hear(MANAGER, SignOnRefused(RefusalReason.HELD, "7", "K2"))
-    assert running.said == [HoldingReport(running.held, TOKEN)]
-    check_braked_until_agreed(running)
-
-
-def test_a_train_that_disagrees_does_not_leave(granted: Bench) -> None:
-    granted.hear("A-E", proof("P5"))
-    granted.hear(MANAGER, Contested(("7",)))
-    granted.at(DEPARTURE_S + 1.0)
-    assert granted.phase is Phase.STANDING
-    assert granted.waits_for == "agreement with the block manager: contested: 7"
-    granted.hear(MANAGER, HoldingConfirmed(granted.held, TOKEN))
-    assert granted.phase is Phase.RUNNING
-    granted.at(granted.now_s + UnitParameters().emergency_release_s)
-    assert granted.row.mode == MODE_DRIVE
-
-
-# what must be swept ---------------------------------------------------------------------------------------------
-
-
-def test_what_must_be_swept_it_passes_on_sight_and_says_so(bench: Bench) -> None:
-    bench.at(DEPARTURE_S - LEAD_S)
-    bench.hear(MANAGER, RouteGranted("3>8", SECTIONS, TOKEN, capabilities(), ("6",)))
-    bench.hear("A-E", proof("P5"))
-    assert bench.row.restricted_mps == pytest.approx(15.0 / 3.6)  # it stands, and begins on sight
-    bench.at(DEPARTURE_S)
-    assert bench.phase is Phase.RUNNING
-    assert bench.row.stop_limit_m == pytest.approx(520.0)
-    bench.row.speed_mps = 4.0
-    bench.ticked(EVENT_MOVING)
-    for tag_id in (601, 602):
-        bench.read(tag_id)
-    bench.hear("B-W", proof("P7"))
-    bench.read(801)
-    assert bench.said == [HoldingReport(("8",), TOKEN, ("6",))]
-    assert bench.row.restricted_mps == math.inf
-
-
-def test_what_must_be_swept_is_not_entered_at_speed(running: Bench) -> None:
-    """Told on its way, by the answer to a claim: it stops before the section, then sweeps it."""
-    running.row.position_m = 150.0
-    running.hear(MANAGER, SignOnAccepted(running.held, TOKEN, None, (), ("6",)))
-    assert running.row.stop_limit_m == pytest.approx(170.0)
-    assert running.row.restricted_mps == math.inf
-    running.stop(165.0)
-    assert running.row.stop_limit_m == pytest.approx(520.0)
-    assert running.row.restricted_mps == pytest.approx(15.0 / 3.6)
 
 
 # radio ----------------------------------------------------------------------------------------------------------

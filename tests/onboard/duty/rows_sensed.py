@@ -33,7 +33,6 @@ from onboard.duty.records import (
     Started,
     Stopped,
     TagPassed,
-    VehicleChecked,
 )
 from tests.onboard.duty.stage import (
     APPROACH,
@@ -82,6 +81,9 @@ RUNNING_ON_5: Final = Place(known=True, stands=False, here=1, sure=2, perhaps=2,
 IN_8: Final = Place(known=True, stands=False, here=4, sure=5, perhaps=5, clear=4, clear_at_mark=4, reach=5)
 REAR_IN_7: Final = moved(IN_8, clear=3, clear_at_mark=3)
 ARRIVING: Final = replace(RUNNING, place=IN_8, authority=HOLDS_PASSED, entered=BOTH, limit=TO_THE_END)
+CLAIMS: Final = replace(SIGN_ON_OPEN, section_ids=("5", "6", "7"))
+IGNORANT: Final = replace(SIGN_ON_OPEN, section_ids=None)
+NOBODY_KNOWS: Final = Authority(requests=(replace(IGNORANT, refusal="claim needed"),))
 
 SENSED: Final[dict[str, Case]] = {
     "at the approach tag the arrival points are thrown": (
@@ -175,6 +177,30 @@ SENSED: Final[dict[str, Case]] = {
             *commanded(P7),
         ),
     ),
+    "a tag tells the position of a unit that the manager does not know either: it claims where it may stand": (
+        replace(ON_SIGHT, authority=NOBODY_KNOWS),
+        TagPassed(3, found=True),
+        moved(ON_6, clear=1, perhaps=4),
+        replace(
+            ON_SIGHT,
+            place=moved(ON_6, clear=1, perhaps=4),
+            authority=Authority(held=("5", "6", "7"), requests=(CLAIMS,)),
+            proved=1,
+        ),
+        (
+            Write(notes.PositionFound()),
+            Renew(Ask.SIGN_ON),
+            holds("5", "6", "7"),
+            *sent(CLAIMS),
+        ),
+    ),
+    "a tag tells the position before the manager has answered: it waits for what that has": (
+        replace(ON_SIGHT, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,))),
+        TagPassed(3, found=True),
+        ON_6,
+        replace(ON_SIGHT, place=ON_6, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,)), proved=1),
+        (Write(notes.PositionFound()),),
+    ),
     **{
         f"a tag of the track: {at.value}": (
             STATES[at],
@@ -229,12 +255,21 @@ SENSED: Final[dict[str, Case]] = {
         (StopTimer(Timer("points", "P7")),),
     ),
     "the wheels turn": (RUNNING, Started(), ON_6, RUNNING, (Write(notes.Moving()),)),
-    "stopped short of points, with all that it needs: it waits for their proof": (
+    "stopped short of points, with all that it needs: it throws them": (
         replace(RUNNING, authority=HOLDS_PASSED),
         Stopped(How.SHORT, -120.004),
         AT_STAND,
-        replace(RUNNING, place=AT_STAND, authority=HOLDS_PASSED),
-        (Write(notes.StoppedShort(short_m=120.0, why="points not proven")),),
+        replace(
+            RUNNING,
+            place=AT_STAND,
+            authority=replace(HOLDS_PASSED, commands=(Command(P7, sent=True),)),
+            wanted=(P7,),
+        ),
+        (
+            Write(notes.StoppedShort(short_m=120.0, why="points not proven")),
+            Commit(P7),
+            *commanded(P7),
+        ),
     ),
     "stopped short, the route ahead given back: it asks for what it lacks": (
         replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER),
@@ -432,49 +467,5 @@ SENSED: Final[dict[str, Case]] = {
         moved(ON_6, perhaps=4),
         replace(RUNNING, place=moved(ON_6, perhaps=4), authority=replace(HOLDS_REST, unsaid=(P7,))),
         (StopTimer(Timer("points", "P7")),),
-    ),
-    **{
-        f"the vehicle is not in order: it does not start: {at.value}": (
-            STATES[at],
-            VehicleChecked(),
-            moved(STATES[at].place, unfit="doors not closed"),
-            replace(STATES[at], place=moved(STATES[at].place, unfit="doors not closed")),
-            (Write(notes.VehicleUnfit(why="doors not closed")),),
-        )
-        for at in ON_THE_LINE
-        if at not in (Phase.RUNNING, Phase.ON_SIGHT)
-    },
-    **{
-        f"the vehicle is not in order: it is stopped: {at.value}": (
-            STATES[at],
-            VehicleChecked(),
-            moved(STATES[at].place, unfit="brake not in order"),
-            replace(STATES[at], place=moved(STATES[at].place, unfit="brake not in order")),
-            (Write(notes.VehicleUnfit(why="brake not in order")), Order.STOP),
-        )
-        for at in (Phase.RUNNING, Phase.ON_SIGHT)
-    },
-    "it stands short of its mark: stopped all the same, and the driver acknowledges": (
-        RUNNING,
-        VehicleChecked(),
-        moved(ON_6, stands=True, unfit="doors not closed"),
-        replace(RUNNING, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
-        (Write(notes.VehicleUnfit(why="doors not closed")), Order.STOP, RELEASE_LATER),
-    ),
-    "a vehicle in order again lets a train depart that is ready": (
-        replace(
-            STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_ask=True, may_leave=True
-        ),
-        VehicleChecked(),
-        AT_A,
-        replace(
-            STANDING,
-            phase=Phase.RUNNING,
-            authority=replace(HOLDS_ALL, proven=(P5,)),
-            limit=BEFORE_7,
-            may_ask=True,
-            may_leave=True,
-        ),
-        (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), Order.DEPART),
     ),
 }

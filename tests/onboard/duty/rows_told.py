@@ -179,6 +179,19 @@ TOLD: Final[dict[str, Case]] = {
         replace(halted(STANDING), released=False),
         (*disagreed("3"), Order.STOP, RELEASE_LATER),
     ),
+    "contested, what tags prove to be behind is given back: it may be all that is contested": (
+        replace(RUNNING, proved=2, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held))),
+        Heard(Contested(("5",))),
+        ON_6,
+        replace(halted(RUNNING, "contested: 5"), proved=2, freed=2),
+        (
+            *disagreed("5", *HOLDS_REST.held, why="contested: 5"),
+            Order.STOP,
+            Renew(Ask.REPORT),
+            holds(*HOLDS_REST.held),
+            *reported(*HOLDS_REST.held),
+        ),
+    ),
     "contested twice, it is braked once": (
         halted(RUNNING),
         Heard(Contested(("7",))),
@@ -216,13 +229,17 @@ TOLD: Final[dict[str, Case]] = {
         ),
     ),
     "agreement restored: it goes on when the driver has acknowledged the stop": (
-        replace(halted(replace(RUNNING, authority=HOLDS_ALL)), released=False),
-        Heard(Confirmed(HOLDS_ALL.held, answers=True, newer=False)),
+        replace(
+            halted(replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)),
+            released=False,
+        ),
+        Heard(Confirmed(HOLDS_REST.held, answers=True, newer=False)),
         moved(ON_6, stands=True, emergency=True),
         replace(
             RUNNING,
             place=moved(ON_6, stands=True, emergency=True),
-            authority=HOLDS_ALL,
+            authority=replace(HOLDS_REST, proven=(P7,)),
+            limit=TO_THE_END,
             released=False,
         ),
         (StopTimer(Timer("report")), Write(notes.Agreed())),

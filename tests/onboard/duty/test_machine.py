@@ -23,6 +23,7 @@ from onboard.duty.shown import command_of, waits_for
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
+from tests.onboard.duty.rows_vehicle import VEHICLE
 from tests.onboard.duty.stage import (
     AT_A,
     FINISHED,
@@ -46,7 +47,7 @@ from tests.onboard.duty.stage import (
     sent,
 )
 
-CASES: Final = PEOPLE | SENSED | TOLD
+CASES: Final = PEOPLE | SENSED | TOLD | VEHICLE
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -25,7 +25,15 @@ from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
 from simulation.world.clock import Clock
 from simulation.world.point_machine import PointMachine
-from wayside.said import AcceptPicture, EnterSection
+from wayside.said import (
+    AcceptPicture,
+    ConfirmHolding,
+    ConfirmOutside,
+    EnterSection,
+    PictureChanged,
+    Started,
+    TakeBack,
+)
 
 SENT = (Delivery(100, b"telegram"),)
 
@@ -187,15 +195,34 @@ def test_re_entry_by_hand_enters_every_section_by_what_units_on_the_line_hold() 
     ]
 
 
+def test_a_controller_accepts_the_gathered_claims_once_nothing_is_missing() -> None:
+    """Looks at the picture every ten seconds: it is incomplete from the manager's second start on."""
+    world = World(Act(ActKind.REENTER_ASSISTED, "", Trigger(at_s=2.0), "Sato"))
+    world.journal.write(1.0, "block-manager", Started(epoch=2))
+    world.run_to(419)
+    assert world.inputs == []
+    world.journal.write(42.0, "block-manager", PictureChanged(stage="complete", inputs=0))
+    world.run_to(419)
+    assert world.inputs == []
+    world.run_to(420)
+    assert world.inputs == [("block-manager", AcceptPicture("Sato"))]
+
+
 def test_other_acts_reach_whom_they_are_meant_for() -> None:
     world = World(
         Act(ActKind.ENTER_SECTION, "K2", Trigger(at_s=1.0), sections=("3",)),
         Act(ActKind.ACCEPT_PICTURE, "", Trigger(at_s=1.0)),
         Act(ActKind.GIVE_BACK, "K1", Trigger(at_s=1.0), "crew", hold_s=60.0),
+        Act(ActKind.CONFIRM_OUTSIDE, "K2", Trigger(at_s=1.0), "staff", place="PW"),
+        Act(ActKind.TAKE_BACK, "K2", Trigger(at_s=1.0), "staff"),
+        Act(ActKind.CONFIRM_HOLDING, "K2", Trigger(at_s=1.0), "staff", ("3",)),
     )
     world.run_to(10)
     assert world.inputs == [
         ("block-manager", EnterSection("3", "K2", "controller")),
+        ("block-manager", ConfirmOutside("K2", "staff", "PW")),
+        ("block-manager", TakeBack("K2", "staff")),
+        ("block-manager", ConfirmHolding("K2", ("3",), "staff")),
         ("block-manager", AcceptPicture("controller")),
     ]
     assert world.given_back == [("K1", 60.0)]

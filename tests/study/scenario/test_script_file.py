@@ -87,6 +87,22 @@ REFUSED = {
         '[[act]]\nkind = "enter_section"\nsections = ["99"]\nstart = "10:00"\n',
         "act[0].sections[0]",
     ),
+    "a place that is no section": (
+        '[[act]]\nkind = "confirm_outside"\ntarget = "K1"\nplace = "99"\nstart = "10:00"\n',
+        "act[0].place",
+    ),
+    "a place where none is said": (
+        '[[act]]\nkind = "take_back"\ntarget = "K1"\nplace = "PE"\nstart = "10:00"\n',
+        "act[0].place",
+    ),
+    "a place that is no word": (
+        '[[act]]\nkind = "confirm_outside"\ntarget = "K1"\nplace = 7\nstart = "10:00"\n',
+        "act[0].place",
+    ),
+    "taken back of nobody": (
+        '[[act]]\nkind = "take_back"\ntarget = "K9"\nstart = "10:00"\n',
+        "act[0].target",
+    ),
     "no sections": ('[[act]]\nkind = "confirm_holding"\ntarget = "K1"\nstart = "10:00"\n', "act[0].sections"),
     "neither event nor property": ('[[expect]]\ntext = "t"\n', "expect[0]"),
     "event and property": ('[[expect]]\ntext = "t"\nevent = "K1 restarts"\nproperty = "x"\n', "expect[0]"),
@@ -133,7 +149,9 @@ def test_what_cannot_be_carried_out_or_judged_is_refused_with_its_key(tmp_path: 
     assert len(str(error.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("name", ["unknown fault", "unknown device", "a word no journal has"])
+@pytest.mark.parametrize(
+    "name", ["unknown fault", "unknown device", "a word no journal has", "a place that is no section"]
+)
 def test_the_command_ends_with_2_and_one_line(
     tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -154,6 +172,8 @@ def test_a_script_is_read_as_it_is_meant(tmp_path: Path) -> None:
         '[[fault]]\nkind = "reorder"\ntarget = "K1 -> B-W"\np = 0.5\nseconds = 2.0\nstart = "10:00:30.5"\n'
         '[[act]]\nkind = "give_back"\ntarget = "K1"\nhold_s = 90.0\n'
         'start = { who = "K1", what = "route_held", route = "x" }\n'
+        '[[act]]\nkind = "confirm_outside"\ntarget = "K1"\nperson = "staff"\nplace = "PE"\nstart = "10:05"\n'
+        '[[act]]\nkind = "take_back"\ntarget = "K1"\nstart = { what = "contradiction" }\n'
         '[[expect]]\ntext = "slow"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 15.0\nafter = "K1 restarts"\n'
         '[[expect]]\ntext = "no grant"\nevent = { who = "block-manager", what = "granted" }\nabsent = true\n',
     ).setup.script
@@ -163,8 +183,10 @@ def test_a_script_is_read_as_it_is_meant(tmp_path: Path) -> None:
     assert cut.trigger.on is not None and cut.trigger.on.train == "T1"
     assert reorder.trigger.at_s == 36_030.5
     assert reorder.fault == Reorder(target=Link("K1", "B-W"), p=0.5, seconds=2.0)
-    (act,) = script.acts
-    assert (act.kind, act.hold_s) == (ActKind.GIVE_BACK, 90.0)
+    back, outside, taken_back = script.acts
+    assert (back.kind, back.hold_s) == (ActKind.GIVE_BACK, 90.0)
+    assert (outside.kind, outside.target, outside.place) == (ActKind.CONFIRM_OUTSIDE, "K1", "PE")
+    assert (taken_back.kind, taken_back.target, taken_back.place) == (ActKind.TAKE_BACK, "K1", "")
     slow, grant, *others = script.expectations
     assert tuple(others) == DEFAULTS
     assert slow.holds is Property.SPEED_AT_MOST and slow.after is not None

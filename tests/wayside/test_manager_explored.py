@@ -1,0 +1,332 @@
+"""What always holds of the block manager, whatever units and persons say: breadth first on a line of three sections.
+
+P is a portal, C open line, S a track of a station; two units, two persons. The steps are the manager's own; a state is
+told from another by all that decides what follows, which of tokens and times is nothing but whose is the newest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+import pytest
+
+from documents.explored import Explored, explore
+from radio.messages import (
+    AnyMessage,
+    Claim,
+    ClaimQuery,
+    Contested,
+    HoldingReport,
+    RouteGranted,
+    RouteRequest,
+    SignOff,
+    SignOn,
+    SignOnAccepted,
+)
+from wayside import acts, block_manager, reentry
+from wayside.actions import Action, Send
+from wayside.block_manager import Ask, Event, Heard, step
+from wayside.config import ManagerConfig, RouteEntry, SectionEntry
+from wayside.reentry import in_station
+from wayside.register import Register, Standing, start
+from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, TakeBack
+
+UNITS, PERSONS = ("u1", "u2"), ("Sato", "Mori")
+CONFIG: Final = ManagerConfig(
+    "line",
+    "block-manager",
+    UNITS,
+    (SectionEntry("P", portal=True), SectionEntry("C", open_line=True), SectionEntry("S")),
+    (RouteEntry("in", "P", ("C", "S")), RouteEntry("out", "S", ("C", "P"))),
+)
+CLAIMS: Final[tuple[tuple[str, ...], ...]] = ((), ("P",), ("S",), ("C", "S"))
+STATES_MAX: Final = 1500
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A register, told from others by its key."""
+
+    register: Register = field(compare=False)
+    key: object = None
+
+    @staticmethod
+    def of(register: Register) -> Seen:
+        units = tuple(
+            (
+                unit.standing,
+                unit.claim,
+                bool(unit.by),
+                unit.barred,
+                unit.silent,
+                unit.taken_back,
+                unit.token == register.token_max,
+            )
+            for unit in map(register.unit, UNITS)
+        )
+        words = register.reentry
+        said = (
+            tuple(sorted((s, tuple(sorted(by.items(), key=repr))) for s, by in words.entries.items())),
+            words.complete,
+            tuple(sorted(words.left_by.items())),
+            words.stage,
+            words.accepted_by != "",
+            tuple(words.heard_s),
+        )
+        doubted = tuple((u, min(times, acts.ASKED_IN_VAIN)) for u, times in sorted(register.doubted.items()))
+        held = tuple(sorted(register.holders.items()))
+        key = (held, units, said, doubted, register.unswept, register.ledger, register.restoring)
+        return Seen(register, key)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One thing that can happen, and what comes of it."""
+
+    before: Register
+    event: Event
+    after: Register
+    actions: tuple[Action, ...]
+
+    @property
+    def sends(self) -> list[Send]:
+        return [action for action in self.actions if isinstance(action, Send)]
+
+
+def steps(register: Register, persons: tuple[str, ...] = PERSONS) -> Iterator[Step]:
+    """All that can happen next."""
+    now_s = max(60.0, register.ask_at_s)
+    for event in (*_telegrams(register), *_inputs(register, persons), Ask()):
+        after, actions = step(register, event, now_s)
+        yield Step(register, event, after, actions)
+
+
+def _telegrams(register: Register) -> Iterator[Event]:
+    for unit_id in UNITS:
+        unit, held = register.unit(unit_id), register.held_by(unit_id)
+        messages: list[AnyMessage] = [Claim(claim, unit.token) for claim in CLAIMS]
+        messages += [SignOn(unit_id, None), SignOn(unit_id, ("P",)), SignOff(unit_id, unit.token)]
+        messages += [RouteRequest(unit_id, route.route_id, route.section_ids) for route in CONFIG.routes]
+        messages += [HoldingReport(held[-1:], unit.token, held[:-1]), HoldingReport(held[:1], unit.token)]
+        messages.append(HoldingReport(held, unit.token, ("P", "C", "S")))
+        yield from (Heard(unit_id, 1, True, 0, message) for message in messages)
+        yield Heard(unit_id, 1, False, 0, Claim((), unit.token))
+
+
+def _inputs(register: Register, persons: tuple[str, ...]) -> Iterator[Event]:
+    for person in persons:
+        for unit_id in UNITS:
+            yield ConfirmOutside(unit_id, person, "P")
+            yield ConfirmHolding(unit_id, ("S",), person)
+            yield ConfirmHolding(unit_id, ("C",), person)
+            yield TakeBack(unit_id, person)
+        if register.restoring:
+            yield EnterSection("S", "u1", person)
+            yield AcceptPicture(person)
+
+
+# what must hold -------------------------------------------------------------------------------------------------
+
+
+def _agreed_with_another(step_: Step, unit_id: str) -> bool:
+    """Whether the event is a person's word of the unit that another person has said before."""
+    match step_.event:
+        case ConfirmOutside(about, person) | ConfirmHolding(about, _, person) if about == unit_id:
+            said = step_.event.section_ids if isinstance(step_.event, ConfirmHolding) else ()
+            words = reentry.words_for(step_.before, unit_id)
+            return any(who != acts.person_key(person) and word == set(said) for who, word in words.items())
+    return False
+
+
+def check_freed(step_: Step) -> None:
+    """By its holder's own report or sign-off, or by two persons who put it in a station or out of a portal."""
+    for section_id, holder in step_.before.holders.items():
+        now = step_.after.holders.get(section_id)
+        if now == holder:
+            continue
+        assert now is None, "from one unit straight to another"
+        match step_.event:
+            case Heard(unit_id, message=HoldingReport() | SignOff()):
+                assert unit_id == holder
+            case ConfirmHolding(section_ids=section_ids):
+                assert in_station(step_.after, section_ids)
+                assert _agreed_with_another(step_, holder)
+            case _:
+                assert _agreed_with_another(step_, holder)
+
+
+def check_granted(step_: Step) -> None:
+    """Only while every unit is known and none is disputed; what must be swept, on sight."""
+    for send in step_.sends:
+        if isinstance(send.message, RouteGranted):
+            assert step_.before.defined
+            assert all(
+                step_.before.unit(u).standing not in (Standing.UNKNOWN, Standing.DISPUTED) for u in UNITS
+            )
+        if isinstance(send.message, RouteGranted | SignOnAccepted):
+            of_it = set(send.message.section_ids) & step_.after.unswept
+            assert set(send.message.on_sight) == of_it
+
+
+def check_contradicted(step_: Step) -> None:
+    """A fresh claim of what another holds: its sender is disputed, and the other is told at once."""
+    match step_.event:
+        case Heard(unit_id, fresh=True, message=Claim(section_ids)):
+            pass
+        case _:
+            return
+    for section_id in section_ids or ():
+        holder = step_.before.holders.get(section_id, unit_id)
+        if holder == unit_id or not _weighed(step_, unit_id, section_ids or ()):
+            continue
+        assert step_.after.unit(unit_id).standing is Standing.DISPUTED
+        assert section_id in step_.after.contested(holder)
+        told = [s.message.section_ids for s in step_.sends if s.destination == holder and _restricts(s)]
+        assert told or section_id in step_.before.contested(holder)
+
+
+def _weighed(step_: Step, unit_id: str, claimed: tuple[str, ...]) -> bool:
+    """Not the wish of a unit never on the line to enter a portal."""
+    stranger = step_.before.restoring and unit_id not in step_.before.ledger
+    return not (stranger and set(claimed) <= step_.before.plan.portals)
+
+
+def _restricts(send: Send) -> bool:
+    return isinstance(send.message, Contested)
+
+
+def check_told_again(step_: Step) -> None:
+    """While it lasts, every unit that holds what is contested is told at each ask, and who is in doubt asked."""
+    if not isinstance(step_.event, Ask):
+        return
+    said = {(send.destination, type(send.message)) for send in step_.sends}
+    for unit_id in UNITS:
+        assert bool(step_.before.contested(unit_id)) == ((unit_id, Contested) in said)
+        assert (unit_id in step_.before.asked()) == ((unit_id, ClaimQuery) in said)
+
+
+def check_swept(step_: Step) -> None:
+    """Only by the report of the unit that held it, which says that it was run through on sight."""
+    swept = step_.before.unswept - step_.after.unswept
+    if swept:
+        assert isinstance(step_.event, Heard)
+        assert isinstance(step_.event.message, HoldingReport)
+        assert swept <= set(step_.event.message.swept)
+        assert swept <= set(step_.before.held_by(step_.event.unit_id))
+
+
+def check(step_: Step) -> None:
+    check_freed(step_)
+    check_granted(step_)
+    check_contradicted(step_)
+    check_told_again(step_)
+    check_swept(step_)
+
+
+def _left(unit_id: str) -> tuple[Event, ...]:
+    return tuple(ConfirmOutside(unit_id, person, "P") for person in PERSONS)
+
+
+def _claims(unit_id: str, *section_ids: str) -> Event:
+    return Heard(unit_id, 1, True, 0, Claim(section_ids, 0))
+
+
+COURSES: Final[dict[int, tuple[tuple[Event, ...], ...]]] = {
+    1: ((_claims("u2", "P"), ConfirmHolding("u1", ("C", "S"), "Sato"), *_left("u1")),),
+    2: (
+        (_claims("u1", "S"), _claims("u2"), AcceptPicture("Sato")),
+        (_claims("u1", "P"), *_left("u2"), AcceptPicture("Sato")),
+    ),
+}
+
+
+def first(epoch: int) -> list[Seen]:
+    """Where to look first: a start, and courses on which the line is defined, with what is to be swept and without."""
+    begun, _ = step(start(CONFIG, epoch, {}, None if epoch == 1 else UNITS), Ask(), 0.0)
+    found = [Seen.of(begun)]
+    for course in COURSES[epoch]:
+        register = begun
+        for event in course:
+            register, _ = step(register, event, 60.0)
+            found.append(Seen.of(register))
+        assert register.defined
+    return found
+
+
+def explored(epoch: int, states_max: int) -> Explored[Seen]:
+    return explore(
+        first(epoch),
+        lambda seen: ((type(s.event).__name__, Seen.of(s.after)) for s in steps(seen.register)),
+        lambda seen: "restoring" if seen.register.restoring else "running",
+        states_max,
+    )
+
+
+@pytest.mark.parametrize("epoch", [1, 2])
+def test_whatever_units_and_persons_say_the_rules_hold(epoch: int) -> None:
+    found = explored(epoch, STATES_MAX)
+    kinds: set[str] = set()
+    for seen in found.states:
+        for one in steps(seen.register):
+            check(one)
+            kinds |= {type(send.message).__name__ for send in one.sends}
+    assert kinds >= {"RouteGranted", "Contested", "HoldingConfirmed", "SignOffAccepted"}
+    assert any(seen.register.unswept and seen.register.defined for seen in found.states)
+    assert any(seen.register.unit(u).taken_back for seen in found.states for u in UNITS)
+
+
+@pytest.mark.parametrize("epoch", [1, 2])
+def test_one_person_alone_never_frees(epoch: int) -> None:
+    """However their name is spelled, and whatever else happens between."""
+    one_person = ("Sato", " sato ")
+    found = explore(
+        first(epoch),
+        lambda seen: (("", Seen.of(s.after)) for s in steps(seen.register, one_person)),
+        lambda _: "",
+        STATES_MAX,
+    )
+    for seen in found.states:
+        for one in steps(seen.register, one_person):
+            if not isinstance(one.event, Heard):
+                assert one.before.holders.items() <= one.after.holders.items()
+
+
+# each of them can fail ------------------------------------------------------------------------------------------
+
+
+def _any_word(register: Register, unit_id: str) -> frozenset[str] | None:
+    return reentry.entered_for(register, unit_id)
+
+
+SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
+    "two persons": (reentry, "agreed", _any_word),
+    "the other is told": (block_manager, "_newly_contested", lambda *_: ()),
+    "told again": (block_manager, "_tell_contested", lambda _: ()),
+    "a disputed unit blocks": (
+        Register,
+        "undefined_because_of",
+        lambda self: tuple(u for u in self.plan.unit_ids if self.unit(u).standing is Standing.UNKNOWN),
+    ),
+    "on sight only": (Register, "on_sight", lambda *_: ()),
+    "in a station": (reentry, "in_station", lambda *_: True),
+    "only its holder sweeps": (
+        block_manager,
+        "_swept",
+        lambda register, heard: (
+            block_manager.replace(register, unswept=register.unswept.difference(heard.message.swept)),
+            (),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("off", SWITCHES)
+def test_a_rule_switched_off_is_found(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(*SWITCHES[off])
+    found = explored(1, 600)
+    with pytest.raises(AssertionError):
+        for seen in found.states:
+            for one in steps(seen.register):
+                check(one)
