@@ -127,7 +127,8 @@ SINGLES: Final[Mapping[str, Single]] = {
     "no_detection": Single(60.0, {}),
     "slow": Single(60.0, {"factor": 3.0}),
 }
-REENTRY_AFTER_S: Final = (30.0, 120.0)  # after the manager is on again, a person looks at the picture: twice
+# A person looks at the restored picture, and again, until the trains out of coverage have answered, too.
+REENTRY_AFTER_S: Final = (30.0, 120.0, 300.0, 600.0, 1200.0)
 
 
 def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, ...]:

@@ -7,6 +7,7 @@ cut at the instants, so a copy's run is, to the byte, the run of the drill that 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -88,6 +89,7 @@ class _Course:
 
     def __init__(self, variation: Variation, instants: Iterable[int]) -> None:
         self.variation = variation
+        self.last_step: float = math.inf
         self._instants = iter(instants)
         self._next = next(self._instants, None)
 
@@ -104,9 +106,10 @@ class _Course:
                 yield self._next
             self._next = next(self._instants, None)
 
-    def close(self) -> None:
-        """No further instants."""
-        self._next = None
+    def close(self, step: int) -> None:
+        """No instants after `step`: those that were taken up ahead do not count."""
+        if self.open:
+            self._next, self.last_step = None, step
 
 
 def sweep(
@@ -140,13 +143,18 @@ def sweep(
                     copies.start((variation.name, step), partial(_end_of, simulation, variation.at(step)))
                     if progress is not None:
                         progress(len(copies.results), total)
-                if window.to_s is None and all(map(simulation.done, course.variation.stocks)):
-                    course.close()
+                if window.to_s is None and all(map(simulation.done, variation.stocks)):
+                    course.close(simulation.step)
             simulation.advance()
+        if window.to_s is None:
+            for course in courses:
+                course.close(simulation.step)
         copies.wait()
     outcomes: dict[str, dict[int, Outcome]] = {variation.name: {} for variation in variations}
+    last_of = {course.variation.name: course.last_step for course in courses}
     for (name, step), found in sorted(copies.results.items(), key=_key):
-        outcomes[name][step] = outcome_of_death(found) if isinstance(found, Died) else found
+        if step <= last_of[name]:
+            outcomes[name][step] = outcome_of_death(found) if isinstance(found, Died) else found
     return Swept(every_step, outcomes)
 
 

@@ -198,7 +198,8 @@ def test_every_kind_of_fault_is_swept_alone(two_trains: Scenario) -> None:
     assert 0 < len(tags) < len(two_trains.setup.line.tags)  # the others are passed by no train
     assert all(variation.instants for variation in tags)
     manager = next(v for v in variations if v.name == "power_off block-manager")
-    assert [act.kind for _, act in manager.acts] == [ActKind.REENTER_ASSISTED] * 2
+    assert {act.kind for _, act in manager.acts} == {ActKind.REENTER_ASSISTED}
+    assert all(offset > 600 for offset, _ in manager.acts)  # once it has its power again
 
 
 DEAD: Final = """
@@ -225,12 +226,24 @@ def test_a_sweep_for_a_person_and_for_a_program(main: Callable[..., Any], tmp_pa
     assert told.code == 1 and figures["bad"] is True
     bad = [found for found in figures["classes"] if found["bad"]]
     assert bad and bad[0]["ranges"][0].startswith("09:59:50")
+    assert {found["kind"] for found in figures["classes"]} <= {
+        "not_arrived",
+        "on_time",
+        "late",
+    }  # none is too late
     rows = (tmp_path / "found" / "sweep.csv").read_text("utf-8").splitlines()
     assert len(rows) == figures["runs"] + 1
     assert json.loads((tmp_path / "found" / "sweep.json").read_text("utf-8"))["classes"] == figures["classes"]
     replayed = main("drill", "found/replay_01.toml", "--json")
     assert replayed.code == 1
     assert replayed.figures()["summary"]["digest"] in rows[1]
+
+
+def test_an_instant_after_the_run_is_not_applicable(two_trains: Scenario) -> None:
+    swept = sweep_of(two_trains, restart("K1"), every_s=20.0, from_s=TEN + 510.0, to_s=TEN + 590.0)
+    kinds = [outcome.kind for outcome in swept.outcomes["restart K1"].values()]
+    assert kinds[0] is not Kind.NOT_APPLICABLE
+    assert kinds[-1] is Kind.NOT_APPLICABLE
 
 
 def test_a_good_sweep_ends_with_0(main: Callable[..., Any]) -> None:
