@@ -380,13 +380,13 @@ def check(
 ) -> None:
     """Read a scenario with all that it names and say whether its trains can meet; runs nothing."""
     from network.meets import meet_text, planned_meets, unresolvable_meets
-    from study.evaluate.release import RELEASED_BY_ODOMETER, released_by_odometer
+    from study.evaluate.release import CONFIRMED_BY_EYE, confirmed_by_eye
     from study.scenario.scenario import load_scenario
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
     impossible = [meet_text(meet, line) for meet in unresolvable_meets(line, timetable)]
-    weaker = released_by_odometer(loaded.setup)
+    weaker = confirmed_by_eye(loaded.setup)
     figures = {
         "scenario": loaded.id,
         "line": line.id,
@@ -394,18 +394,18 @@ def check(
         "stocks": len(timetable.diagrams),
         "meets": len(planned_meets(line, timetable)),
         "impossible_meets": impossible,
-        "released_by_odometer": weaker,
+        "confirmed_by_eye": weaker,
     }
     if as_json:
         _print_json(figures)
     else:
         for key, value in figures.items():
-            if key not in ("impossible_meets", "released_by_odometer"):
+            if key not in ("impossible_meets", "confirmed_by_eye"):
                 sys.stdout.write(f"{key}: {value}\n")
         for text in impossible:
             sys.stdout.write(f"impossible: {text}\n")
         for place, trains in weaker.items():
-            sys.stdout.write(f"weaker: {place}: {RELEASED_BY_ODOMETER} ({', '.join(trains)})\n")
+            sys.stdout.write(f"weaker: {place}: {CONFIRMED_BY_EYE} ({', '.join(trains)})\n")
     raise typer.Exit(BROKEN if impossible else 0)
 
 

@@ -1,7 +1,7 @@
 """Giving back what lies behind (閉そく解放): at the arrival tag (①), once (Sugiyama et al. 2017, section 2.2).
 
 Invariant: nothing is given back that neither a tag nor the driver's eye proves to be behind the whole train; the
-odometer is a second condition, and the only one where the line has no such tag.
+odometer is a second condition to the tag, and never one by itself.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from onboard.duty.turn import Turn
 def clear_behind(turn: Turn) -> None:
     """Give back what tags prove to be behind (①, once), and the safe rear by the odometer has left, too.
 
-    At a mark on a track every tag read so far counts; where no tag can prove it, the odometer alone.
+    At a mark on a track every tag read so far counts; what none of them proves, the driver is asked to confirm.
     """
     state = turn.state
     place, at_mark = state.place, state.phase in AT_A_MARK
@@ -40,9 +40,7 @@ def arrived(turn: Turn) -> None:
     if state.halted:
         turn.set(freed=max(state.freed, state.proved))
     if state.phase in AT_A_MARK:
-        stop = turn.stop(state.at)
-        proved = stop.clear if stop.by_odometer else min(state.proved, stop.clear)
-        turn.set(freed=max(state.freed, proved))
+        turn.set(freed=max(state.freed, min(state.proved, turn.stop(state.at).clear)))
 
 
 def confirm(turn: Turn, event: AtMark) -> None:

@@ -402,6 +402,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.ON_SIGHT, PointsWrong): on_sight.points_wrong,
         (Phase.ON_SIGHT, AtMark): on_sight.at_mark,
         (Phase.ON_SIGHT, EndOfHeld): on_sight.end_of_held,
+        (Phase.RUNNING, AtMark): on_sight.at_mark_unawares,
         **dict.fromkeys(((p, AtMark) for p in AT_A_MARK), confirm),
         **dict.fromkeys(((p, NotAtMark) for p in (Phase.STANDING, Phase.FINISHED)), on_sight.not_at_mark),
         **dict.fromkeys(((p, TagPassed) for p in _ON_THE_LINE), tag_passed),

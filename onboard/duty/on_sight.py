@@ -101,6 +101,12 @@ def end_of_held(turn: Turn, event: EndOfHeld) -> None:
     turn.ask(turn.plan.leg_at(event.span))
 
 
+def at_mark_unawares(turn: Turn, event: AtMark) -> None:
+    """Its position is wrong: it has arrived by the driver's eye, and goes on on sight from there."""
+    give_up_position(turn)
+    at_mark(turn, event)
+
+
 def recovered(turn: Turn) -> bool:
     """On sight: whether normal running goes on, a tag having told the position and the manager the holdings."""
     state = turn.state

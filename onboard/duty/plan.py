@@ -48,7 +48,7 @@ class Leg(msgspec.Struct, frozen=True):
 class Stop(msgspec.Struct, frozen=True):
     """A place where the train stops: in which span, when; `clear`: spans surely behind a train at this mark, by eye.
 
-    `by_odometer`: no tag up to the mark proves all that behind it, so that there only the odometer frees sections.
+    `by_eye`: no tag up to the mark proves all that to be behind it, so that the driver must confirm the arrival.
     """
 
     place: str  # the station, or the section where the train leaves the line
@@ -57,7 +57,7 @@ class Stop(msgspec.Struct, frozen=True):
     clear: int
     arrival_s: float | None
     departure_s: float | None
-    by_odometer: bool = False
+    by_eye: bool = False
 
 
 class Tag(msgspec.Struct, frozen=True):
@@ -165,7 +165,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
                 clear,
                 target.arrival_s,
                 target.departure_s,
-                by_odometer=by_tag < clear,
+                by_eye=by_tag < clear,
             )
         )
     end_piece, end_m = path.locate(mission.spans[-1].end_m)

@@ -121,10 +121,16 @@ class Crew:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
         plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
         shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
-        stands = self._trains.plants[slot].speed_mps == 0.0 and (on_sight or shown.confirm)
+        truth = self._trains.truths[slot]
+        front_m = float(truth.position_m)
+        at_end = shown.target is not None and truth.track_end_m - front_m < STOPS_SHORT_M
+        stands = self._trains.plants[slot].speed_mps == 0.0 and (on_sight or shown.confirm or at_end)
         if not stands or plan is None or duty is None:
             return []
-        front_m = float(self._trains.truths[slot].position_m)
+        if (
+            at_end and not on_sight and shown.target is not None
+        ):  # the unit would go on to a mark that it has passed
+            return [AtMark(shown.target)]
         if not on_sight:
             there = front_m >= duty.mission.targets[shown.at].mark_m - ARRIVED_ON_SIGHT_WITHIN_M
             return [AtMark(shown.at) if there else NotAtMark()]

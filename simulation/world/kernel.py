@@ -36,6 +36,8 @@ MOVING_STEPS_MAX: Final = 50  # it runs ahead of the carrier by at most this
 STANDING_STEPS_MAX: Final = 600
 SIGHT_RESERVE_M = 2.0
 SIGHT_BRAKE_MPS2 = 0.5  # what a driver on sight asks for
+SEES_END_M = 200.0  # a driver sees the end of the track from this far, on a straight by day
+END_BRAKE_MPS2 = 0.7  # which the service brake of any train here gives on a damp rail
 SIGHT_MARGIN_MPS = 0.5  # the driver brakes this far above the ceiling, whatever the unit shows
 
 Rows = NDArray[np.void]
@@ -132,6 +134,18 @@ def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: Train
 
 
 @compiled
+def brake_at_end(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRow) -> None:
+    """A driver who sees that the train would run off the end of its track brakes by the full service brake."""
+    speed = plant.speed_mps
+    room_m = truth.track_end_m - truth.position_m - SIGHT_RESERVE_M
+    if room_m > SEES_END_M or unit.emergency != 0:
+        return
+    reaction_s = train.brake_dead_time_s + train.brake_lag_s
+    if speed * reaction_s + speed * speed / (2.0 * END_BRAKE_MPS2) > room_m:
+        unit.notch = -train.brake_notches
+
+
+@compiled
 def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, step_s: float) -> None:
     """Show the row's sensors what there is to be sensed after its body has moved."""
     scene, plant = row.scene, row.plant
@@ -174,6 +188,7 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     events = tick(row.board, row.sensed, track.pattern, track.plan)
     if truth.sight_m < np.inf:
         brake_on_sight(truth, plant, unit, row.board.kind)
+    brake_at_end(truth, plant, unit, row.board.kind)
     return found, events
 
 

@@ -34,6 +34,7 @@ class TruthRow(Protocol):
     rear_boundary_m: float
     tag_next: Annotated[int, "row of the tag pool; the next tag ahead"]
     tag_end: int
+    track_end_m: Annotated[float, "where the track ends, which every driver sees"]
     sight_m: Annotated[float, "where a driver on sight stops; +inf: does not drive on sight"]
     sign_m: Annotated[float, "path coordinate of the next stop sign; +inf: none"]
     clock_ahead_s: Annotated[float, "of the unit's clock, when the unit was last asked"]

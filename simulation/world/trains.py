@@ -329,6 +329,7 @@ class Trains:
         path = self.true_path(slot)
         rear_m = float(truth.position_m) - float(self.bodies[slot].length_m)
         front_end_m = path.step_at(float(truth.position_m)).end_m
+        truth.track_end_m = path.length_m
         truth.front_boundary_m = min(front_end_m, path.length_m - END_OF_TRACK_M)
         rear_end_m = path.step_at(rear_m).end_m
         truth.rear_boundary_m = rear_end_m if rear_end_m < path.length_m - 1e-9 else math.inf

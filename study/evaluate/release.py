@@ -1,7 +1,7 @@
 """Where a line has no tag that proves what lies behind a train that has arrived: the release there is weaker.
 
 Sections are given back at the arrival tag (①; (5) in figure 1 of Sugiyama et al. 2017), which an odometer cannot
-falsify; where there is none a train's length beyond the joints behind a stop, only the odometer's safe rear frees them.
+falsify; where there is none a train's length beyond the joints behind a stop, a person's eye stands in for it.
 """
 
 from __future__ import annotations
@@ -12,10 +12,12 @@ from onboard.duty.plan import plan_of
 from simulation.setup import Setup
 from simulation.world.roster import draw_up
 
-RELEASED_BY_ODOMETER: Final = "sections behind are released by the odometer alone, no tag proves them clear"
+CONFIRMED_BY_EYE: Final = (
+    "no tag proves the sections behind clear; they are released when the driver confirms the arrival"
+)
 
 
-def released_by_odometer(setup: Setup) -> dict[str, list[str]]:
+def confirmed_by_eye(setup: Setup) -> dict[str, list[str]]:
     """Stops of the timetable where that is so, each with the numbers of its trains, in the order of the timetable."""
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in setup.trains.items()}
     found: dict[str, list[str]] = {}
@@ -24,7 +26,7 @@ def released_by_odometer(setup: Setup) -> dict[str, list[str]]:
         for duty in drawn:
             plan = plan_of(duty.mission, lengths_m[stock_id])
             for stop in plan.stops:
-                if stop.by_odometer:
+                if stop.by_eye:
                     section_id = plan.spans[stop.span].section_id
                     found.setdefault(f"{stop.place}, section {section_id}", []).append(duty.train.number)
     return found

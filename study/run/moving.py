@@ -119,7 +119,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "scale": Single(60.0, {"factor": 0.9}),
     "stuck_output": Single(20.0, {}),
     "no_output": Single(20.0, {}),
-    "slippery": Single(60.0, {"factor": 0.25}),
+    "slippery": Single(60.0, {"factor": 0.8}),
     # Half a second before each passage, and nowhere else.
     "miss": Single(1.0, {}),
     "wrong_id": Single(1.0, {}),

@@ -141,12 +141,16 @@ def test_the_driver_sees_that_it_has_not_and_it_goes_on_on_sight(stands: Bench) 
     assert stands.held == ("8",)
 
 
-def test_where_the_line_has_no_such_tag_the_odometer_alone_frees_at_the_mark(
+def test_where_the_line_has_no_such_tag_the_driver_frees_at_the_mark(
     cleared_to_b: Bench, mission: Mission
 ) -> None:
-    """The weaker protection, of which `branchline check` says so."""
+    """The weaker protection, of which `branchline check` says so; never the odometer alone."""
     bare = replace(mission, tags=tuple(tag for tag in mission.tags if tag.tag_id < 700))
     cleared_to_b.unit.plan = plan_of(bare, REAR_M)
-    assert cleared_to_b.unit.plan.stops[1].by_odometer
+    assert cleared_to_b.unit.plan.stops[1].by_eye
     cleared_to_b.stop(MARK_B_M)
+    assert len(cleared_to_b.held) > 1
+    cleared_to_b.hear(MANAGER, HoldingConfirmed(cleared_to_b.held, TOKEN))
+    assert cleared_to_b.motion.command.confirm
+    cleared_to_b.tell([AtMark(1)])
     assert cleared_to_b.held == ("8",)

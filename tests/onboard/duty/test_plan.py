@@ -61,18 +61,18 @@ def test_the_arrival_tag_proves_the_points_to_be_behind(mission: Mission) -> Non
 
 
 def test_where_tags_up_to_the_mark_prove_all_behind_it_the_odometer_does_not_count(mission: Mission) -> None:
-    assert [stop.by_odometer for stop in plan_of(mission, LENGTH_M).stops] == [False, False]
+    assert [stop.by_eye for stop in plan_of(mission, LENGTH_M).stops] == [False, False]
 
 
 def test_where_no_tag_up_to_the_mark_proves_it_the_odometer_alone_frees(mission: Mission) -> None:
     without = replace(mission, tags=tuple(tag for tag in mission.tags if tag.position_m < 600.0))
     begins, ends = plan_of(without, LENGTH_M).stops
-    assert ends.by_odometer
-    assert not begins.by_odometer  # nothing is behind that could be freed
+    assert ends.by_eye
+    assert not begins.by_eye  # nothing is behind that could be freed
     beyond = replace(
         mission, tags=(*without.tags, replace(mission.tags[-1], position_m=mission.targets[1].mark_m + 1))
     )
-    assert plan_of(beyond, LENGTH_M).stops[1].by_odometer  # a tag that is read only after the stop
+    assert plan_of(beyond, LENGTH_M).stops[1].by_eye  # a tag that is read only after the stop
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -89,7 +89,7 @@ def test_at_a_halt_on_open_line_nothing_is_freed(over_halts: Mission) -> None:
     assert [stop.place for stop in halts] == ["NIT"]
     mark_m = over_halts.targets[1].mark_m
     assert spans_behind(over_halts, mark_m - 100.0) > 0  # there would be something
-    assert [(stop.clear, stop.by_odometer) for stop in halts] == [(0, False)]
+    assert [(stop.clear, stop.by_eye) for stop in halts] == [(0, False)]
     assert plan.stops[-1].clear > 0
 
 
