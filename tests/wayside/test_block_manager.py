@@ -218,6 +218,17 @@ def test_a_unit_that_started_again_learns_what_it_holds() -> None:
     assert desk.register.held_by("u1") == ("P0", "A", "B")
 
 
+def test_a_request_of_a_new_boot_is_no_repetition_of_the_old_ones() -> None:
+    """It numbers its requests anew: the same number is a new request, and gets a token of its own."""
+    desk = defined(u1=("P0",))
+    first = desk.hear("u1", IN, correlation=5)
+    desk.hear("u1", SignOn("u1", None), epoch=2)
+    again = desk.hear("u1", IN, epoch=2, correlation=5)
+    assert isinstance(first, RouteGranted)
+    assert isinstance(again, RouteGranted)
+    assert again.token > first.token
+
+
 def test_a_person_cannot_contradict_another_holder() -> None:
     desk = defined(u1=("A", "B"))
     assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [Contradicted]

@@ -10,13 +10,16 @@ from msgspec.structs import replace
 from onboard.authority.records import (
     Command,
     PeerRestarted,
+    Proof,
 )
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
     DutyState,
     Event,
     Heard,
+    Looked,
     Phase,
+    TagPassed,
     TimerDue,
 )
 from onboard.duty.shown import command_of, waits_for
@@ -26,12 +29,14 @@ from tests.onboard.duty.rows_told import TOLD
 from tests.onboard.duty.rows_vehicle import VEHICLE
 from tests.onboard.duty.stage import (
     AT_A,
+    BEFORE_7,
     FINISHED,
     HOLDS_3,
     HOLDS_8,
     HOLDS_REST,
     LOST,
     NOW_S,
+    ON_6,
     ON_SIGHT,
     P7,
     PLAN,
@@ -43,6 +48,7 @@ from tests.onboard.duty.stage import (
     STANDING,
     STATES,
     TIMES,
+    TO_THE_END,
     moved,
     sent,
 )
@@ -77,6 +83,26 @@ def test_a_timer_of_the_authority_repeats_its_request(at: Phase) -> None:
     (request,) = state.authority.requests
     assert step(PLAN, TIMES, state, TimerDue(request.timer), state.place, NOW_S) == (state, sent(request))
     assert step(PLAN, TIMES, state, Heard(PeerRestarted()), state.place, NOW_S) == (state, sent(request))
+
+
+@pytest.mark.parametrize("sure", [3, 4])
+def test_points_count_as_entered_only_where_the_front_surely_is(sure: int) -> None:
+    """Its bounds reach onto points 7: withdrawn now, their proof still stops a train that may be short of them."""
+    place = moved(ON_6, sure=sure, perhaps=4)
+    proven = replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)
+    entered, _ = step(PLAN, TIMES, proven, Looked(), place, NOW_S)
+    assert entered.entered == ({"5", "7"} if sure == 4 else {"5"})
+    lost = Heard(Proof("P7", "B-W", None, mine=True))
+    withdrawn, _ = step(PLAN, TIMES, entered, lost, place, NOW_S)
+    assert withdrawn.limit == (TO_THE_END if sure == 4 else BEFORE_7)
+
+
+def test_resuming_it_counts_only_points_as_entered_where_the_front_surely_is() -> None:
+    place = moved(ON_6, perhaps=4)
+    resumed, _ = step(PLAN, TIMES, ON_SIGHT, TagPassed(3, found=True), place, NOW_S)
+    assert resumed.phase is Phase.RUNNING
+    assert resumed.entered == {"3", "5", "6"}
+    assert resumed.limit == BEFORE_7
 
 
 # the command for the driving part ------------------------------------------------------------------------------
