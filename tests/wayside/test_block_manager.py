@@ -198,7 +198,9 @@ def test_a_token_that_this_manager_never_gave_is_replaced() -> None:
     assert accepted.token == (2 << 32) + 1
 
 
-@pytest.mark.parametrize("message", [SignOn("u1", ("P0",)), Claim(("P0",), 3), HoldingReport(("P0",), 3)])
+@pytest.mark.parametrize(
+    "message", [SignOn("u1", ("P0",)), SignOn("u1", ("B",)), Claim(("P0",), 3), HoldingReport(("P0",), 3)]
+)
 def test_a_claim_that_may_date_from_before_the_restart_is_asked_again(message: AnyMessage) -> None:
     desk = Desk(epoch=2)
     assert desk.hear("u1", message, fresh=False) == ClaimQuery()

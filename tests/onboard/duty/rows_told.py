@@ -192,6 +192,16 @@ TOLD: Final[dict[str, Case]] = {
             *reported(*HOLDS_REST.held),
         ),
     ),
+    "standing before points not proven it throws none while it is halted": (
+        halted(replace(RUNNING, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held)))),
+        Heard(Contested(("7",))),
+        moved(ON_6, stands=True, emergency=True),
+        replace(
+            halted(replace(RUNNING, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held)))),
+            place=moved(ON_6, stands=True, emergency=True),
+        ),
+        (),
+    ),
     "contested twice, it is braked once": (
         halted(RUNNING),
         Heard(Contested(("7",))),

@@ -1,0 +1,132 @@
+"""A frozen party does nothing, and finds later what has come to it meanwhile, in its order; one that dies, nothing."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from host.devices import CODEC, DeviceSaid
+from host.party import Advance
+from network.model import Line, Position
+from onboard.duty.records import Command, Looked, Started
+from onboard.unit import Answer
+from simulation.agenda import Agenda
+from simulation.cabs import Cabs
+from simulation.journal import Journal
+from simulation.setup import Setup
+from simulation.world.points import WaysideWorld
+from wayside.said import PointsDetected
+
+TERMINAL = "B-W"
+
+
+class Parties:
+    """Devices that write down what they are given."""
+
+    def __init__(self) -> None:
+        self.given: list[tuple[tuple[bytes, ...], int]] = []
+
+    def advance(self, _party: str, _now_s: float, telegrams: list[bytes], told: bytes) -> Advance:
+        self.given.append((tuple(telegrams), len(CODEC.told(told).inputs)))
+        return Advance((), CODEC.encode(DeviceSaid()), None)
+
+    def kill(self, _party: str) -> None: ...
+
+    def restart(self, _party: str) -> None: ...
+
+
+@pytest.fixture
+def agenda() -> Agenda:
+    return Agenda()
+
+
+@pytest.fixture
+def wayside(rtri_setup: Setup, agenda: Agenda) -> tuple[WaysideWorld, Parties]:
+    line: Line = rtri_setup.line
+    parties = Parties()
+    made: Any = (parties, SimpleNamespace(), agenda, Journal(), lambda _unit: True)
+    return WaysideWorld(line, *made), parties
+
+
+def go_on(world: WaysideWorld, agenda: Agenda, step: int) -> None:
+    """As the loop does it: what is due for the device is put to it."""
+    while (item := agenda.pop_due(step)) is not None:
+        world.advance(step, item.subject, [] if item.data is None else [item.data])
+
+
+def test_a_frozen_device_keeps_what_piled_up(wayside: tuple[WaysideWorld, Parties], agenda: Agenda) -> None:
+    world, parties = wayside
+    world.freeze(1, TERMINAL, frozen=True)
+    for step, data in ((2, b"one"), (3, b"two")):
+        world.advance(step, TERMINAL, [data])
+    world.input(4, TERMINAL, PointsDetected("P7", Position.NORMAL, True))
+    world.advance(4, TERMINAL, [])
+    assert parties.given == []
+    world.freeze(5, TERMINAL, frozen=False)
+    go_on(world, agenda, 5)
+    assert sum((telegrams for telegrams, _ in parties.given), ()) == (b"one", b"two")
+    assert sum(inputs for _, inputs in parties.given) == 1
+    world.advance(6, TERMINAL, [b"three"])
+    assert parties.given[-1] == ((b"three",), 0)
+
+
+def test_without_power_what_piled_up_is_lost(wayside: tuple[WaysideWorld, Parties], agenda: Agenda) -> None:
+    world, parties = wayside
+    world.freeze(1, TERMINAL, frozen=True)
+    world.advance(2, TERMINAL, [b"one"])
+    world.power_off(3, TERMINAL)
+    world.power_on(4, TERMINAL)
+    world.freeze(5, TERMINAL, frozen=False)
+    go_on(world, agenda, 5)
+    assert parties.given
+    assert all(telegrams == () for telegrams, _ in parties.given)
+
+
+class Units:
+    """Units that write down what they are told."""
+
+    def __init__(self) -> None:
+        self.unpowered: set[int] = set()
+        self.told: list[tuple[Any, Any]] = []
+
+    def tell(self, _slot: int, _now_s: float, happened: Any, telegrams: Any) -> tuple[Answer, tuple[()]]:  # noqa: ANN401
+        self.told.append((happened, telegrams))
+        return Answer((), Command(), (), (), None), ()
+
+    def power_off(self, slot: int) -> None:
+        self.unpowered.add(slot)
+
+
+@pytest.fixture
+def cabs(monkeypatch: pytest.MonkeyPatch) -> tuple[Cabs, Units]:
+    units = Units()
+    truth = SimpleNamespace(sight_m=0.0)
+    trains = SimpleNamespace(stock_ids=("K1",), truths=(truth,))
+    made: Any = (trains, units, SimpleNamespace(machines={}), SimpleNamespace(), Agenda(), Journal())
+    monkeypatch.setattr(Cabs, "_look", lambda *_: None)
+    return Cabs(*made), units
+
+
+def test_a_frozen_unit_keeps_what_piled_up(cabs: tuple[Cabs, Units]) -> None:
+    cab, units = cabs
+    cab.freeze(0, 1, frozen=True)
+    cab.tell(0, 2, (Started(),))
+    cab.tell(0, 3, (), (b"one",))
+    cab.tell(0, 4, (Looked(),), (b"two",))
+    assert units.told == []
+    cab.freeze(0, 5, frozen=False)
+    assert units.told == [((Started(),), ()), ((), (b"one",)), ((Looked(),), (b"two",))]
+    cab.tell(0, 6, (Looked(),))
+    assert units.told[-1] == ((Looked(),), ())
+
+
+def test_a_unit_that_dies_frozen_forgets_what_piled_up(cabs: tuple[Cabs, Units]) -> None:
+    cab, units = cabs
+    cab.freeze(0, 1, frozen=True)
+    cab.tell(0, 2, (Started(),), (b"one",))
+    cab.power_off(0, 3)
+    units.unpowered.clear()
+    cab.freeze(0, 5, frozen=False)
+    assert units.told == []
