@@ -64,7 +64,7 @@ def test_where_tags_up_to_the_mark_prove_all_behind_it_the_odometer_does_not_cou
     assert [stop.by_eye for stop in plan_of(mission, LENGTH_M).stops] == [False, False]
 
 
-def test_where_no_tag_up_to_the_mark_proves_it_the_odometer_alone_frees(mission: Mission) -> None:
+def test_where_no_tag_up_to_the_mark_proves_it_the_driver_must_see(mission: Mission) -> None:
     without = replace(mission, tags=tuple(tag for tag in mission.tags if tag.position_m < 600.0))
     begins, ends = plan_of(without, LENGTH_M).stops
     assert ends.by_eye

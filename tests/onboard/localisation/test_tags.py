@@ -75,6 +75,17 @@ def test_where_more_than_one_can_be_meant_two_must_agree(doubt: TagDoubt, unit: 
     assert doubt.believes(FOURTH, 1000.0 + 2.0 * 50.0 + FOURTH.position_m - THIRD.position_m)
 
 
+def test_an_ambiguous_tag_fixes_nothing(doubt: TagDoubt, unit: np.recarray) -> None:
+    """At 325 m within 40 m either way it may be the one at 300 m or that at 350 m, whichever says its name."""
+    fault_at(doubt, unit, 325.0)
+    unit.bound_ahead_m = unit.bound_behind_m = 40.0
+    assert not doubt.believes(THIRD, 325.0)
+    unit.bound_ahead_m = unit.bound_behind_m = 20.0
+    assert not doubt.believes(THIRD, 325.0)  # nor may one that cannot be there
+    unit.bound_ahead_m = 30.0
+    assert doubt.believes(THIRD, 325.0)
+
+
 def test_the_bounds_stay_wide_until_tags_and_tachometer_agree(doubt: TagDoubt, unit: np.recarray) -> None:
     fault_at(doubt, unit, SECOND.position_m)
     unit.position_known = 1

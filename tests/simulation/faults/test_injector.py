@@ -52,8 +52,10 @@ class World:
         shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
         on_board: Any = SimpleNamespace(shown=shown.__getitem__)
         self.wayside: Any
-        trains: Any = SimpleNamespace(stock_ids=("K1", "K2"), slot_of={"K1": 0, "K2": 1}, tag_faults={})
-        self.tag_faults = trains.tag_faults
+        trains: Any = SimpleNamespace(
+            stock_ids=("K1", "K2"), slot_of={"K1": 0, "K2": 1}, tag_faults={}, sections_under=dict
+        )
+        self.trains, self.tag_faults = trains, trains.tag_faults
         self.wayside = SimpleNamespace(
             section_ids=("PW", "3", "5"),
             input=lambda _step, device, value: self.inputs.append((device, value)),
@@ -193,6 +195,14 @@ def test_re_entry_by_hand_enters_every_section_by_what_units_on_the_line_hold() 
         ("block-manager", EnterSection("5", "K1", "Sato")),
         ("block-manager", AcceptPicture("Sato")),
     ]
+
+
+def test_re_entry_by_hand_enters_where_trains_truly_stand_too() -> None:
+    """Of a unit that holds nothing its crew says by voice where the train is."""
+    world = World(Act(ActKind.REENTER_BY_HAND, "", Trigger(at_s=1.0), "Sato"))
+    world.trains.sections_under = lambda: {"K2": {"PW"}}
+    world.run_to(10)
+    assert ("block-manager", EnterSection("PW", "K2", "Sato")) in world.inputs
 
 
 def test_a_controller_accepts_the_gathered_claims_once_nothing_is_missing() -> None:
