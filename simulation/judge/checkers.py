@@ -222,13 +222,17 @@ class Checkers:
     def _check_entry(self, t_s: float, body: Body, piece_id: str, on_points: Collection[str]) -> None:
         """`proven-before-entry`: the unit has a proof, no older than its grant, for the position.
 
-        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`. Points that the
-        train was on already are not entered again.
+        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`. For points that the
+        train was on already, the proof counts by which it came.
         """
         unit_id = body.unit_id
         need = self._points.needs(piece_id)
-        if need is not None and need[0] not in on_points:
+        if need is not None:
             proof: Proof | str | None = self._proofs.get(unit_id, {}).get(need[0])
+            if proof is None and need[0] in on_points:
+                proof = self._locking.remembered(unit_id, need[0])
+                if proof is None:
+                    return
             if proof is None:
                 proof = self._locking.enters(body, piece_id, need[0])
             section_id, outside = self._points.section_of(need[0]), self._rail.outside(t_s, unit_id)

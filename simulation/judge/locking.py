@@ -125,6 +125,11 @@ class RouteLocking:
         loss.entered = True
         return loss.proof
 
+    def remembered(self, unit_id: str, points_id: str) -> Proof | None:
+        """The proof that the unit lost last of these points."""
+        loss = self._losses.get(unit_id, {}).get(points_id)
+        return None if loss is None else loss.proof
+
     def off(self, body: Body, points_id: str) -> None:
         """The train is wholly off points that it had come onto."""
         loss = self._losses.get(body.unit_id, {}).get(points_id)

@@ -42,7 +42,7 @@ def prepared_row(
     stock["board"]["laws"]["number"] = law_number(driving.law)
     row = stock.view(np.recarray)[0]
     row.truth.active = row.truth.powered = 1
-    for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m"):
+    for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m", "track_end_m"):
         row.truth[name] = np.inf
     row.sensors.tachometer.wheel_factor = row.sensors.tachometer.gain = 1.0
     row.sensors.tachometer.frozen_mps = -1.0

@@ -71,9 +71,13 @@ def test_the_sequence_of_the_paper(journal: list[Entry]) -> None:
     assert abs(arrived["error_m"]) <= 1.0
 
 
-def test_sections_are_released_in_order_and_only_by_the_train_that_left_them(journal: list[Entry]) -> None:
+def test_sections_are_released_at_the_arrival_tag_and_only_by_the_train_that_left_them(
+    journal: list[Entry],
+) -> None:
     freed = [entry for entry in journal if entry["what"] == "freed"]
-    assert [entry["sections"] for entry in freed] == [["3"], ["5"], ["6"], ["7"]]
+    assert [entry["sections"] for entry in freed] == [["3", "5", "6", "7"]]
+    tag = found(iter(journal), "K1", "tag_read", purpose="arrival")
+    assert 0.0 <= freed[0]["t"] - tag["t"] <= 1.0
     for entry in freed:
         reported = [
             e

@@ -16,7 +16,7 @@ from network.model import Position
 from network.timetable import load_timetable
 from onboard.duty.mission import Mission, plan_mission
 from onboard.duty.plan import plan_of
-from onboard.duty.records import AtMark, Command, PointsSeen, PointsWrong
+from onboard.duty.records import AtMark, Command, EndOfHeld, PointsSeen, PointsWrong
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints
 from simulation.journal import Journal
 from simulation.world.crew import SEES_M, Crew
@@ -41,8 +41,11 @@ class Cab:
         self.plan = plan_of(mission, LENGTH_M)
         self.shown = Command(on_sight=True, on_line=True, held=sections)
         self.on_sight = True
-        self.truth: Any = SimpleNamespace(position_m=front_m, sight_m=math.inf, active=1)
+        self.truth: Any = SimpleNamespace(
+            position_m=front_m, sight_m=math.inf, track_end_m=math.inf, active=1
+        )
         self.occupied = False
+        self.ahead_m = math.inf
         self.plant: Any = SimpleNamespace(speed_mps=0.0)
         self.machine = PointMachine("P7", 6.0, Position.NORMAL)
         self.journal = Journal()
@@ -53,11 +56,13 @@ class Cab:
             bodies=[SimpleNamespace(length_m=LENGTH_M)],
             duties=[SimpleNamespace(mission=mission)],
             stands_in=lambda _section_id: self.occupied,
+            train_ahead_m=lambda _slot: self.ahead_m,
         )
         on_board: Any = SimpleNamespace(
             plan=lambda _slot: self.plan,
             shown=lambda _slot: self.shown,
             drives_on_sight=lambda _slot: self.on_sight,
+            unpowered=set[int](),
         )
         self.duties = trains.duties
         self.crew = Crew(trains, on_board, lambda _points_id: self.machine, self.journal, self)
@@ -99,6 +104,7 @@ def test_it_does_not_leave_what_is_held(mission: Mission) -> None:
 def test_a_unit_that_knows_where_it_is_drives_itself(mission: Mission) -> None:
     cab = Cab(mission, 100.0, "6", "7", "8")
     cab.on_sight = False
+    cab.shown = msgspec.structs.replace(cab.shown, on_sight=False)
     assert cab.sight_m() == math.inf
     assert cab.crew.stand(0, 10.0) == []
 
@@ -194,7 +200,7 @@ def test_points_of_a_section_not_held_or_too_far_off_are_not_looked_at(mission: 
     far = standing_before_points(mission)
     far.truth.position_m -= 2.0 * SEES_M
     assert far.crew.stand(0, 10.0) == []
-    assert not_held.crew.stand(0, 10.0) == []
+    assert not_held.crew.stand(0, 10.0) == [EndOfHeld(mission.span_index("6"))]
     assert not far.journal.entries and not not_held.journal.entries
 
 
