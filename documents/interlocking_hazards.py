@@ -218,7 +218,12 @@ HAZARDS: Final = (
         "it is stopped, then runs on sight until a tag gives the position and the manager what it holds",
         ("onboard.unit",),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
-        ("rtri/04_unit_power_position_fixed", "rtri/05b_extra_tag"),
+        (
+            "rtri/04_unit_power_position_fixed",
+            "rtri/05b_extra_tag",
+            "rtri/28_unit_restart_at_departure",
+            "karasuyama/28_unit_restart_out_of_coverage",
+        ),
         ("full speed after a restart",),
     ),
     Hazard(
@@ -245,7 +250,14 @@ HAZARDS: Final = (
         "whatever is open is repeated by a timer until it is answered; a train that stands says what it waits for",
         ("onboard.authority.machine", "wayside.block_manager"),
         (Checker.EVERYONE_ARRIVES, Checker.NO_DEAD_STATE),
-        ("karasuyama/34_links_loss", "rtri/02_turn_back"),
+        (
+            "karasuyama/34_links_loss",
+            "rtri/02_turn_back",
+            "rtri/50_unit_power_before_entry",
+            "rtri/51_not_at_its_mark",
+            "rtri/52_unit_frozen",
+            "karasuyama/51_route_given_back_at_halt",
+        ),
         (
             "the block manager refuses everything",
             "what was refused is never asked for again",

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from network.model import Position
 from onboard import motion
-from onboard.authority import points
+from onboard.authority import agreement, points, report
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
 from onboard.authority.stop_limit import stop_limit
 from onboard.authority.tables import Handler, Result
-from onboard.duty import arrival
+from onboard.duty import arrival, shown
 from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, PointsNeeded
@@ -30,6 +30,7 @@ from onboard.unit import Answer, Report, Telegram, Unit
 from radio.messages import (
     PointsCommand,
 )
+from simulation.duties import Duties
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.crew import Crew
 from simulation.world.roster import Duty
@@ -80,6 +81,36 @@ def releases_at_the_front(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr(Motion, "place", at_front)
     patch.setattr(arrival, "arrived", lambda turn: turn.set(freed=len(turn.plan.spans)))
+
+
+@switch
+def releases_by_the_odometer(patch: pytest.MonkeyPatch) -> None:
+    """As soon as the safe rear has left them, whatever tags say."""
+    patch.setattr(arrival, "arrived", lambda turn: turn.set(freed=len(turn.plan.spans)))
+    believes_any_tag(patch)
+
+
+@switch
+def asks_no_driver(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(shown, "to_confirm", lambda *_: False)
+    patch.setattr(duty_machine, "to_confirm", lambda *_: False)
+
+
+@switch
+def waits_where_it_is_held_up(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(duty_machine, "held_up", lambda _turn: None)
+
+
+@switch
+def enters_no_number_again(patch: pytest.MonkeyPatch) -> None:
+    """The crew of stock outside its portal leaves a unit that has started again to itself."""
+    patch.setattr(Duties, "powered_on", lambda *_: None)
+
+
+@switch
+def runs_on_in_a_contradiction(patch: pytest.MonkeyPatch) -> None:
+    for module in (agreement, report):
+        patch.setattr(module, "disagrees", lambda state, _why: (state, ()))
 
 
 @switch

@@ -23,7 +23,7 @@ from radio.messages import (
 )
 from radio.noted import TookEffect
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
-from wayside import block_manager, point_terminal, reentry, register
+from wayside import acts, block_manager, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, Standing
@@ -47,12 +47,35 @@ def starts_with_every_section_free(patch: pytest.MonkeyPatch) -> None:
     start = register.start
 
     def afresh(
-        config: ManagerConfig, epoch: int, keys: Mapping[str, bytes], _ledger: Iterable[str] = ()
+        config: ManagerConfig, epoch: int, keys: Mapping[str, bytes], *_kept: Iterable[str] | None
     ) -> Register:
         return replace(start(config, epoch, keys, ()), restoring=False)
 
     patch.setattr(device, "start_register", afresh)
     patch.setattr(register, "UNKNOWN_UNIT", register.Unit(Standing.OUTSIDE))
+
+
+@switch
+def asks_for_no_place(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(acts, "_senseless", lambda *_: None)
+    patch.setattr(reentry, "in_station", lambda *_: True)
+
+    def whoever_agrees(register: Register, unit_id: str) -> frozenset[str] | None:
+        entered = reentry.entered_for(register, unit_id)
+        words = reentry.words_for(register, unit_id).values()
+        return entered if sum(word == entered for word in words) > 1 else None
+
+    patch.setattr(reentry, "agreed", whoever_agrees)
+
+
+@switch
+def leaves_the_line_unswept(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(reentry, "to_be_swept", lambda register, _sections: (register, ()))
+
+
+@switch
+def tells_nobody_of_a_contradiction(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Register, "contested", lambda _self, _unit_id: ())
 
 
 @switch

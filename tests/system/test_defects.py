@@ -136,7 +136,8 @@ DEFECTS: Final = (
         "a claim of less than is held",
         "manager_restarts_before_departure",
         "claims_only_where_it_stands",
-        (Checker.INSIDE_HOLDING, "K1 claims all that it was granted"),
+        # The register then has less than the unit holds, and the train is stopped, as section 5 of the paper has it.
+        (Checker.EVERYONE_ARRIVES, "K1 claims all that it was granted"),
     ),
     Defect(
         "a tag accepted outside its window",

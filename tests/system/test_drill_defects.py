@@ -214,11 +214,31 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "restarts_at_full_speed",
             "low speed until position and holdings are known",
         ),
-        "40_clock_wrong": (judges_no_time, "no section behind it is released"),
+        "40_clock_wrong": (judges_no_time, "the terminal drops its commands as of a time that cannot be"),
         "41_clock_drifts": (judges_no_time, "it does not enter them"),
         "42_doors": (sees_no_vehicle, "it does not depart with a door open"),
         "44_points_locked_by_crew": (keeps_the_key_for_ever, "every train reaches its station"),
         "45_tags_by_bits": ("expects_no_tag", "the unit finds that a tag is missing"),
+        "50_unit_power_before_entry": ("enters_no_number_again", "its train comes onto the line"),
+        "51_not_at_its_mark": ("asks_no_driver", "it signs off and leaves"),
+        "52_unit_frozen": (
+            "does_not_wait_for_proof",
+            "the train stops before the arrival points, which nobody has thrown",
+        ),
+        "53_word_without_a_place": ("asks_for_no_place", "their word is refused"),
+        "53b_two_wrong_persons": (
+            "runs_on_in_a_contradiction",
+            "K1's train is stopped for the contradiction",
+        ),
+        "53c_wrong_word_taken_back": (
+            "tells_nobody_of_a_contradiction",
+            "K2's train is told to stop when the word is taken back",
+        ),
+        "54_tachometer_over_reads": (
+            "releases_by_the_odometer",
+            "nothing is given back before the arrival tag",
+        ),
+        "55_unit_dead_for_good": ("leaves_the_line_unswept", "T2 runs through on sight"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
     }
 )
