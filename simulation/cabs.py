@@ -84,12 +84,15 @@ class Cabs:
                 self._agenda.put(wake_step, Due.UNIT_TIMER, stock_id)
 
     def _look(self, slot: int, step: int) -> None:
-        """Stops are booked by the truth; the crew looks at the unit's display and at the line."""
+        """Stops are booked by the truth; the crew of a train on the line looks at its display and at the line."""
+        self._crew.give_keys_back(slot, step / STEPS_PER_S)
+        if not self._trains.truths[slot].active:
+            self._crew.on_sight.discard(slot)
+            return
         self._books.look_for_arrival(slot, step / STEPS_PER_S)
         shown = self._on_board.shown(slot)
         (self._crew.on_sight.add if shown.on_sight or shown.sweeps else self._crew.on_sight.discard)(slot)
         self._crew.look_ahead(slot)
-        self._crew.give_keys_back(slot, step / STEPS_PER_S)
         self._keep_looking(slot, step)
         self.looked_ahead(slot)
 

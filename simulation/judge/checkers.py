@@ -222,8 +222,8 @@ class Checkers:
     def _check_entry(self, t_s: float, body: Body, piece_id: str, on_points: Collection[str]) -> None:
         """`proven-before-entry`: the unit has a proof, no older than its grant, for the position.
 
-        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`. For points that the
-        train was on already, the proof counts by which it came.
+        Or it lost it when its train could not stop any more, and the route is locked: `judge.locking`. For points that
+        the train was on already, the proof counts by which it came.
         """
         unit_id = body.unit_id
         need = self._points.needs(piece_id)

@@ -22,17 +22,18 @@ from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, PointsNeeded
 from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
+from onboard.duty.turn import Turn
 from onboard.localisation.fix import Fix, Refused, Taken, take
 from onboard.motion import Motion, PathData
 from onboard.notes import Claimed
-from onboard.records import UnitRow
+from onboard.records import EMERGENCY_INTERVENTION, UnitRow
 from onboard.unit import Answer, Report, Telegram, Unit
 from radio.messages import (
     PointsCommand,
 )
-from simulation.duties import Duties
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.crew import Crew
+from simulation.world.on_board import OnBoard
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 from tests.system.switchboard import ON_THE_POINTS_AFTER_S, switch, with_handlers
@@ -102,9 +103,16 @@ def waits_where_it_is_held_up(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
-def enters_no_number_again(patch: pytest.MonkeyPatch) -> None:
-    """The crew of stock outside its portal leaves a unit that has started again to itself."""
-    patch.setattr(Duties, "powered_on", lambda *_: None)
+def keeps_the_emergency_latch(patch: pytest.MonkeyPatch) -> None:
+    """A unit that has started again outside the line brakes, and nobody acknowledges it."""
+    power_on = OnBoard.power_on
+
+    def latched(self: OnBoard, slot: int) -> None:
+        power_on(self, slot)
+        self._trains.units[slot].intervention = EMERGENCY_INTERVENTION
+
+    patch.setattr(OnBoard, "power_on", latched)
+    patch.setattr(Turn, "await_release", lambda turn: turn.set(released=False))
 
 
 @switch

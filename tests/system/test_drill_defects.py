@@ -219,7 +219,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "42_doors": (sees_no_vehicle, "it does not depart with a door open"),
         "44_points_locked_by_crew": (keeps_the_key_for_ever, "every train reaches its station"),
         "45_tags_by_bits": ("expects_no_tag", "the unit finds that a tag is missing"),
-        "50_unit_power_before_entry": ("enters_no_number_again", "its train comes onto the line"),
+        "50_unit_power_before_entry": ("keeps_the_emergency_latch", "and runs"),
         "51_not_at_its_mark": ("asks_no_driver", "it signs off and leaves"),
         "52_unit_frozen": (
             "does_not_wait_for_proof",
