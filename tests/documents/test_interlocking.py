@@ -11,6 +11,7 @@ from typing import get_args
 import pytest
 
 from documents.interlocking import Line, document, invariant_of, merged, table
+from documents.interlocking_defects import CAUGHT, Caught
 from documents.interlocking_hazards import HAZARDS
 from onboard.authority import machine as authority
 from onboard.authority.records import Event as AuthorityEvent
@@ -74,6 +75,13 @@ def test_hazards_name_what_exists(defects: ModuleType) -> None:
     assert {name for hazard in HAZARDS for name in hazard.defects} == {d.name for d in defects.DEFECTS}
     for module in {name for hazard in HAZARDS for name in hazard.modules}:
         importlib.import_module(module)
+
+
+@pytest.mark.parametrize("caught", CAUGHT, ids=[caught.rule for caught in CAUGHT])
+def test_a_rule_taken_away_names_its_module_and_a_test_that_exists(caught: Caught) -> None:
+    importlib.import_module(caught.module)
+    file, _, function = caught.test.partition("::")
+    assert f"def {function}(" in (ROOT / "tests" / file).read_text()
 
 
 def test_every_drill_of_the_papers_line_shows_some_hazard() -> None:

@@ -1,0 +1,130 @@
+"""Rules of the interlocking and what notices when one is taken away, as data. A test holds every name to what exists.
+
+Each was switched off by hand, and the test named failed; those of `tests/system` run whole lines with the defect.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+
+class Caught(NamedTuple):
+    """A rule, the module that keeps it, and a test that fails without it: file::function, from `tests/`."""
+
+    rule: str
+    module: str
+    test: str
+
+
+CAUGHT: Final = (
+    Caught(
+        "a disputed unit blocks the line",
+        "wayside.register",
+        "wayside/test_contradictions.py::test_a_disputed_unit_blocks_the_line",
+    ),
+    Caught(
+        "points count as entered by the certain front",
+        "onboard.duty.machine",
+        "onboard/duty/test_machine.py::test_points_count_as_entered_only_where_the_front_surely_is",
+    ),
+    Caught(
+        "the same when normal running is resumed",
+        "onboard.duty.on_sight",
+        "onboard/duty/test_machine.py::test_resuming_it_counts_only_points_as_entered_where_the_front_surely_is",
+    ),
+    Caught(
+        "what is entered and proved counts on this mission alone",
+        "onboard.duty.machine",
+        "onboard/duty/test_properties.py::test_every_state_reached_first_keeps_the_rules",
+    ),
+    Caught(
+        "a route is not given back while moving",
+        "onboard.duty.machine",
+        "onboard/duty/test_machine.py::test_row",
+    ),
+    Caught(
+        "throws that may be under the front are withdrawn, when the position is lost, too",
+        "onboard.duty.on_sight",
+        "onboard/duty/test_machine.py::test_row",
+    ),
+    Caught(
+        "an ambiguous tag fixes nothing",
+        "onboard.localisation.tags",
+        "onboard/localisation/test_tags.py::test_an_ambiguous_tag_fixes_nothing",
+    ),
+    Caught(
+        "after a restart the old position is not believed",
+        "onboard.motion",
+        "onboard/test_unit.py::test_switched_on_again_it_knows_nothing_and_stands_braked",
+    ),
+    Caught(
+        "normal speed needs the manager's word",
+        "onboard.duty.on_sight",
+        "onboard/duty/test_machine.py::test_row",
+    ),
+    Caught(
+        "an old request after a restart is not a repetition",
+        "wayside.block_manager",
+        "wayside/test_block_manager.py::test_a_request_of_a_new_boot_is_no_repetition_of_the_old_ones",
+    ),
+    Caught(
+        "a claim that is not fresh is none",
+        "wayside.block_manager",
+        "wayside/test_block_manager.py::test_a_claim_that_may_date_from_before_the_restart_is_asked_again",
+    ),
+    Caught(
+        "an acceptance dies with a new contradiction",
+        "wayside.reentry",
+        "wayside/test_silent_units.py::test_an_acceptance_dies_with_a_new_contradiction",
+    ),
+    Caught(
+        "the store is on disk (fsync) before it counts",
+        "host.store",
+        "host/test_store.py::test_it_is_on_the_disk_before_it_takes_the_place_of_the_old_one",
+    ),
+    Caught(
+        "what changes is kept before a telegram leaves",
+        "host.device",
+        "host/test_device.py::test_what_changes_is_kept_before_a_telegram_of_it_is_made",
+    ),
+    Caught(
+        "a frozen party keeps what piled up",
+        "simulation.cabs",
+        "simulation/world/test_frozen.py::test_a_frozen_unit_keeps_what_piled_up",
+    ),
+    Caught(
+        "slippery is slippery",
+        "simulation.faults.rail",
+        "simulation/faults/test_fold.py::test_at_every_time_a_quantity_is_what_those_in_force_make_of_it",
+    ),
+    Caught(
+        "points run through are forced, and stay so until repaired",
+        "simulation.world.point_machine",
+        "simulation/world/test_point_machine.py::test_forced_open_until_repaired",
+    ),
+    Caught(
+        "running onto points in no position is noted",
+        "simulation.loop",
+        "simulation/test_cross_points.py::test_towards_the_blades",
+    ),
+    Caught(
+        "release waits for the tag",
+        "onboard.duty.arrival",
+        "onboard/test_release.py::test_without_the_tag_it_would",
+    ),
+    Caught(
+        "the odometer is a second condition of the release",
+        "onboard.duty.arrival",
+        "onboard/test_unit.py::test_after_the_tag_sections_are_given_back_by_the_safe_rear",
+    ),
+    Caught(
+        "a barred boot is challenged",
+        "wayside.block_manager",
+        "wayside/test_acts.py::test_what_a_boot_says_that_persons_spoke_for_is_challenged",
+    ),
+    Caught(
+        "nobody waits for nothing",
+        "simulation.judge.liveness",
+        "onboard/duty/test_properties.py::test_every_state_reached_first_keeps_the_rules",
+    ),
+)
