@@ -226,10 +226,11 @@ class Motion:
 
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
-        if self._stood_m is not None and abs(odometer_m - self._stood_m) < STANDS_WITHIN_M:
+        row = self.row
+        if self._stood_m is not None and abs(row.odometer_m - self._stood_m) < STANDS_WITHIN_M:
             return self._lose("a tag was passed while the tachometer shows a stand")
         known = self._tags.get(tag_id)
-        row, tolerance_m = self.row, self._parameters.tag_accuracy_m
+        tolerance_m = self._parameters.tag_accuracy_m
         if known is None:
             return self._lose(f"tag {tag_id} where none can be")
         index, tag = known

@@ -157,6 +157,9 @@ class Duties:
         turns = on_line and duty.mission.direction is not self._trains.direction(slot)
         if turns and not self._trains.can_turn(slot, duty):
             raise WrongEnd
+        if not on_line and duty.enters and self._queues(duty):
+            self._agenda.put(step + round(PORTAL_RETRY_S / STEP_S), Due.DUTY, stock_id)
+            return
         self._next[stock_id] += 1
         if not on_line and duty.enters:
             self._stage[slot] = Stage.WAITING
@@ -174,6 +177,16 @@ class Duties:
         if slot not in self._on_board.unpowered:
             happened = self._on_board.enter_number(slot, duty, comes_on_line=not on_line, turned=turns)
             self._cabs.tell(slot, step, happened)
+
+    def _queues(self, duty: Duty) -> bool:
+        """Whether another stock waits before the same portal: on the track outside one stands behind the other."""
+        portal = duty.mission.spans[0].section_id
+        waiting = [
+            self._duties[stock_id][self._next[stock_id] - 1]
+            for slot, stock_id in enumerate(self._trains.stock_ids)
+            if self._stage[slot] is Stage.WAITING
+        ]
+        return any(other.mission.spans[0].section_id == portal for other in waiting)
 
     def powered_on(self, slot: int, step: int) -> None:
         """A unit has booted outside its portal: the crew enters the train number again."""

@@ -154,6 +154,7 @@ def resume(turn: Turn) -> None:
         stands_at=None,
         phase=Phase.STANDING if stands else Phase.RUNNING,
         entered=state.entered | behind,
+        sweeps=bool(state.authority.unswept),  # on sight already, it need not stop before what must be swept
     )
     turn.want(tuple(needed for span in ahead[: between + 1] for needed in span.points))
     turn.note(notes.Resumed(next_target=at + 1))

@@ -152,8 +152,9 @@ class Crew:
     def _mark_reached(mission: Mission, shown: Command, front_m: float) -> int | None:
         """The next stop at whose mark the front stands."""
         for index, target in enumerate(mission.targets):
-            end_m = mission.spans[mission.span_index(target.section_id)].end_m
-            beyond_m = min(target.mark_m + CALLS_BEYOND_M, end_m)
+            span = mission.spans[mission.span_index(target.section_id)]
+            on_track = span.kind is not SectionKind.BETWEEN  # a halt's section reaches to the next station
+            beyond_m = span.end_m if on_track else min(target.mark_m + CALLS_BEYOND_M, span.end_m)
             at_mark = target.mark_m - CALLS_SHORT_M < front_m < beyond_m
             if index > shown.at and shown.stands_at != index and at_mark:
                 return index

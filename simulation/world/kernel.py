@@ -124,12 +124,11 @@ def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: Train
         return
     room_m = truth.sight_m - truth.position_m - SIGHT_RESERVE_M
     speed = plant.speed_mps
+    reaction_s = train.brake_dead_time_s + train.brake_lag_s
+    after_mps = speed + max(plant.acceleration_mps2, 0.0) * reaction_s  # what the motors still give meanwhile
     if room_m <= 0.0 or speed > unit.restricted_mps + SIGHT_MARGIN_MPS:
         unit.notch = -train.brake_notches
-    elif (
-        speed * (train.brake_dead_time_s + train.brake_lag_s) + speed * speed / (2.0 * SIGHT_BRAKE_MPS2)
-        > room_m
-    ):
+    elif (speed + after_mps) / 2.0 * reaction_s + after_mps * after_mps / (2.0 * SIGHT_BRAKE_MPS2) > room_m:
         unit.notch = min(unit.notch, service_notch(train, SIGHT_BRAKE_MPS2))
 
 
@@ -141,7 +140,8 @@ def brake_at_end(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRo
     if room_m > SEES_END_M or unit.emergency != 0:
         return
     reaction_s = train.brake_dead_time_s + train.brake_lag_s
-    if speed * reaction_s + speed * speed / (2.0 * END_BRAKE_MPS2) > room_m:
+    after_mps = speed + max(plant.acceleration_mps2, 0.0) * reaction_s
+    if (speed + after_mps) / 2.0 * reaction_s + after_mps * after_mps / (2.0 * END_BRAKE_MPS2) > room_m:
         unit.notch = -train.brake_notches
 
 
