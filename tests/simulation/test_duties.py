@@ -118,9 +118,9 @@ def test_a_stock_waits_outside_until_it_is_accepted(yard: Yard) -> None:
 
 
 def test_a_stock_that_is_accepted_waits_until_nothing_truly_stands_there(yard: Yard) -> None:
-    for slot in (0, 1):
-        yard.duties.take_up(slot, AT)
+    yard.duties.take_up(0, AT)
     yard.accept(0, AT)
+    yard.duties.take_up(1, AT)
     yard.accept(1, AT)
     assert yard.trains.active() == [0]
     assert yard.stage(1) is Stage.WAITING
@@ -133,11 +133,23 @@ def test_a_stock_that_is_accepted_waits_until_nothing_truly_stands_there(yard: Y
     assert yard.trains.active() == [1]
 
 
+def test_stock_queues_before_its_portal(yard: Yard) -> None:
+    """Outside, one stands behind the other: the second does not sign on before the first has entered."""
+    yard.duties.take_up(0, AT)
+    sent = len(yard.sent)
+    yard.duties.take_up(1, AT + 1)
+    assert yard.stage(1) is Stage.OUTSIDE
+    assert len(yard.sent) == sent
+    yard.accept(0, AT + 2)
+    yard.duties.take_up(1, AT + 3)
+    assert yard.stage(1) is Stage.WAITING
+
+
 def test_what_a_unit_believes_opens_no_portal(yard: Yard) -> None:
     """K1's unit says that it is far away; its train stands in the portal all the same."""
-    for slot in (0, 1):
-        yard.duties.take_up(slot, AT)
+    yard.duties.take_up(0, AT)
     yard.accept(0, AT)
+    yard.duties.take_up(1, AT)
     yard.trains.units[0].position_m = 500.0
     yard.accept(1, AT)
     assert yard.trains.active() == [0]
@@ -229,9 +241,9 @@ def test_a_timer_wakes_a_unit_at_its_step_and_never_before(yard: Yard) -> None:
 
 def test_each_that_has_not_finished_says_where_it_is_and_what_it_waits_for(yard: Yard) -> None:
     assert yard.duties.waiting() == []
-    for slot in (0, 1):
-        yard.duties.take_up(slot, AT)
+    yard.duties.take_up(0, AT)
     yard.accept(0, AT)
+    yard.duties.take_up(1, AT)
     yard.cabs.power_off(0, AT)
     inside, outside = yard.duties.waiting()
     assert (inside.stock_id, inside.number, inside.stands) == ("K1", "T1", True)
