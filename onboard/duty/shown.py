@@ -82,4 +82,8 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
         yield "the block manager's confirmation of what is held"
     if state.phase is Phase.RUNNING and not state.may_ask:
         yield "the end of the hold on its route"
+    ahead = min(state.at + 1, len(plan.stops) - 1)
+    may_go_on = state.limit.before is None or state.limit.joint >= state.place.reach
+    if state.phase is Phase.RUNNING and (may_go_on or not state.place.stands):
+        yield f"its run to {plan.stops[ahead].place}"
     yield _IDLE.get(state.phase, "nothing" if state.place.known else "a tag: its position is unknown")

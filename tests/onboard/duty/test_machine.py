@@ -166,7 +166,8 @@ def test_what_must_be_swept_is_shown() -> None:
         (SIGNING_ON, "signing on: no answer from the block manager"),
         (SIGNING_OFF, "signing off: no answer from the block manager"),
         (STANDING, "departure time"),
-        (RUNNING, "nothing"),
+        (RUNNING, "its run to B"),
+        (replace(RUNNING, place=moved(RUNNING.place, stands=True, reach=4)), "nothing"),
         (ON_SIGHT, "a tag: its position is unknown"),
         (replace(ON_SIGHT, place=moved(LOST, emergency=True)), "release of the emergency brake"),
         (
