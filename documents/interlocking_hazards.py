@@ -167,7 +167,7 @@ HAZARDS: Final = (
         " the points stay locked for it (judged by the guaranteed brake)",
         ("wayside.point_terminal", "onboard.authority.machine", "simulation.judge.locking"),
         (Checker.PROVEN_BEFORE_ENTRY, Checker.POINTS_UNDER_TRAIN),
-        (),
+        ("rtri/56_proof_lost_in_braking",),
         ("a withdrawn proof still counts",),
     ),
     Hazard(

@@ -238,6 +238,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "releases_by_the_odometer",
             "nothing is given back before the arrival tag",
         ),
+        "56_proof_lost_in_braking": ("ignores_a_withdrawn_proof", "the unit drops the proof"),
         "55_unit_dead_for_good": ("leaves_the_line_unswept", "T2 runs through on sight"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
     }
