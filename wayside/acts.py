@@ -73,8 +73,7 @@ def spoke(register: Register, unit_id: str) -> Step:
     """A unit is heard of which a person has said something after it had reported: no word counts."""
     if unit_id not in register.doubted:
         return register, ()
-    doubted = {other: times for other, times in register.doubted.items() if other != unit_id}
-    register = reentry.without_words(replace(register, doubted=doubted), unit_id)
+    register = reentry.without_words(register.without_doubt(unit_id), unit_id)
     return register, (Show(Refused(unit_id=unit_id, why="it speaks for itself: no word counts")),)
 
 
@@ -85,6 +84,15 @@ def person_key(name: str) -> str:
 
 def _sections(event: ConfirmOutside | ConfirmHolding) -> tuple[str, ...]:
     return event.section_ids if isinstance(event, ConfirmHolding) else ()
+
+
+def _place(event: ConfirmOutside | ConfirmHolding) -> str:
+    return event.place if isinstance(event, ConfirmOutside) else ""
+
+
+def _freed(register: Register, event: ConfirmHolding) -> tuple[str, ...]:
+    """What the unit no longer holds if this is so."""
+    return tuple(s for s in register.held_by(event.unit_id) if s not in event.section_ids)
 
 
 def _refused(event: Act, why: str, section_ids: tuple[str, ...] = ()) -> Show:
@@ -118,9 +126,8 @@ def _confirm_outside(register: Register, event: ConfirmOutside) -> Step:
 def _set_outside(register: Register, event: ConfirmOutside) -> Step:
     unit_id, before = event.unit_id, register.unit(event.unit_id)
     freed = register.held_by(unit_id)
-    barred = before.barred or before.standing is Standing.REPORTED
     silent = unit_id in register.ledger
-    unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=barred, silent=silent)
+    unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=before.has_spoken, silent=silent)
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, freed)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, by=event.person))] if freed else []
@@ -138,22 +145,22 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
             unit_id=unit_id, section_ids=(section_id,), other_id=other_id, why=f"entered by {event.person}"
         )
         return register, (Show(against),)
-    freed = tuple(section_id for section_id in register.held_by(unit_id) if section_id not in section_ids)
+    freed = _freed(register, event)
     if freed and not reentry.in_station(register, section_ids):
         return register, (_refused(event, _IN_STATION, freed),)
     if freed:
         register = reentry.with_word(register, person_key(event.person), unit_id, section_ids)
         if reentry.agreed(register, unit_id) is None:
             return register, (_refused(event, _SECOND_PERSON, freed),)
-    return _set_by_hand(register, event, freed)
+    return _set_by_hand(register, event)
 
 
-def _set_by_hand(register: Register, event: ConfirmHolding, freed: tuple[str, ...]) -> Step:
+def _set_by_hand(register: Register, event: ConfirmHolding) -> Step:
     unit_id, by, before = event.unit_id, event.person, register.unit(event.unit_id)
+    freed = _freed(register, event)
     register, token = reentry.without_words(register, unit_id).next_token()
     register = register.with_held(unit_id, event.section_ids)
-    barred = before.barred or before.standing is Standing.REPORTED
-    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=barred, silent=True)
+    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=before.has_spoken, silent=True)
     register = register.with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, freed)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
@@ -172,19 +179,16 @@ def _doubt_speaker(register: Register, event: ConfirmOutside | ConfirmHolding) -
         senseless = _refused(event, f"section {conflict[0]} is held by {conflict[1]}")
     if senseless is not None:
         return register, (senseless,)
-    place = event.place if isinstance(event, ConfirmOutside) else ""
-    register = reentry.with_word(register, person_key(event.person), unit_id, section_ids, place)
+    register = reentry.with_word(register, person_key(event.person), unit_id, section_ids, _place(event))
     if unit_id not in register.doubted:
         register = replace(register, doubted={**register.doubted, unit_id: 0}, ask_at_s=0.0)
     alone = reentry.agreed(register, unit_id) is None
     if alone or register.doubted[unit_id] < ASKED_IN_VAIN:
         return register, (_refused(event, _SECOND_PERSON if alone else _STILL_ASKED),)
-    doubted = {other: times for other, times in register.doubted.items() if other != unit_id}
-    register = replace(register, doubted=doubted)
+    register = register.without_doubt(unit_id)
     if isinstance(event, ConfirmOutside):
         return _set_outside(register, event)
-    freed = tuple(section for section in register.held_by(unit_id) if section not in section_ids)
-    return _set_by_hand(register, event, freed)
+    return _set_by_hand(register, event)
 
 
 def _take_back(register: Register, event: TakeBack) -> Step:
@@ -223,8 +227,7 @@ def _take_word(register: Register, event: ConfirmOutside | ConfirmHolding) -> St
     unit_id, section_ids = event.unit_id, _sections(event)
     if (senseless := _senseless(register, event)) is not None:
         return register, (senseless,)
-    place = event.place if isinstance(event, ConfirmOutside) else ""
-    changed = reentry.with_word(register, person_key(event.person), unit_id, section_ids, place)
+    changed = reentry.with_word(register, person_key(event.person), unit_id, section_ids, _place(event))
     if not section_ids and unit_id in register.ledger and reentry.agreed(changed, unit_id) is None:
         return _as_changed(register, changed), (_refused(event, _SECOND_PERSON),)
     note = Show(WordTaken(unit_id=unit_id, section_ids=section_ids, by=event.person))

@@ -114,6 +114,8 @@ def _ask(register: Register, now_s: float) -> Step:
 
 def _tell_contested(register: Register) -> tuple[Send, ...]:
     """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
+    if not register.in_dispute:
+        return ()
     contested = {unit_id: register.contested(unit_id) for unit_id in register.plan.unit_ids}
     return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
 
@@ -121,7 +123,8 @@ def _tell_contested(register: Register) -> tuple[Send, ...]:
 def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
     if before.units is after.units:
         return ()
-    return tuple(send for send in _tell_contested(after) if send not in _tell_contested(before))
+    known = _tell_contested(before)
+    return tuple(send for send in _tell_contested(after) if send not in known)
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:

@@ -49,6 +49,11 @@ class Unit:
     silent: bool = False
     taken_back: bool = False
 
+    @property
+    def has_spoken(self) -> bool:
+        """Whether it spoke for itself, be it before persons spoke for it."""
+        return self.barred or self.standing is Standing.REPORTED
+
 
 UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
 
@@ -159,13 +164,24 @@ class Register:
         silent = (unit_id for unit_id, unit in self.units.items() if unit.silent)
         return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent)))
 
+    @property
+    def in_dispute(self) -> bool:
+        """Whether any unit claims what another holds, or persons were wrong about one."""
+        return any(unit.claim or unit.taken_back for unit in self.units.values())
+
     def contested(self, unit_id: str) -> tuple[str, ...]:
         """What it holds that another claims too, or that a unit may be in of which persons were wrong."""
+        if not self.in_dispute:
+            return ()
         units = self.units.items()
         claimed = {s for other, unit in units if other != unit_id for s in unit.claim or ()}
         if any(unit.taken_back for _, unit in units):
             claimed |= self.unswept
-        return tuple(section for section in self.held_by(unit_id) if section in claimed) if claimed else ()
+        return tuple(section for section in self.held_by(unit_id) if section in claimed)
+
+    def without_doubt(self, unit_id: str) -> Register:
+        """The register with nothing said any more of a unit that had reported."""
+        return replace(self, doubted={other: n for other, n in self.doubted.items() if other != unit_id})
 
     def on_sight(self, section_ids: Iterable[str]) -> tuple[str, ...]:
         """Those of the sections that must be passed on sight."""

@@ -6,8 +6,7 @@ odometer is a second condition to the tag, and never one by itself.
 
 from __future__ import annotations
 
-from onboard.authority.records import Cleared, GiveBack
-from onboard.authority.stop_limit import cleared_sections
+from onboard.authority.records import GiveBack
 from onboard.duty.records import AtMark
 from onboard.duty.shown import AT_A_MARK
 from onboard.duty.turn import Turn
@@ -22,9 +21,7 @@ def clear_behind(turn: Turn) -> None:
     place, at_mark = state.place, state.phase in AT_A_MARK
     arrived(turn)
     clear = place.clear_at_mark if at_mark else place.clear
-    cleared = cleared_sections(turn.plan, state.authority, min(clear, turn.state.freed))
-    if cleared:
-        turn.authority(Cleared(cleared))
+    turn.give_back_behind(min(clear, turn.state.freed))
     on_path = {span.section_id for span in turn.plan.spans}
     elsewhere = tuple(s for s in state.authority.held if s not in on_path)
     if elsewhere:  # the train lies on its path as a whole, so it is not there and will not be
@@ -45,6 +42,5 @@ def arrived(turn: Turn) -> None:
 
 def confirm(turn: Turn, event: AtMark) -> None:
     """The driver sees the whole train at its mark (到着確認): what is surely behind is given back."""
-    cleared = cleared_sections(turn.plan, turn.state.authority, turn.stop(event.stop).clear)
-    if event.stop == turn.state.at and cleared:
-        turn.authority(Cleared(cleared))
+    if event.stop == turn.state.at:
+        turn.give_back_behind(turn.stop(event.stop).clear)

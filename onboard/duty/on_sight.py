@@ -12,8 +12,7 @@ from msgspec.structs import replace
 
 from network.model import SectionKind
 from onboard import notes
-from onboard.authority.records import Ask, BeginOnLine, CheckedByCrew, Cleared, Throw, Withdrawn
-from onboard.authority.stop_limit import cleared_sections
+from onboard.authority.records import Ask, BeginOnLine, CheckedByCrew, Throw, Withdrawn
 from onboard.duty.records import (
     AtMark,
     EndOfHeld,
@@ -91,9 +90,7 @@ def at_mark(turn: Turn, event: AtMark) -> None:
     turn.schedule(turn.now_s + turn.parameters.dwell_min_s, event.stop)
     stop = turn.stop(event.stop)
     turn.note(notes.Arrived(station=stop.place, error_m=None))
-    cleared = cleared_sections(turn.plan, turn.state.authority, stop.clear)
-    if cleared:
-        turn.authority(Cleared(cleared))
+    turn.give_back_behind(stop.clear)
 
 
 def end_of_held(turn: Turn, event: EndOfHeld) -> None:

@@ -12,8 +12,9 @@ from msgspec.structs import replace
 from onboard import notes
 from onboard.authority import machine as authority
 from onboard.authority.records import Action as AuthorityAction
-from onboard.authority.records import Ask, AskRoute, SetTimer, Write
+from onboard.authority.records import Ask, AskRoute, Cleared, SetTimer, Write
 from onboard.authority.records import Event as AuthorityEvent
+from onboard.authority.stop_limit import cleared_sections
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Stop
 from onboard.duty.records import ASK, LEAVE, RELEASE, DutyState, Order, SetTimerAt, Told
 
@@ -92,6 +93,12 @@ class Turn:
         behind = {span.section_id for span in self.plan.spans[: place.here]} if place.known else set[str]()
         if not all(state.holds(section_id) or section_id in behind for section_id in leg.section_ids):
             self.authority(AskRoute(leg.route_id, leg.section_ids))
+
+    def give_back_behind(self, clear: int) -> None:
+        """Give back what is held of the first `clear` spans."""
+        cleared = cleared_sections(self.plan, self.state.authority, clear)
+        if cleared:
+            self.authority(Cleared(cleared))
 
     def stop(self, index: int) -> Stop:
         """A stop of the plan."""

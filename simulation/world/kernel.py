@@ -118,30 +118,35 @@ def passed(truth: TruthRow, tag_positions_m: NDArray[np.float64], length_m: floa
 
 
 @compiled
+def stands_after_m(plant: PlantRow, train: TrainRow, brake_mps2: float) -> float:
+    """How far a train runs that is braked from now on, m; until the brake answers the motors go on as they do."""
+    reaction_s = train.brake_dead_time_s + train.brake_lag_s
+    after_mps = plant.speed_mps + max(plant.acceleration_mps2, 0.0) * reaction_s
+    return float(
+        (plant.speed_mps + after_mps) / 2.0 * reaction_s + after_mps * after_mps / (2.0 * brake_mps2)
+    )
+
+
+@compiled
 def brake_on_sight(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRow) -> None:
     """The driver of a train on sight, who sees the line, brakes it to a stand before `sight_m`."""
     if unit.mode != MODE_DRIVE or unit.emergency != 0:
         return
     room_m = truth.sight_m - truth.position_m - SIGHT_RESERVE_M
     speed = plant.speed_mps
-    reaction_s = train.brake_dead_time_s + train.brake_lag_s
-    after_mps = speed + max(plant.acceleration_mps2, 0.0) * reaction_s  # what the motors still give meanwhile
     if room_m <= 0.0 or speed > unit.restricted_mps + SIGHT_MARGIN_MPS:
         unit.notch = -train.brake_notches
-    elif (speed + after_mps) / 2.0 * reaction_s + after_mps * after_mps / (2.0 * SIGHT_BRAKE_MPS2) > room_m:
+    elif stands_after_m(plant, train, SIGHT_BRAKE_MPS2) > room_m:
         unit.notch = min(unit.notch, service_notch(train, SIGHT_BRAKE_MPS2))
 
 
 @compiled
 def brake_at_end(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRow) -> None:
     """A driver who sees that the train would run off the end of its track brakes by the full service brake."""
-    speed = plant.speed_mps
     room_m = truth.track_end_m - truth.position_m - SIGHT_RESERVE_M
     if room_m > SEES_END_M or unit.emergency != 0:
         return
-    reaction_s = train.brake_dead_time_s + train.brake_lag_s
-    after_mps = speed + max(plant.acceleration_mps2, 0.0) * reaction_s
-    if (speed + after_mps) / 2.0 * reaction_s + after_mps * after_mps / (2.0 * END_BRAKE_MPS2) > room_m:
+    if stands_after_m(plant, train, END_BRAKE_MPS2) > room_m:
         unit.notch = -train.brake_notches
 
 

@@ -21,7 +21,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from onboard.authority.letters import _READERS, Letters
 from onboard.authority.records import Authority, Event
 from onboard.authority.stop_limit import cleared_sections
-from onboard.duty import arrival
+from onboard.duty import turn as duty_turn
 from onboard.duty.plan import Plan
 from onboard.notes import Agreed, GaveBack, Mismatch, Resumed, RouteHeld, UnitRestarted
 from onboard.notes import SignedOff as UnitSignedOff
@@ -292,7 +292,7 @@ def releases_where_it_stands(patch: pytest.MonkeyPatch) -> None:
     def too_many(way: Plan, state: Authority, clear: int) -> tuple[str, ...]:
         return cleared_sections(way, state, clear + 1)
 
-    patch.setattr(arrival, "cleared_sections", too_many)
+    patch.setattr(duty_turn, "cleared_sections", too_many)
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,8 @@ from onboard.authority.records import (
 )
 from onboard.authority.stop_limit import cleared_sections
 from onboard.authority.tables import Result, Standing
-from onboard.duty import arrival, machine, on_sight
+from onboard.duty import machine, on_sight
+from onboard.duty import turn as duty_turn
 from onboard.duty.plan import Plan
 from onboard.duty.records import (
     ASK,
@@ -257,7 +258,7 @@ def forgets(state: Authority, event: Confirmed) -> Result:
 
 
 SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
-    "waits for the rear": (arrival, "cleared_sections", frees_one_more),
+    "waits for the rear": (duty_turn, "cleared_sections", frees_one_more),
     "waits for the arrival tag": (machine, "clear_behind", clears_by_the_odometer),
     "withdraws throws under the front": (machine, "points_perhaps_under", lambda *_: ()),
     "withdraws throws when the position is lost": (on_sight, "Withdrawn", lambda _: Withdrawn(())),
