@@ -62,6 +62,7 @@ from onboard.unit_records import UnitParameters
 from onboard.vehicle import IN_ORDER, Vehicle
 from vehicle.record import cells_of
 from vehicle.records import TrainRow
+from vehicle.wheel import pulse_m
 
 SIGN: Final = sign.__name__
 STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
@@ -99,6 +100,7 @@ class Motion:
         self.vehicle = IN_ORDER
         self.notes: list[notes.Note] = []
         row.due_s = math.inf
+        row.pulse_m = pulse_m(train)
         self._line: Final = line
         self._parameters: Final = parameters
         self._train: Final = train
@@ -109,7 +111,7 @@ class Motion:
         self._ends_m: list[float] = []
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters)
-        self._elevation_m: NDArray[np.float64] = np.zeros(1)
+        self._climb_m: NDArray[np.float64] = np.zeros(1)
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
@@ -128,7 +130,7 @@ class Motion:
             row.odometer_scale = 1.0
         row.bound_growth = self._parameters.wheel_error_share
         row.position_m = mission.targets[0].mark_m
-        row.bound_ahead_m = row.bound_behind_m = self._parameters.tag_accuracy_m
+        row.bound_ahead_m = row.bound_behind_m = self._parameters.tag_accuracy_m + row.pulse_m
         row.position_known = 1
         row.tag_window_m = self._parameters.tag_window_m
         self._take_up(mission, path)
@@ -166,7 +168,7 @@ class Motion:
         self._mission = mission
         self._starts_m = [span.start_m for span in mission.spans]
         self._ends_m = [span.end_m for span in mission.spans]
-        self._elevation_m = np.ascontiguousarray(path.rows["elevation_m"])
+        self._climb_m = np.ascontiguousarray(path.rows["climb_m"])
         self._driving_mps = np.ascontiguousarray(path.rows["driving_mps"])
         self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
         self._doubt.new_path(mission.tags)
@@ -445,7 +447,7 @@ class Motion:
         row.cruise_mps = cruise_for(
             self._train,
             self.load_share,
-            self._elevation_m,
+            self._climb_m,
             self._driving_mps,
             row.position_m,
             there.mark_m,

@@ -41,6 +41,9 @@ class UnitRow(Protocol):
     bound_growth: Annotated[float, "m of bound per m run"]
     position_known: int
     odometer_m: Annotated[float, "tachometer reading at the last tick"]
+    pulse_m: Annotated[
+        float, "of the tachometer: it shows whole pulses, so a way between two readings may be one off"
+    ]
     odometer_scale: Annotated[float, "calibration against the distance between tags"]
     tachometer_doubt_s: Annotated[float, "for how long its readings have not fitted what was commanded"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
@@ -82,7 +85,7 @@ UNIT: Final = dtype_of(UnitRow)
 class PathRow(Protocol):
     """One metre of the path database."""
 
-    elevation_m: float
+    climb_m: Annotated[float, "elevation, with the climb that the curves are worth to this train"]
     body_elevation_m: Annotated[float, "mean over the train's length, its front here"]
     permitted_mps: Annotated[float, "supervision: speed limits with the brake curves towards them"]
     driving_mps: Annotated[float, "automatic driving stays under this one"]

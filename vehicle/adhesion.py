@@ -5,8 +5,9 @@ Model: force beyond the limit does not reach the rail; the excess spins up or sl
     d(wheel speed - train speed)/dt = (demand - limit) / rotating mass,
 
 and once the demand falls below the limit the spare adhesion brings the wheel back by the same law. Slide
-protection bounds the depth by a share of the train's speed. The tachometer counts the wheel, so its distance
-is wrong by the integral of the difference.
+protection bounds the depth by a share of the train's speed. The tachometer counts the first axle, so its distance
+is wrong by the integral of the difference. The last axle finds rail that those before it have cleaned: it slides later
+and rolls again sooner, which is what slide protections compare.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 
 ROTATING_SHARE_MIN: Final = 0.03  # assumed, where the train file gives no rotating mass
+CLEANED_RAIL: Final = (
+    1.15  # assumed: adhesion under the last axle, over that which the train as a whole finds
+)
 SLIP_FLOOR_MPS: Final = 1.0  # assumed: slip protection acts on a difference even at the start
 
 
@@ -24,6 +28,18 @@ SLIP_FLOOR_MPS: Final = 1.0  # assumed: slip protection acts on a difference eve
 def adhesion_coefficient(train: TrainRow, adhesion_factor: float, speed_mps: float) -> float:
     """Adhesion coefficient (粘着係数) at a speed: dry / (1 + factor v), times the weather's factor."""
     return adhesion_factor * train.adhesion_dry / (1.0 + train.adhesion_speed_factor_s_per_m * speed_mps)
+
+
+@compiled
+def axle_excess_n(
+    pull_n: float, pull_limit_n: float, brake_n: float, brake_limit_n: float, speed_mps: float
+) -> float:
+    """What the rail refuses of the forces of one axle, N: positive traction, negative brake; 0 within the limits.
+
+    Forces and limits are those of a train whose axles were all like this one. A wheel at rest cannot slide.
+    """
+    excess_n = max(pull_n - pull_limit_n, 0.0) - max(brake_n - brake_limit_n, 0.0)
+    return 0.0 if speed_mps <= 0.0 and excess_n < 0.0 else excess_n
 
 
 @compiled

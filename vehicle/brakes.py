@@ -58,3 +58,15 @@ def regenerative_limit_n(train: TrainRow, speed_mps: float) -> float:
     if speed_mps < fade_from:
         force *= (speed_mps - fade_to) / (fade_from - fade_to)
     return force
+
+
+@compiled
+def electric_brake_n(
+    train: TrainRow, motors_share: float, brake_n: float, grip_n: float, speed_mps: float
+) -> float:
+    """What the motors take of a brake force at the rim, N; air supplies the rest (電空協調).
+
+    They brake driven axles alone, so no more than `grip_n`, which the rail passes on to those; `motors_share` of
+    them is in service.
+    """
+    return min(brake_n, motors_share * regenerative_limit_n(train, speed_mps), motors_share * grip_n)

@@ -8,14 +8,21 @@ on a falling gradient; where it would roll back it is held at 0: no carrier here
 
 from __future__ import annotations
 
-from vehicle.adhesion import adhesion_coefficient, bounded_slip_mps, next_slip_mps, rotating_mass_kg
-from vehicle.brakes import regenerative_limit_n, service_target_mps2
+from vehicle.adhesion import (
+    CLEANED_RAIL,
+    adhesion_coefficient,
+    axle_excess_n,
+    bounded_slip_mps,
+    next_slip_mps,
+    rotating_mass_kg,
+)
+from vehicle.brakes import electric_brake_n, service_target_mps2
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.records import COMMAND_DELAY_STEPS_MAX, PlantRow, TrainRow
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
 from vehicle.response import approach, dead_time_steps
-from vehicle.traction import full_force_n, traction_target_n
+from vehicle.traction import full_force_n, motored_grip_n, traction_target_n
 
 __all__ = ["equivalent_mass_kg", "step"]
 
@@ -38,17 +45,7 @@ def _slot(plant: PlantRow, dead_time_s: float, dt_s: float) -> int:
 @compiled
 def _build_up(plant: PlantRow, train: TrainRow, dt_s: float) -> None:
     """Traction force and brake decelerations one step on: dead time, lag, jerk limit; not yet adhesion."""
-    slot = _slot(plant, train.traction_dead_time_s, dt_s)
-    jerk_n_per_s = train.traction_jerk_max_mps3 * equivalent_mass_kg(train, plant.load_share)
-    target_n = 0.0
-    if plant.command_emergency[slot] != 0:
-        jerk_n_per_s = 0.0  # an emergency brake opens the line breaker, comfort does not count
-    else:
-        target_n = traction_target_n(train, plant.load_share, plant.command_notch[slot], plant.speed_mps)
-    plant.traction_built_n = approach(
-        plant.traction_built_n, target_n, train.traction_lag_s, jerk_n_per_s, dt_s
-    )
-
+    before_mps2 = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
     slot = _slot(plant, train.brake_dead_time_s, dt_s)
     service = service_target_mps2(train, plant.command_notch[slot]) * plant.brake_factor
     plant.service_deceleration_mps2 = approach(
@@ -60,13 +57,37 @@ def _build_up(plant: PlantRow, train: TrainRow, dt_s: float) -> None:
     plant.emergency_deceleration_mps2 = approach(
         plant.emergency_deceleration_mps2, emergency, train.emergency_lag_s, 0.0, dt_s
     )
+    after_mps2 = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
+    _pull(plant, train, max(before_mps2 - after_mps2, 0.0) / dt_s, dt_s)
 
 
 @compiled
-def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> float:
-    """Cap the forces by adhesion, share the brake between motors and air; return the next slip, m/s."""
-    weight_n = mass * GRAVITY_MPS2 * adhesion_coefficient(train, plant.adhesion_factor, plant.speed_mps)
-    traction_limit_n = weight_n * train.motored_axle_mass_share
+def _pull(plant: PlantRow, train: TrainRow, released_mps3: float, dt_s: float) -> None:
+    """Traction force one step on, while the brakes let go at `released_mps3`.
+
+    What the limit of jerk leaves beside that is for the motors: a start is no rougher than either limit.
+    """
+    slot = _slot(plant, train.traction_dead_time_s, dt_s)
+    if plant.command_emergency[slot] != 0:  # opens the line breaker, comfort does not count
+        plant.traction_built_n = approach(plant.traction_built_n, 0.0, train.traction_lag_s, 0.0, dt_s)
+        return
+    target_n = traction_target_n(train, plant.load_share, plant.command_notch[slot], plant.speed_mps)
+    target_n *= plant.motors_share
+    limit_mps3 = train.traction_jerk_max_mps3
+    inertia = equivalent_mass_kg(train, plant.load_share)
+    before_n = plant.traction_built_n
+    plant.traction_built_n = approach(before_n, target_n, train.traction_lag_s, limit_mps3 * inertia, dt_s)
+    if limit_mps3 > 0.0:
+        left_n = max(limit_mps3 - released_mps3, 0.0) * inertia * dt_s
+        plant.traction_built_n = min(plant.traction_built_n, before_n + left_n)
+
+
+@compiled
+def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> tuple[float, float]:
+    """Cap the forces by adhesion, share the brake between motors and air; next slip of first and last axle, m/s."""
+    adhesion = adhesion_coefficient(train, plant.adhesion_factor, plant.speed_mps)
+    weight_n = mass * GRAVITY_MPS2 * adhesion
+    traction_limit_n = plant.motors_share * motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
     traction_n = min(plant.traction_built_n, traction_limit_n)
     deceleration = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
     asked_n = deceleration * mass * (1.0 + train.rotating_mass_factor)
@@ -74,21 +95,35 @@ def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> float:
 
     regenerative_n = 0.0
     # The emergency brake is air alone, and the motors do not brake while they still pull.
-    # (A lag dies away and never quite ends: a hundredth of the force counts as none.)
+    # (A lag dies away and never quite ends: a hundredth of the force counts as none.) In a slide it is cut.
     released = traction_n <= 0.01 * full_force_n(train, plant.load_share, plant.speed_mps)
-    if plant.emergency_deceleration_mps2 < 1e-3 and released:
-        regenerative_n = min(brake_n, regenerative_limit_n(train, plant.speed_mps))
+    slides = asked_n > brake_n or plant.wheel_speed_mps < plant.speed_mps
+    if plant.emergency_deceleration_mps2 < 1e-3 and released and not slides:
+        grip_n = motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
+        regenerative_n = electric_brake_n(train, plant.motors_share, brake_n, grip_n, plant.speed_mps)
     plant.traction_force_n = traction_n
     plant.regenerative_force_n = regenerative_n
     plant.air_force_n = brake_n - regenerative_n
 
-    excess_n = (plant.traction_built_n - traction_n) - (asked_n - brake_n)
-    if plant.speed_mps <= 0.0 and excess_n < 0.0:
-        excess_n = 0.0  # a wheel at rest cannot slide
+    rotating_kg = rotating_mass_kg(train, mass)
+    pull_n = plant.traction_built_n
+    excess_n = axle_excess_n(pull_n, traction_limit_n, asked_n, weight_n, plant.speed_mps)
     plant.sliding = 1 if excess_n != 0.0 else 0
     slip = plant.wheel_speed_mps - plant.speed_mps
     spare_n = traction_limit_n - traction_n if slip > 0.0 else weight_n - brake_n
-    return next_slip_mps(slip, excess_n, spare_n, rotating_mass_kg(train, mass), dt_s)
+    first = next_slip_mps(slip, excess_n, spare_n, rotating_kg, dt_s)
+    # The last axle is a trailing one where there are any, and runs on cleaned rail. What the train loses where that
+    # axle is let go is left out, as is what the axles on cleaned rail give beyond the mean.
+    weight_n *= CLEANED_RAIL
+    traction_limit_n *= CLEANED_RAIL
+    if train.motored_axle_mass_share < 1.0:
+        pull_n = 0.0
+    if plant.last_axle_released != 0:
+        asked_n = 0.0
+    excess_n = axle_excess_n(pull_n, traction_limit_n, asked_n, weight_n, plant.speed_mps)
+    slip = plant.last_wheel_speed_mps - plant.speed_mps
+    spare_n = max(traction_limit_n - pull_n if slip > 0.0 else weight_n - asked_n, 0.0)
+    return first, next_slip_mps(slip, excess_n, spare_n, rotating_kg, dt_s)
 
 
 @compiled
@@ -109,7 +144,7 @@ def step(
     _push(plant, notch, emergency)
     _build_up(plant, train, dt_s)
     mass = mass_kg(train, plant.load_share)
-    slip = _grip(plant, train, mass, dt_s)
+    slip, last_slip = _grip(plant, train, mass, dt_s)
 
     speed = plant.speed_mps
     net_n = (
@@ -125,6 +160,7 @@ def step(
     wheel_after = speed_after + bounded_slip_mps(train, slip, speed_after)
     plant.wheel_travelled_m += 0.5 * (plant.wheel_speed_mps + wheel_after) * dt_s
     plant.wheel_speed_mps = wheel_after
+    plant.last_wheel_speed_mps = speed_after + bounded_slip_mps(train, last_slip, speed_after)
     plant.travelled_m += distance
     plant.acceleration_mps2 = (speed_after - speed) / dt_s
     plant.speed_mps = speed_after

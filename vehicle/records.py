@@ -94,11 +94,16 @@ class PlantRow(Protocol):
     adhesion_factor: Annotated[float, "1 dry; the weather, set by the scenario"]
     brake_factor: Annotated[float, "real over nominal service brake deceleration"]
     emergency_factor: Annotated[float, "real over nominal emergency brake deceleration"]
+    motors_share: Annotated[float, "of the motors in service; 1: all"]
     travelled_m: Annotated[float, "distance run since the record was made, by the trapezoid"]
     speed_mps: float
     acceleration_mps2: float
     wheel_travelled_m: Annotated[float, "what the tachometer's axle rolled, slip and slide included"]
     wheel_speed_mps: float
+    last_wheel_speed_mps: Annotated[float, "of the last axle, on rail that the others have cleaned"]
+    last_axle_released: Annotated[
+        int, "1: slide protection has let it go, so that it shows the train's speed"
+    ]
     traction_force_n: Annotated[float, "after lag, jerk limit and adhesion"]
     traction_built_n: Annotated[float, "after lag and jerk limit, before adhesion"]
     service_deceleration_mps2: Annotated[float, "built-up service brake, before adhesion"]

@@ -11,6 +11,9 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
 from vehicle.records import TrainRow
@@ -67,3 +70,15 @@ def curve_resistance_n(train: TrainRow, mass_kg: float, curvature_per_m: float) 
     600/R is usual for 1067 mm gauge in Japan, 800/R where a source says so; either sign of curvature resists.
     """
     return mass_kg * GRAVITY_MPS2 * 1e-3 * train.curve_resistance_coefficient_m * abs(curvature_per_m)
+
+
+def climb_m(
+    train: TrainRow, elevation_m: NDArray[np.float64], turn_rad: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Elevation (m) on a path's grid with the climb that its curves are worth to this train.
+
+    Curve resistance (曲線抵抗) is coefficient / radius in permille of the weight, as a gradient is: over a way it adds
+    up to the coefficient times the angle that the track turns by (`turn_rad`, integral of |curvature|).
+    """
+    climbs: NDArray[np.float64] = elevation_m + 1e-3 * train.curve_resistance_coefficient_m * turn_rad
+    return climbs

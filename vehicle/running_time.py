@@ -1,7 +1,7 @@
 """Minimal-model running time (基準運転時分) and energy of one leg, for choosing a cruise speed.
 
 Full power up to the cruise speed or the limit, hold it, and brake by constant deceleration to lower limits
-and to the stop. No dead time, lag or notches; curve resistance is not included (fold it into the elevation).
+and to the stop, on dry rail. No dead time, lag or notches; curves count as the climb that they are worth.
 """
 
 from __future__ import annotations
@@ -12,14 +12,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.brakes import regenerative_limit_n
+from vehicle.adhesion import adhesion_coefficient
+from vehicle.brakes import electric_brake_n
 from vehicle.compiled import compiled
-from vehicle.mass import equivalent_mass_kg, mass_kg
+from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.records import TrainRow
 from vehicle.resistance import gradient_force_n, resistance_n
-from vehicle.traction import full_force_n
+from vehicle.traction import full_force_n, motored_grip_n
 
 STEPS_MAX: Final = 200_000
+DRY: Final = 1.0
+ALL_MOTORS: Final = 1.0
 
 
 @compiled
@@ -106,9 +109,10 @@ def predicted_run(
 ) -> tuple[float, float]:
     """Time (s) and net energy at the wire (J: traction + auxiliary - regenerated) from `start_m` to a stop.
 
-    `elevation_m[i]` is the height at metre i counted in the direction of travel, `limit_mps[i]` the limit for
-    the train's front from metre i to i + 1 (train length already folded in); both reach beyond ceil(stop_m),
-    and 0 <= start_m <= stop_m. A train that cannot climb gives an infinite time.
+    `elevation_m[i]` is the height at metre i counted in the direction of travel, curves included
+    (`vehicle.resistance.climb_m`), `limit_mps[i]` the limit for the train's front from metre i to i + 1 (train
+    length already folded in); both reach beyond ceil(stop_m), and 0 <= start_m <= stop_m. A train that cannot climb
+    gives an infinite time.
     """
     mass = mass_kg(train, load_share)
     inertia = equivalent_mass_kg(train, load_share)
@@ -122,7 +126,9 @@ def predicted_run(
         if speed <= drop and left <= speed * dt_s:
             last_s = 2.0 * left / speed if speed > 0.0 else 0.0
             return time_s + last_s, energy_j + train.auxiliary_power_w * last_s
-        full_n = full_force_n(train, load_share, speed)
+        adhesion = adhesion_coefficient(train, DRY, speed)
+        grip_n = motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
+        full_n = min(full_force_n(train, load_share, speed), grip_n)
         gradient = _mean_gradient_permille(elevation_m, position, train.length_m)
         resist_n = resistance_n(train, mass, speed) + gradient_force_n(mass, gradient)
         free = speed + (full_n - resist_n) / inertia * dt_s
@@ -137,7 +143,7 @@ def predicted_run(
         if force_n > 0.0:
             energy_j += force_n * distance / train.efficiency_traction
         else:
-            electric_n = min(-force_n, regenerative_limit_n(train, speed))
+            electric_n = electric_brake_n(train, ALL_MOTORS, -force_n, grip_n, speed)
             energy_j -= electric_n * distance * train.efficiency_regeneration
         if distance >= left:
             share = left / distance

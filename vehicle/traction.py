@@ -55,6 +55,12 @@ def notch_share(train: TrainRow, notch: float, speed_mps: float) -> float:
 
 
 @compiled
+def motored_grip_n(train: TrainRow, weight_n: float, adhesion: float) -> float:
+    """What the rail passes on to the driven axles of a train of `weight_n`, N."""
+    return weight_n * adhesion * train.motored_axle_mass_share
+
+
+@compiled
 def traction_target_n(train: TrainRow, load_share: float, notch: float, speed_mps: float) -> float:
     """Force that a notch settles at, N, before dead time, lag, jerk limit and adhesion."""
     share = notch_share(train, notch, speed_mps)

@@ -277,8 +277,9 @@ def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
     plants["adhesion_factor"] = 1.0
     plants["brake_factor"] = 1.0
     plants["emergency_factor"] = 1.0
+    plants["motors_share"] = 1.0
     plants["speed_mps"] = speed_mps
-    plants["wheel_speed_mps"] = speed_mps
+    plants["wheel_speed_mps"] = plants["last_wheel_speed_mps"] = speed_mps
     if speed_mps <= 0.0:
         plants["command_notch"] = HOLDING_NOTCH
         plants["service_deceleration_mps2"] = HOLDING_DECELERATION_MPS2

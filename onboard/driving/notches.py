@@ -30,10 +30,10 @@ CURVE_BAND_MPS = 0.5  # this near a falling curve the brake follows it
 
 @compiled
 def own_deceleration_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void], load_share: float) -> float:
-    """What slows the train without any brake: gradient under it and running resistance, by the unit's own map."""
+    """What slows the train without any brake: gradient, curves and running resistance, by the unit's own map."""
     here = path[path_index(unit, unit.position_m)]
     behind = path[path_index(unit, unit.position_m - train.length_m)]
-    climb_m = here.elevation_m - behind.elevation_m
+    climb_m = here.climb_m - behind.climb_m
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
     resistance = resistance_n(train, mass_kg(train, load_share), unit.speed_mps)
     slope_mps2 = gravity_share * climb_m / train.length_m

@@ -14,6 +14,7 @@ from onboard.records import PATTERN, BehaviourRow
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
 from vehicle.records import TrainRow
+from vehicle.resistance import climb_m
 
 
 @compiled
@@ -53,9 +54,16 @@ def mean_over_length(elevation_m: NDArray[np.float64], length_m: float) -> NDArr
 
 
 def pattern_of(
-    elevation_m: NDArray[np.float64], limit_mps: NDArray[np.float64], train: TrainRow, behaviour: BehaviourRow
+    elevation_m: NDArray[np.float64],
+    turn_rad: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    train: TrainRow,
+    behaviour: BehaviourRow,
 ) -> NDArray[np.void]:
-    """The path database of one kind of train on one path: rows of PATTERN on the 1 m grid; shape (n,)."""
+    """The path database of one kind of train on one path: rows of PATTERN on the 1 m grid; shape (n,).
+
+    `turn_rad`: integral of |curvature|. Curves slow a train, so supervision leaves them out.
+    """
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
     whole = np.minimum(limit_for_length(limit_mps, train.length_m), train.speed_max_mps)
     body_m = mean_over_length(elevation_m, train.length_m)
@@ -63,7 +71,7 @@ def pattern_of(
     lowered = np.maximum(whole - behaviour.driving_margin_mps, 1.0)
     driving = braking_curve(lowered, body_m, behaviour.stop_deceleration_mps2, gravity_share)
     rows = np.zeros(elevation_m.size, dtype=PATTERN)
-    rows["elevation_m"] = elevation_m
+    rows["climb_m"] = climb_m(train, elevation_m, turn_rad)
     rows["body_elevation_m"] = body_m
     rows["permitted_mps"] = permitted
     rows["driving_mps"] = driving

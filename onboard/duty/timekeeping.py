@@ -22,7 +22,7 @@ PREDICTION_STEP_S: Final = 1.0
 def cruise_for(
     train: TrainRow,
     load_share: float,
-    elevation_m: NDArray[np.float64],
+    climb_m: NDArray[np.float64],
     driving_mps: NDArray[np.float64],
     start_m: float,
     stop_m: float,
@@ -32,7 +32,7 @@ def cruise_for(
 ) -> float:
     """Cruising speed, m/s, for a run from `start_m` to a stop at `stop_m` in `available_s`.
 
-    The line's limit where the time is too short. `elevation_m` and `driving_mps` are on the path's 1 m grid.
+    The line's limit where the time is too short. `climb_m` and `driving_mps` are on the path's 1 m grid.
     """
     low = 10 * CRUISE_MIN_KMH
     high = max(int(np.ceil(float(driving_mps.max()) / STEP_MPS)), low)
@@ -41,7 +41,7 @@ def cruise_for(
         return predicted_run(
             train,
             load_share,
-            elevation_m,
+            climb_m,
             driving_mps,
             start_m,
             stop_m,

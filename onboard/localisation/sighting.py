@@ -48,7 +48,7 @@ def accuracy_m(distance_m: float, speed_mps: float) -> float:
 @compiled
 def front_by_sign(row: UnitRow, sign_m: float, distance_m: float) -> tuple[float, float]:
     """Where the front is (m) by a sign at `sign_m` seen `distance_m` ahead, and within what (m either way)."""
-    return sign_m - distance_m, accuracy_m(distance_m, row.train_mps)
+    return sign_m - distance_m, accuracy_m(distance_m, row.train_mps) + row.pulse_m
 
 
 @compiled

@@ -24,7 +24,7 @@ def front_by_tag(
 ) -> tuple[float, float]:
     """Where the front is now (m) by a tag at `tag_m`, and within what (m either way); see `tag_fix`."""
     since_m = (row.odometer_m - odometer_at_tag_m) * row.odometer_scale
-    return tag_m + since_m, accuracy_m + abs(since_m) * row.bound_growth
+    return tag_m + since_m, accuracy_m + row.pulse_m + abs(since_m) * row.bound_growth
 
 
 def tag_fix(row: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: float) -> Fix:

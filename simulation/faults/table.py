@@ -11,7 +11,7 @@ from simulation.faults.fault import Fault
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
-from simulation.faults.vehicle import Brake, Doors
+from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 
@@ -32,6 +32,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Slippery,
     Doors,
     Brake,
+    Motors,
     Miss,
     WrongId,
     Stuck,

@@ -1,4 +1,4 @@
-"""Faults of a train's doors and brakes (車両状態・ブレーキ状態, Sugiyama et al. 2017, 4.1.3 (2)).
+"""Faults of a train's doors, brakes (車両状態・ブレーキ状態, Sugiyama et al. 2017, 4.1.3 (2)) and motors.
 
 The unit sees them by its inputs. A brake that has lost force has lost no more than what it has beyond the share that
 supervision counts on (`[driving] service_guaranteed_share`, `emergency_guaranteed_share`): a weaker brake than the
@@ -82,3 +82,31 @@ class Brake(BrakeFault):
 
     def over(self, brake: BrakeState) -> BrakeState:
         return BrakeState(good=False, reserve=brake.reserve * self.reserve)
+
+
+class MotorsFault(Fault[int]):
+    """How many motors of a train are cut out (主電動機開放)."""
+
+    aims_at = "unit"
+    changes = "motors"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> int:
+        return 0
+
+    def put(self, world: World, cut_out: int) -> None:
+        world.trains.set_motors(world.slot(self.target), cut_out)
+
+
+class Motors(MotorsFault):
+    """Motors are cut out: those that are left pull and brake. Nothing tells the unit; without any the train rolls."""
+
+    kind = "motors"
+    cut_out: int = Field(ge=1, le=64, description="so many of the train's motors, or all that it has")
+
+    def over(self, cut_out: int) -> int:
+        return cut_out + self.cut_out

@@ -18,6 +18,7 @@ class SceneRow(Protocol):
     speed_mps: Annotated[float, "the train's"]
     acceleration_mps2: float
     wheel_mps: Annotated[float, "of the axle that is measured; not the train's while it slides"]
+    last_wheel_mps: Annotated[float, "of the last axle"]
     wheel_run_m: Annotated[float, "what that axle has rolled in this step"]
     load_share: Annotated[float, "0 empty, 1 full"]
     tag_beyond_m: Annotated[float, "how far the front is past the tag that it passed in this step; -1: none"]

@@ -51,6 +51,7 @@ class SensorsRow(Protocol):
 
     if TYPE_CHECKING:  # those that code outside the sensors' own files names
         tachometer: tacho.TachometerRow
+        slide_protection: slide_protection.SlideProtectionRow
         tag_reader: tag_reader.TagReaderRow
 
 

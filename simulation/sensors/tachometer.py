@@ -1,11 +1,13 @@
 """The tachometer (速度発電機): counts the turning of one axle, by a circumference that may not be the wheel's.
 
+It counts whole pulses; its speed comes from the time between them, and is as fine as its clock.
 Its faults: a scale other than 1, no output (gain 0), an output that stays at one speed for ever. Factors multiply;
 one that is stuck shows the same whatever they are.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, Self
 
@@ -17,6 +19,8 @@ from radio.chance import generator
 from simulation.faults.fault import Fault, Names, World
 from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled
+from vehicle.records import TrainRow
+from vehicle.wheel import pulse_m
 
 if TYPE_CHECKING:
     from simulation.setup import Setup
@@ -26,7 +30,9 @@ class TachometerRow(Protocol):
     """One train's tachometer."""
 
     wheel_factor: Annotated[float, "true circumference over the one it is set for"]
-    odometer_m: Annotated[float, "what it has counted"]
+    pulse_m: Annotated[float, "way of one pulse by the circumference it is set for; 0: as fine as you like"]
+    turned_m: Annotated[float, "what has turned since the run began, by that circumference"]
+    odometer_m: Annotated[float, "what it has counted of that, in whole pulses"]
     gain: Annotated[float, "1 in order, 0 silent"]
     miscount_share: Annotated[float, "of the distance, counted too much (< 0: pulses lost); speed is right"]
     frozen_mps: Annotated[float, "shows this speed for ever; negative: in order"]
@@ -36,20 +42,35 @@ def fit(own: TachometerRow, setup: Setup, stock_id: str) -> None:
     """A wheel that is worn as the run's seed has it."""
     sigma = setup.sensors.wheel_factor_sigma
     drawn = generator(setup.seed, "sensors", stock_id).normal(0.0, sigma)
-    own.wheel_factor = 1.0 + float(np.clip(drawn, -3.0 * sigma, 3.0 * sigma))
-    own.gain, own.frozen_mps = 1.0, IN_ORDER
+    factor = 1.0 + float(np.clip(drawn, -3.0 * sigma, 3.0 * sigma))
+    fit_train(own, setup.trains[stock_id].row.view(np.recarray)[0], factor)
+
+
+def fit_train(own: TachometerRow, train: TrainRow, wheel_factor: float = 1.0) -> None:
+    """In order, for a kind of train, on a wheel of `wheel_factor` times the circumference that it is set for."""
+    own.wheel_factor, own.gain, own.frozen_mps = wheel_factor, 1.0, IN_ORDER
+    own.pulse_m = pulse_m(train)
+
+
+@compiled
+def counted_m(own: TachometerRow, turned_m: float) -> float:
+    """What it shows of a turning, m: whole pulses."""
+    if own.pulse_m <= 0.0:
+        return turned_m
+    return math.floor(turned_m / own.pulse_m) * own.pulse_m
 
 
 @compiled
 def tachometer(own: TachometerRow, _sensors: Any, scene: SceneRow, sensed: SensedRow) -> None:  # noqa: ANN401
     """Count the wheel's turning of one step and show its speed. A faulty one shows what it shows."""
     if own.frozen_mps >= 0.0:
-        own.odometer_m += own.frozen_mps * scene.step_s
+        own.turned_m += own.frozen_mps * scene.step_s
         sensed.speed_mps = own.frozen_mps
     else:
         gain = own.gain / own.wheel_factor
-        own.odometer_m += scene.wheel_run_m * (gain * (1.0 + own.miscount_share))
+        own.turned_m += scene.wheel_run_m * (gain * (1.0 + own.miscount_share))
         sensed.speed_mps = scene.wheel_mps * gain
+    own.odometer_m = counted_m(own, own.turned_m)
     sensed.odometer_m = own.odometer_m
 
 

@@ -14,7 +14,7 @@ from onboard.board import SensedRow
 from simulation.faults.fault import Fault, Names, World
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
-from simulation.sensors.tachometer import TachometerRow
+from simulation.sensors.tachometer import TachometerRow, counted_m
 from vehicle.compiled import compiled
 
 if TYPE_CHECKING:
@@ -53,9 +53,8 @@ def tag_reader(own: TagReaderRow, sensors: WithTachometer, scene: SceneRow, _sen
 def latch(reader: TagReaderRow, tachometer: TachometerRow, beyond_m: float, step: int) -> None:
     """Read the tag that the front passed in this step and is `beyond_m` past now."""
     error_m = min(max(reader.sigma_m * normal(reader.source, step), -reader.most_m), reader.most_m)
-    counted_m = beyond_m * tachometer.gain / tachometer.wheel_factor * (1.0 + tachometer.miscount_share)
-    at_tag_m = tachometer.odometer_m - counted_m
-    reader.latched_m = at_tag_m + error_m
+    since_m = beyond_m * tachometer.gain / tachometer.wheel_factor * (1.0 + tachometer.miscount_share)
+    reader.latched_m = counted_m(tachometer, tachometer.turned_m - since_m) + error_m
 
 
 class TagFault(Fault[int | None]):

@@ -157,7 +157,7 @@ def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, s
     scene.step, scene.now_s, scene.step_s = step, step * step_s, step_s
     scene.speed_mps, scene.acceleration_mps2 = plant.speed_mps, plant.acceleration_mps2
     scene.wheel_mps, scene.wheel_run_m = plant.wheel_speed_mps, plant.wheel_travelled_m - wheel_before_m
-    scene.load_share = plant.load_share
+    scene.last_wheel_mps, scene.load_share = plant.last_wheel_speed_mps, plant.load_share
     scene.tag_beyond_m = tag_beyond_m
     scene.sign_ahead_m = row.truth.sign_m - row.truth.position_m
     row.sensed.now_s = scene.now_s + row.truth.clock_ahead_s
@@ -177,6 +177,8 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     before_mps = plant.speed_mps
     dead = truth.powered == 0
     notch = -row.body.brake_notches if dead else unit.notch
+    protects = row.body.wheel_slide_share_max < 1.0
+    plant.last_axle_released = 1 if protects and row.sensed.wheel_slide < 0 else 0
     move(plant, row.body, notch, dead or unit.emergency != 0, gradient, curvature, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
     found = passed(truth, track.tag_positions_m, row.body.length_m)

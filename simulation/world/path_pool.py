@@ -56,6 +56,7 @@ class PathPool:
         believed = profile if self._believed is self._line else profile_of(self._believed, path)
         pattern = pattern_of(
             np.ascontiguousarray(believed["elevation_m"]),
+            np.ascontiguousarray(believed["turn_rad"]),
             np.ascontiguousarray(believed["limit_mps"]),
             train,
             behaviour,

@@ -295,6 +295,11 @@ class Trains:
         plant.brake_factor = _reduced(drawn, driving.service_guaranteed_share, reserve)
         plant.emergency_factor = _reduced(1.0, driving.emergency_guaranteed_share, reserve)
 
+    def set_motors(self, slot: int, cut_out: int) -> None:
+        """How many of a train's motors are cut out."""
+        motors = float(self.bodies[slot].motors)
+        self.plants[slot].motors_share = max(motors - cut_out, 0.0) / motors
+
     def set_rail(self, slot: int, share: float) -> None:
         """What faults of the rail leave of the weather's adhesion."""
         self._rail[slot] = share

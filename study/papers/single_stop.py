@@ -19,6 +19,7 @@ from onboard.localisation.fix import cut
 from onboard.localisation.sighting import front_by_sign, sign_is_missing
 from onboard.localisation.tags import front_by_tag
 from onboard.records import EMERGENCY_INTERVENTION
+from simulation.sensors.slide_protection import rolls_at
 from simulation.world.kernel import Track, sample, step_one
 from simulation.world.records import PASSED_TAG, StockRow
 from vehicle.compiled import compiled
@@ -87,7 +88,7 @@ def lay_track(track: Track, stop: StopRow, row: StockRow, mark_m: float) -> None
     half_m = row.board.kind.length_m / 2.0
     for i in range(track.profile.size):
         track.profile[i].elevation_m = true_slope * i
-        track.pattern[i].elevation_m = slope * i
+        track.pattern[i].climb_m = slope * i
         track.pattern[i].body_elevation_m = slope * (i - half_m)
     for i in range(stop.beacons):
         track.tag_positions_m[i] = mark_m - stop.beacon_m[i]
@@ -100,7 +101,8 @@ def begin(row: StockRow, stop: StopRow, begin_m: float, standoff_m: float) -> No
     plant.load_share = stop.load_share
     plant.adhesion_factor = stop.adhesion_factor
     plant.brake_factor = stop.brake_factor
-    plant.speed_mps = plant.wheel_speed_mps = stop.speed_mps
+    plant.speed_mps = plant.wheel_speed_mps = plant.last_wheel_speed_mps = stop.speed_mps
+    rolls_at(row.sensors.slide_protection, stop.speed_mps)
     row.body.brake_lag_s = max(row.body.brake_lag_s + stop.brake_lag_off_s, 0.0)
     tachometer.wheel_factor = 1.0 / (1.0 + stop.wheel_error)
     tachometer.miscount_share = stop.count_error

@@ -19,6 +19,7 @@ from onboard.driving.tasc import DesignRow
 from onboard.driving.tuning import Learned
 from onboard.records import MODE_DRIVE, PATTERN, BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
+from simulation.sensors import slide_protection, tachometer
 from simulation.settings import Driving
 from simulation.setup import behaviour_row
 from simulation.world.kernel import Track
@@ -26,13 +27,14 @@ from simulation.world.records import STOCK, TRACE
 from study.papers.single_stop import FIXES_MAX, OUTCOME, Rows, StopResult, result_of, run_stops
 from vehicle.records import TrainRow
 from vehicle.train_file import TrainType, new_plant
+from vehicle.wheel import pulse_m
 
 BEYOND_M: Final = 400.0  # of track behind the mark
 STOCK_ID: Final = "train"
 
 
 def prepared_row(
-    body: Rows, believed: Rows, driving: Driving, unit: UnitParameters, learned: Learned
+    body: Rows, believed: Rows, driving: Driving, unit: UnitParameters, learned: Learned, pulses: bool
 ) -> Rows:
     """A STOCK row, shape (1,), of a train that drives at rest at path coordinate 0 and knows it, nothing ahead."""
     stock = np.zeros(1, dtype=STOCK)
@@ -44,11 +46,14 @@ def prepared_row(
     row.truth.active = row.truth.powered = 1
     for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m", "track_end_m"):
         row.truth[name] = np.inf
-    row.sensors.tachometer.wheel_factor = row.sensors.tachometer.gain = 1.0
-    row.sensors.tachometer.frozen_mps = -1.0
+    tachometer.fit_train(row.sensors.tachometer, row.body)
+    slide_protection.fit_train(row.sensors.slide_protection, row.body)
+    if not pulses:
+        row.sensors.tachometer.pulse_m = 0.0
     own: UnitRow = row.board.unit
     own.position_known, own.mode, own.odometer_scale = 1, MODE_DRIVE, 1.0
-    own.bound_ahead_m = own.bound_behind_m = unit.tag_accuracy_m
+    own.pulse_m = pulse_m(row.board.kind) if pulses else 0.0
+    own.bound_ahead_m = own.bound_behind_m = unit.tag_accuracy_m + own.pulse_m
     own.bound_growth = unit.wheel_error_share
     own.expected_tag_m = own.rear_trigger_m = own.position_trigger_m = np.inf
     own.restricted_mps = own.cruise_mps = own.due_s = np.inf
@@ -82,14 +87,20 @@ class Bench:
         unit: UnitParameters,
         body: Rows | None = None,
         learned: Learned | None = None,
+        pulses: bool = False,
     ) -> None:
-        """`train` is what the unit believes in; `body`, shape (1,), is what runs, the same if left out."""
+        """`train` is what the unit believes in; `body`, shape (1,), is what runs, the same if left out.
+
+        Without `pulses` the tachometer counts as finely as the papers' do, whose errors are shares of the way.
+        """
         believed = train.row
         if learned is None:
             learned = Learned(STOCK_ID, believed_dead_time_s(believed.view(np.recarray)[0]))
         self.unit = unit
         self.learned = learned
-        self.prepared = prepared_row(believed if body is None else body, believed, driving, unit, learned)
+        self.prepared = prepared_row(
+            believed if body is None else body, believed, driving, unit, learned, pulses
+        )
         self.work = self.prepared.copy()
 
     @property

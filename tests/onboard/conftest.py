@@ -127,7 +127,9 @@ def track(train: TrainRow, behaviour: BehaviourRow) -> Callable[..., Rows]:
 
     def make(elevation_m: np.ndarray, limit_mps: float = LINE_SPEED_MPS) -> Rows:
         limits = np.full(elevation_m.size, limit_mps)
-        return pattern_of(np.ascontiguousarray(elevation_m), limits, train, behaviour).view(np.recarray)
+        return pattern_of(
+            np.ascontiguousarray(elevation_m), np.zeros(elevation_m.size), limits, train, behaviour
+        ).view(np.recarray)
 
     return make
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from vehicle.adhesion import adhesion_coefficient
 from vehicle.dynamics import equivalent_mass_kg, step
 from vehicle.mass import mass_kg
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
@@ -218,3 +220,79 @@ def test_without_brakes_it_rolls_forward_downhill_and_is_held_uphill(ev_e301: Ro
     assert down["speed_mps"] > 0.5
     assert up["travelled_m"] == 0.0
     assert level["travelled_m"] == 0.0  # starting resistance of 3.06 permille holds it
+
+
+@pytest.mark.parametrize("kind", ["ev_e301", "oda", "br642"])
+@pytest.mark.parametrize("gradient", [-20.0, 0.0, 20.0])
+@pytest.mark.parametrize("hold", [-1.0, -3.0, -7.0])
+def test_a_start_is_no_rougher_than_the_limits_of_jerk(
+    request: pytest.FixtureRequest, kind: str, gradient: float, hold: float
+) -> None:
+    """Brakes let go and motors build up at once; beside them only the falling starting resistance counts (2 %)."""
+    train, plant = request.getfixturevalue(kind)[0], new_plant(1)[0]
+    for _ in range(30):
+        step(plant, train, hold, False, gradient, 0.0, DT_S)
+    limit_mps3, before_mps2, worst = float(train["traction_jerk_max_mps3"]), 0.0, 0.0
+    released = float(plant["service_deceleration_mps2"])
+    for _ in range(80):
+        step(plant, train, float(train["power_notches"]), False, gradient, 0.0, DT_S)
+        jerk = (plant["acceleration_mps2"] - before_mps2) / DT_S
+        letting_go = (released - plant["service_deceleration_mps2"]) / DT_S
+        worst = max(worst, jerk - max(limit_mps3, letting_go))
+        before_mps2, released = plant["acceleration_mps2"], float(plant["service_deceleration_mps2"])
+    assert plant["speed_mps"] > 0.0
+    assert worst <= 0.02 * limit_mps3
+
+
+def _stop_from(train: np.void, speed_mps: float, adhesion: float) -> tuple[float, bool]:
+    """Energy regenerated (J) in a stop by full service brake, and whether motors ever braked in a slide."""
+    plant = new_plant(1, speed_mps)[0]
+    plant["adhesion_factor"] = adhesion
+    in_slide = False
+    while plant["speed_mps"] > 0.0:
+        slides = plant["wheel_speed_mps"] < plant["speed_mps"]
+        step(plant, train, -float(train["brake_notches"]), False, 0.0, 0.0, DT_S)
+        in_slide |= bool(plant["regenerative_force_n"] > 0.0 and (plant["sliding"] == 1 or slides))
+    return float(plant["energy_regenerated_j"]), in_slide
+
+
+def test_worse_rail_never_gives_more_energy_back(ev_e301: Rows) -> None:
+    """Motors do not brake in a slide, so a longer stop on slippery rail regenerates less."""
+    results = [_stop_from(ev_e301[0], 65 / 3.6, adhesion) for adhesion in (1.0, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)]
+    energies_j = [energy_j for energy_j, _ in results]
+    assert not any(in_slide for _, in_slide in results)
+    assert energies_j[0] == energies_j[1]  # nothing slides
+    assert all(worse <= better for better, worse in pairwise(energies_j))
+    # 0.75 of the kinetic energy at most: 84,132 kg at 18.06 m/s
+    assert energies_j[0] < 0.75 * 0.5 * 84_132 * (65 / 3.6) ** 2
+
+
+@given(speed=st.floats(0.5, 27.0), adhesion=st.floats(0.2, 1.0), notch=st.floats(-7.0, -0.5))
+def test_motors_brake_no_more_than_their_axles_hold(
+    ev_e301: Rows, changed: Change, speed: float, adhesion: float, notch: float
+) -> None:
+    """One bogie of two is driven: half of the weight, or a quarter with half of the motors cut out."""
+    train = changed(ev_e301, regenerative_force_max_n=1e6, regenerative_power_max_w=1e8)[0]
+    for motors_share in (1.0, 0.5):
+        plant = new_plant(1, speed)[0]
+        plant["adhesion_factor"], plant["motors_share"] = adhesion, motors_share
+        for _ in range(20):
+            grip = adhesion_coefficient(train, adhesion, plant["speed_mps"])
+            step(plant, train, notch, False, 0.0, 0.0, DT_S)
+            limit_n = 0.5 * motors_share * 77_900 * 9.81 * grip
+            assert plant["regenerative_force_n"] <= limit_n * (1 + 1e-12)
+
+
+def test_half_of_the_motors_pull_half_as_much_and_take_half_of_the_brake(ev_e301: Rows) -> None:
+    forces = []
+    for share in (1.0, 0.5):
+        pulling, braking = new_plant(1, 15.0)[0], new_plant(1, 15.0)[0]
+        pulling["motors_share"] = braking["motors_share"] = share
+        for _ in range(40):
+            step(pulling, ev_e301[0], 1.0, False, 0.0, 0.0, DT_S)
+        for _ in range(12):
+            step(braking, ev_e301[0], -7.0, False, 0.0, 0.0, DT_S)
+        forces.append((pulling["traction_built_n"], braking["regenerative_force_n"]))
+    # 0.2 of 380 kW at about 15 m/s, less as it gains speed; the limit of the electric brake is 380 kW too
+    assert forces[1][0] == pytest.approx(0.5 * forces[0][0], rel=0.02)
+    assert forces[1][1] == pytest.approx(0.5 * forces[0][1], rel=0.02)

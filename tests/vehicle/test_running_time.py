@@ -12,10 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from vehicle.dynamics import step
 from vehicle.mass import equivalent_mass_kg, mass_kg
-from vehicle.resistance import resistance_n
+from vehicle.resistance import climb_m, resistance_n
 from vehicle.running_time import predicted_run
 from vehicle.traction import full_force_n
+from vehicle.train_file import new_plant
 
 Rows = NDArray[np.void]
 Change = Callable[..., NDArray[np.void]]
@@ -163,3 +165,38 @@ def test_every_leg_ends_and_no_faster_than_its_limits(
 def test_a_run_from_speed(ev_e301: Rows) -> None:
     rolling_s, _ = predicted_run(ev_e301[0], 0.0, *flat(), 0.0, 3000.0, 15.0, 0.7, 0.1, 15.0)
     assert rolling_s == pytest.approx(3000 / 15 + 15 / (2 * 0.7), abs=0.1)
+
+
+@pytest.mark.parametrize("radius_m", [200.0, 400.0])
+def test_curves_count_as_the_plant_feels_them(ev_e301: Rows, radius_m: float) -> None:
+    """600 / R permille (R = 200 m: 3.0): time and energy as on that gradient, and as the plant in the curve."""
+    train = ev_e301[0]
+    level, limit = flat(60 / 3.6)
+    turn_rad = np.arange(level.size) / radius_m
+    run = (limit, 100.0, 3100.0, 50.0, 0.6, 0.5)
+    in_curve = predicted_run(train, 0.0, climb_m(ev_e301.view(np.recarray)[0], level, turn_rad), *run)
+    uphill = predicted_run(train, 0.0, np.arange(level.size) * 0.6 / radius_m, *run)
+    straight = predicted_run(train, 0.0, level, *run)
+    assert in_curve == pytest.approx(uphill, rel=1e-9)
+    assert in_curve[0] > straight[0]
+    # work against it: 600 / R permille of the weight over 3 km, at the wire; a little comes back in braking
+    work_j = 77_900 * 9.81 * 0.6 / radius_m * 3000.0 / 0.85
+    assert in_curve[1] - straight[1] == pytest.approx(work_j, rel=0.1)
+    plant = new_plant(1, 10.0)[0]
+    step(plant, train, 0.0, False, 0.0, 1.0 / radius_m, 0.1)
+    curved_mps2 = float(plant["acceleration_mps2"])
+    plant = new_plant(1, 10.0)[0]
+    step(plant, train, 0.0, False, 600.0 / radius_m, 0.0, 0.1)
+    assert curved_mps2 == pytest.approx(float(plant["acceleration_mps2"]))
+
+
+def test_no_train_is_predicted_to_pull_more_than_its_driven_axles_hold(
+    ev_e301: Rows, changed: Change
+) -> None:
+    """Half of the weight at 0.245: 1.11 m/s2 at rest, however strong the motors are."""
+    strong = changed(ev_e301, traction_force_max_n=1e6, traction_power_max_w=1e8)[0]
+    time_s, _ = predicted_run(strong, 0.0, *flat(100 / 3.6), 100.0, 1100.0, 50.0, 1.0, 0.1)
+    best_s = math.sqrt(
+        2.0 * 1000.0 * (1.0 / 1.11 + 1.0 / 1.0)
+    )  # a triangle of speeds, if it reaches the limit
+    assert time_s > best_s

@@ -161,7 +161,7 @@ def test_it_is_down_to_a_lower_limit_in_time(
     limits_mps = np.full(TRACK_M, 18.0)
     limits_mps[1500:1700] = 8.0
     unit.bound_ahead_m, unit.bound_growth = bound_m, 0.0
-    path = pattern_of(elevation_m, limits_mps, train, behaviour).view(np.recarray)
+    path = pattern_of(elevation_m, np.zeros(elevation_m.size), limits_mps, train, behaviour).view(np.recarray)
     course = drive_along(unit, train, behaviour, path, keeper(), permille, load_share, 15.0, 1800)
     for position_m, speed_mps in zip(course.position_m, course.speed_mps, strict=True):
         if 1500.0 <= position_m <= 1700.0 + train.length_m:

@@ -82,7 +82,7 @@ def test_mean_elevation_under_the_train() -> None:
 def test_the_path_database(train: TrainRow, behaviour: BehaviourRow) -> None:
     limits = np.full(600, 25.0)
     limits[500:] = 0.5
-    rows = pattern_of(np.zeros(600), limits, train, behaviour)
+    rows = pattern_of(np.zeros(600), np.zeros(600), limits, train, behaviour)
     assert rows["permitted_mps"][0] == pytest.approx(25.0)
     assert rows["permitted_mps"][400] == pytest.approx(np.sqrt(0.25 + 2 * 0.8 * 100.0))
     assert rows["driving_mps"][400] == pytest.approx(np.sqrt(1.0 + 2 * 0.6 * 100.0))
@@ -92,3 +92,16 @@ def test_the_path_database(train: TrainRow, behaviour: BehaviourRow) -> None:
 
 def test_never_faster_than_the_train_may_run(track: Callable[..., Rows], train: TrainRow) -> None:
     assert track(np.zeros(100), 50.0)["permitted_mps"].max() == pytest.approx(train.speed_max_mps)
+
+
+def test_curves_are_a_climb_for_driving_and_none_for_supervision(
+    train: TrainRow, behaviour: BehaviourRow
+) -> None:
+    """A turn of one radian costs 600 m * 1 rad / 1000 = 0.6 m; nothing is braked later for it."""
+    limits, turn_rad = np.full(600, 20.0), np.linspace(0.0, 1.0, 600)
+    limits[400:] = 5.0
+    curved = pattern_of(np.zeros(600), turn_rad, limits, train, behaviour)
+    straight = pattern_of(np.zeros(600), np.zeros(600), limits, train, behaviour)
+    assert curved["climb_m"][-1] == pytest.approx(0.6)
+    for name in ("permitted_mps", "driving_mps", "body_elevation_m"):
+        assert np.array_equal(curved[name], straight[name])

@@ -94,7 +94,7 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
     elevation_m = np.interp(np.arange(TRACK_M), np.linspace(0, TRACK_M, 11), np.cumsum([0.0, *slopes]) / 4.0)
     long = copy(train)
     long.length_m = length_m
-    path = pattern_of(elevation_m, np.full(TRACK_M, 27.0), long, behaviour)
+    path = pattern_of(elevation_m, np.zeros(TRACK_M), np.full(TRACK_M, 27.0), long, behaviour)
     unit = prepared(limit_m)
     unit.bound_ahead_m = bound_m
     front_m, speed, since_s, cut = unit.position_m + bound_m, 0.0, 0.0, False
@@ -200,7 +200,7 @@ def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
 ) -> None:
     limits = np.full(TRACK_M, 20.0)
     limits[200:] = 5.0
-    path = pattern_of(np.zeros(TRACK_M), limits, train, behaviour)
+    path = pattern_of(np.zeros(TRACK_M), np.zeros(TRACK_M), limits, train, behaviour)
     unit = prepared(np.inf)
     unit.position_m, unit.bound_ahead_m = 190.0 - RESERVE_M, 10.0
     supervise(unit, train, behaviour, path)

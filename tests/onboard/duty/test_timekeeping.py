@@ -30,7 +30,7 @@ def test_the_lowest_speed_that_is_in_time(
     permille: float,
 ) -> None:
     path = track(np.arange(2500) * permille / 1000.0)
-    elevation_m = np.ascontiguousarray(path["elevation_m"])
+    elevation_m = np.ascontiguousarray(path["climb_m"])
     driving_mps = np.ascontiguousarray(path["driving_mps"])
 
     def time_s(cruise_mps: float) -> float:

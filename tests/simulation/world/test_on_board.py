@@ -22,6 +22,7 @@ from simulation.world.on_board import OnBoard
 from simulation.world.records import TRACE
 from simulation.world.roster import Duty, draw_up
 from simulation.world.trains import Trains
+from vehicle.wheel import pulse_m
 
 ROOT = Path(__file__).resolve().parents[3]
 DRIVERS_HAND = {"notch"}  # what a driver on sight does with the brake handle, not what the unit believes
@@ -61,7 +62,8 @@ def test_a_unit_knows_where_its_train_stands_when_it_comes_onto_the_line(cab: Ca
     unit = cab.trains.units[0]
     assert unit.position_known == 1
     assert unit.position_m == cab.duty.mission.targets[0].mark_m
-    assert unit.bound_ahead_m == unit.bound_behind_m == cab.trains.setup.unit.tag_accuracy_m
+    accuracy_m = cab.trains.setup.unit.tag_accuracy_m + pulse_m(cab.trains.bodies[0])
+    assert unit.bound_ahead_m == unit.bound_behind_m == accuracy_m
     assert not cab.on_board.drives_on_sight(0)
 
 

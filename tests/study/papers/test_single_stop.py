@@ -6,8 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from onboard.driving.tasc import Verdict
+from onboard.unit_records import UnitParameters
 from study.papers.carried_train import CarriedTrain
-from study.papers.oda_table4 import PATTERN_MPS2, controller, plain_stop
+from study.papers.oda_table4 import PATTERN_MPS2, controller, oda_train, plain_stop
+from study.papers.single_train import COASTING, Bench
 
 GAIN_PER_S = 0.6
 
@@ -131,6 +133,30 @@ def test_a_beacon_that_cannot_be_where_it_is_read_is_refused() -> None:
     outcomes, _ = controller(GAIN_PER_S).run(stop)
     assert outcomes["refused"][0] == 1
     assert abs(outcomes["error_m"][0]) < 0.05
+
+
+def test_a_tachometer_counts_whole_pulses() -> None:
+    """860 mm and 60 pulses a turn: what is counted lies within a pulse (45.03 mm) behind what was run."""
+    train = oda_train()
+    bench = Bench(train, COASTING, UnitParameters(), pulses=True)
+    result, trace = bench.one(plain_stop(60.0), 2000)
+    behind_m = -trace["estimate_error_m"]
+    pulse_m = np.pi * 0.860 / 60
+    assert behind_m.min() >= -1e-9
+    assert 0.95 * pulse_m < behind_m.max() < pulse_m
+    assert abs(result.error_m) < 0.05 + pulse_m
+    assert bench.run(plain_stop(60.0))[0]["out_of_bounds_m"][0] <= 0.0
+
+
+def test_on_any_rail_the_front_stays_within_bounds() -> None:
+    """Dry to oily (adhesion 0.04 at rest), empty to full: wheels slide in a third of these stops."""
+    rng = np.random.default_rng(1)
+    stops = np.concatenate([plain_stop(float(speed_kmh)) for speed_kmh in rng.uniform(20.0, 85.0, 1000)])
+    stops["adhesion_factor"] = rng.uniform(0.15, 1.0, stops.size)
+    stops["load_share"] = rng.uniform(0.0, 1.0, stops.size)
+    outcomes, _ = controller(GAIN_PER_S).run(stops)
+    assert (outcomes["slid_steps"] > 0).sum() > 200
+    assert (outcomes["out_of_bounds_m"] <= 0.0).all()
 
 
 def test_wheels_that_slide_are_ridden_over() -> None:
