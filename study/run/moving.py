@@ -110,6 +110,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "clock": Single(60.0, {"offset_s": 30.0}),
     "doors": Single(30.0, {}),
     "brake": Single(30.0, {}),
+    "motors": Single(60.0, {"cut_out": 64}),
     "cut": Single(60.0, {}),
     "loss": Single(120.0, {"p": 0.5}),
     "delay": Single(60.0, {"seconds": 5.0}),

@@ -123,9 +123,10 @@ def test_tags_let_the_rear_clear_and_the_train_stop(line: Line) -> None:
             if tag.purpose in {TagPurpose.ARRIVAL, TagPurpose.DEPARTED}:
                 assert behind_m > TRAIN_M
             if tag.purpose is TagPurpose.APPROACH:
-                # v^2 / (2 b) from 85 km/h at 0.7 m/s2
-                assert piece.length_m - behind_m > (85 / 3.6) ** 2 / 1.4
-    # 85 km/h: 398 m to stop and 236 m in 10 s
+                # v^2 / (2 b) from 65 km/h at 0.7 m/s2
+                assert piece.length_m - behind_m > (65 / 3.6) ** 2 / 1.4
+    # 65 km/h: 233 m to stop and 181 m in 10 s; 85 km/h: 398 m and 236 m
+    assert rule.approach_m(65 / 3.6) == 450.0
     assert rule.approach_m(85 / 3.6) == 650.0
 
 

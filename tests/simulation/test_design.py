@@ -16,7 +16,7 @@ from simulation.setup import STEP_S, behaviour_row
 from vehicle.dynamics import step
 from vehicle.train_file import TrainType, load_train, new_plant, shipped_train
 
-LINE_MPS: Final = load_line(shipped_line("karasuyama")).max_speed_mps  # 85 km/h
+LINE_MPS: Final = load_line(shipped_line("karasuyama")).max_speed_mps  # 65 km/h
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def test_grip_is_the_weight_of_all_axles_times_the_coefficient(train: TrainType)
 
 def test_a_guarantee_is_refused_as_soon_as_it_needs_more_than_the_design_adhesion(train: TrainType) -> None:
     needed = Driving().design_adhesion_share * 1.0 / design_grip_mps2(Driving(), train, LINE_MPS)
-    assert needed == pytest.approx(0.77, abs=0.005)
+    assert needed == pytest.approx(1.08 * (1.0 + 0.03 * 65 / 3.6) / (0.245 * 9.81), abs=1e-4)  # 0.693
     assert overrated(Driving(design_adhesion_share=needed + 1e-6), train, LINE_MPS) is None
     found = overrated(Driving(design_adhesion_share=needed - 1e-3), train, LINE_MPS)
     assert found is not None

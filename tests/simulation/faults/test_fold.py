@@ -21,7 +21,7 @@ from simulation.faults.links import Cut, Delay, Link
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.script import Failure, Script, Trigger
-from simulation.faults.vehicle import Brake, Doors
+from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.journal import Journal
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
@@ -51,6 +51,7 @@ class World:
         self.unit = SimpleNamespace(odometer_scale=1.0, bound_growth=0.02, position_known=1)
         self.rail_share = 1.0
         self.brake_reserve = 1.0
+        self.cut_out = 0
         self.trains: Any = SimpleNamespace(
             slot_of={"K1": 0},
             tachometers=[self.tachometer],
@@ -59,6 +60,7 @@ class World:
             tag_faults={},
             set_rail=lambda _slot, share: setattr(self, "rail_share", share),
             set_brake=lambda _slot, reserve: setattr(self, "brake_reserve", reserve),
+            set_motors=lambda _slot, cut_out: setattr(self, "cut_out", cut_out),
         )
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
         self.wayside: Any = SimpleNamespace(
@@ -157,6 +159,20 @@ def test_a_brake_is_in_order_again_with_the_last_of_its_faults() -> None:
         world.run_to(second * 10)
         seen.append((world.vehicle["brake_good"], world.brake_reserve))
     assert seen == [(True, 1.0), (False, 0.5), (False, 0.2), (False, 0.5), (True, 1.0)]
+
+
+def test_motors_cut_out_one_after_the_other_add_up() -> None:
+    world = World(
+        (
+            failure(Motors(target="K1", cut_out=2), 1.0, 20.0),
+            failure(Motors(target="K1", cut_out=1), 5.0, 5.0),
+        )
+    )
+    seen = []
+    for second in (0, 2, 6, 12, 30):
+        world.run_to(second * 10)
+        seen.append(world.cut_out)
+    assert seen == [0, 2, 3, 2, 0]
 
 
 def test_doors_and_brake_are_two_things() -> None:

@@ -242,3 +242,18 @@ def test_a_brake_loses_no_more_than_it_has_beyond_what_supervision_counts_on(
     assert emergency == pytest.approx(1.0 - (1.0 - reserve) * (1.0 - driving.emergency_guaranteed_share))
     placed.set_brake(0, 1.0)
     assert (plant.brake_factor, plant.emergency_factor) == (whole, 1.0)
+
+
+@pytest.mark.parametrize(("cut_out", "share"), [(0, 1.0), (1, 0.75), (3, 0.25), (4, 0.0), (64, 0.0)])
+def test_what_motors_pulled_that_are_cut_out_is_gone_at_once(
+    placed: Trains, cut_out: int, share: float
+) -> None:
+    """Four motors; else force without a motor behind it would spin the wheels."""
+    placed.plants[0].traction_built_n = 40_000.0
+    placed.set_motors(0, cut_out)
+    assert placed.plants[0].motors_share == share
+    assert placed.plants[0].traction_built_n == pytest.approx(40_000.0 * share)
+    placed.set_motors(0, 0)
+    assert placed.plants[0].motors_share == 1.0
+    assert placed.plants[0].traction_built_n == pytest.approx(40_000.0 * share)  # it builds up again
+    placed.plants[0].traction_built_n = 0.0

@@ -170,8 +170,8 @@ def test_without_being_told_the_carrier_disagrees(
         return done, used, told
 
     monkeypatch.setattr("simulation.loop.advance", untold)
-    swept = sweep_of(two_trains, restart("K1"), every_s=0.2, from_s=TEN + 0.4, to_s=TEN + 0.8)
-    assert {outcome.label for outcome in swept.outcomes["restart K1"].values()} == {"crash CarrierDisagrees"}
+    swept = sweep_of(two_trains, restart("K1"), every_s=0.4, from_s=TEN, to_s=TEN + 2.8)
+    assert "crash CarrierDisagrees" in {outcome.label for outcome in swept.outcomes["restart K1"].values()}
     assert swept.bad
 
 
