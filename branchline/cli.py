@@ -1,8 +1,7 @@
-"""The command `branchline`: reads arguments, shows progress, prints results, sets exit codes.
+"""The command `branchline`: reads arguments, shows progress, prints results.
 
-Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 70 a bug, 130 Ctrl-C, 143 SIGTERM.
-Heavy imports are inside the commands, so that help is quick. With `--json` stdout carries one object and nothing
-else; all else is on stderr.
+How it ends is an `Outcome`; every error becomes one here, in `main`. With `--json` stdout carries one object, which has
+the outcome, and nothing else; all else is on stderr. Heavy imports are inside the commands, so that help is quick.
 """
 
 from __future__ import annotations
@@ -13,36 +12,36 @@ import signal
 import sys
 from collections.abc import Generator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn, cast
 
 import typer
 
 from branchline.progress import progress_of, tell
-from host.parties import PartyError
 from network.errors import InputError
+from study.outcome import Outcome, StoppedError, outcome_of, text_of
 
 if TYPE_CHECKING:
     from study.run.run import Run
 
-BROKEN: Final = 1
-BAD_INPUT: Final = 2
-BUG: Final = 70  # EX_SOFTWARE of sysexits.h
-SIGNALLED: Final = 128  # plus the number of the signal: Ctrl-C gives 130
-STOPS: Final = (signal.SIGINT, signal.SIGTERM)
+STOPS: Final = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
+USAGE_COLUMNS: Final = 200  # of a usage error, which repeats what was typed
+JSON_OPTION: Final = "--json"
 
 app = typer.Typer(
     name="branchline",
     help="Line-level traffic and interlocking simulator for single-track branch lines.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-importers = typer.Typer(help="Make line and timetable data from outside sources.", no_args_is_help=True)
+importers = typer.Typer(help="Make line and timetable data from outside sources.")
 app.add_typer(importers, name="import")
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
+Json = Annotated[
+    bool, typer.Option(JSON_OPTION, help="Print one JSON object on stdout and nothing else there.")
+]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of every chance in the run.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Run directory; default runs/<scenario>.")]
 LinkName = Annotated[
@@ -56,45 +55,78 @@ UnitsName = Annotated[
 ]
 
 
-class _StoppedError(BaseException):
-    """Ctrl-C or SIGTERM. Not a KeyboardInterrupt, which typer ends without a word."""
-
-
 def main() -> None:
-    """Entry point: whatever a person has to act on is one line on stderr."""
+    """Entry point: how a command ends, and one line on stderr wherever a person has to act."""
     for number in STOPS:
-        signal.signal(number, _stop)
+        if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:  # nohup ignores it
+            signal.signal(number, _stop)
+    sys.exit(_ended().code)
+
+
+def _ended() -> Outcome:
     try:
-        app()
-    except InputError as error:
-        tell(f"error: {error}")
-        sys.exit(BAD_INPUT)
-    except PartyError as error:
-        tell(f"error: {error}")
-        sys.exit(BROKEN)
-    except _StoppedError as stopped:
-        tell("interrupted")
-        sys.exit(stopped.args[0])
-    except Exception as error:
-        _tell_bug(error)
-        sys.exit(BUG)
+        outcome = _run_command(sys.argv[1:])
+        sys.stdout.flush()
+    except typer.TyperException as error:
+        told = " ".join(error.format_message().split())[:USAGE_COLUMNS].rstrip(".")
+        return _tell_error(Outcome.BAD_INPUT, f"command line: {told}; see branchline --help")
+    except (Exception, StoppedError) as error:
+        outcome = outcome_of(error)
+        if outcome is Outcome.BUG:
+            return _tell_bug(error)
+        if isinstance(error, StoppedError):
+            return _tell_error(outcome, "interrupted", label="")
+        return _tell_error(outcome, text_of(error))
+    return outcome
+
+
+def _run_command(arguments: list[str]) -> Outcome:
+    """Commands end by `typer.Exit` with the code of their outcome, or by coming to their end."""
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context("branchline", arguments) as context:
+            command.invoke(context)
+    except typer.Exit as ended:
+        return next(outcome for outcome in Outcome if outcome.code == ended.exit_code)
+    return Outcome.GOOD
+
+
+def _end(outcome: Outcome) -> NoReturn:
+    raise typer.Exit(outcome.code)
+
+
+def _judged(good: bool) -> Outcome:
+    return Outcome.GOOD if good else Outcome.BROKEN
 
 
 def _stop(number: int, _frame: FrameType | None) -> None:
     """End like any other way: contexts close, processes go. Only once, so that the clearing up is not stopped."""
     for stop in STOPS:
         signal.signal(stop, signal.SIG_IGN)
-    raise _StoppedError(SIGNALLED + number)
+    raise StoppedError(signal.Signals(number))
 
 
-def _tell_bug(error: Exception) -> None:
+def _tell_error(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
+    """One line on stderr; one object on stdout, if one was asked for and stdout still takes it."""
+    tell(f"{label}{text}")
+    try:
+        if JSON_OPTION in sys.argv[1:]:
+            _print_json({"message": text}, outcome)
+        sys.stdout.flush()
+    except OSError:  # what is left in its buffer would fail once more when the interpreter ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return outcome
+
+
+def _tell_bug(error: BaseException) -> Outcome:
     """One line; the traceback, and the journal of a run that was under way, go into files."""
     from study.run.crash import Crashed, keep, keep_traceback, named
 
     if isinstance(error, Crashed):
-        tell(f"bug: {error}; its journal so far and the traceback are in {keep(error)}")
+        text = f"{error}; its journal so far and the traceback are in {keep(error)}"
     else:
-        tell(f"bug: {named(error)}; the traceback is in {keep_traceback(error)}")
+        text = f"{named(error)}; the traceback is in {keep_traceback(error)}"
+    return _tell_error(Outcome.BUG, text, label="bug: ")
 
 
 @contextmanager
@@ -109,9 +141,27 @@ def _crashes_into(directory: Path | None) -> Generator[None]:
         raise
 
 
-def _print_json(value: object) -> None:
+def _print_json(value: object, outcome: Outcome | None = None) -> None:
+    """One object, and how the command ends."""
+    if outcome is not None and isinstance(value, dict):
+        value = {"outcome": outcome.value, **cast("dict[str, object]", value)}
     sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
     sys.stdout.flush()
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        sys.stdout.write(f"branchline {version('branchline')}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def _of_all_commands(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Line-level traffic and interlocking simulator for single-track branch lines."""
 
 
 @app.command()
@@ -142,15 +192,16 @@ def run(
         done = execute(loaded, chosen, units=hosted, carrier=CarrierKind(carrier), progress=progress)
     tell("writing the report")
     report = write_run(done, directory)
+    outcome = _judged(not done.broken)
     if as_json:
-        _print_json(done.summary | {"out": str(directory)})
+        _print_json(done.summary | {"out": str(directory)}, outcome)
     else:
         _print_run(done, report)
     for text in done.summary["outside_design"]:
         tell(f"outside the design: {text}")
     for text in done.broken:
         tell(f"broken: {text}")
-    raise typer.Exit(BROKEN if done.broken else 0)
+    _end(outcome)
 
 
 def _print_run(done: Run, report: Path) -> None:
@@ -240,7 +291,7 @@ def drill(
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
         asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
-        raise typer.Exit(0 if good else BROKEN)
+        _end(_judged(good))
     from study.run.directory import check_out
     from study.run.drill import run_drill, score_text, sentence_of, shipped_drills, write_drill
     from study.run.run import link_of, units_at
@@ -262,7 +313,7 @@ def drill(
     if out is not None:
         write_drill(done, out.resolve())
     if as_json:
-        _print_json(done.as_dict())
+        _print_json(done.as_dict(), _judged(done.passed))
     else:
         sys.stdout.write(f"{done.run.scenario.name}\n")
         for verdict in done.verdicts:
@@ -270,7 +321,7 @@ def drill(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
         sys.stdout.write(f"  {score_text(done.scores)}\n")
-    raise typer.Exit(0 if done.passed else BROKEN)
+    _end(_judged(done.passed))
 
 
 @app.command()
@@ -285,12 +336,13 @@ def bench(
     from study.evaluate.bench import bench as measure
 
     found = [measure(scenario, rounds, tell) for scenario in scenarios or ["karasuyama_weekday"]]
+    outcome = _judged(all(figures["same_digest"] for figures in found))
     if as_json:
-        _print_json({"scenarios": found})
+        _print_json({"scenarios": found}, outcome)
     else:
         for figures in found:
             _print_bench(figures)
-    raise typer.Exit(0 if all(figures["same_digest"] for figures in found) else BROKEN)
+    _end(outcome)
 
 
 def _print_bench(figures: dict[str, Any]) -> None:
@@ -343,11 +395,12 @@ def reproduce(
         return
     options = Options(seed=seed, link=link_of(link).value, out=None if out is None else str(out), quick=quick)
     result = reproduction(name)(options)
+    outcome = _judged(result.passed)
     if as_json:
-        _print_json(result.as_dict())
+        _print_json(result.as_dict(), outcome)
     else:
         _print_reproduction(result.as_dict())
-    raise typer.Exit(0 if result.passed else BROKEN)
+    _end(outcome)
 
 
 def _print_reproduction(result: dict[str, Any]) -> None:
@@ -396,8 +449,9 @@ def check(
         "impossible_meets": impossible,
         "confirmed_by_eye": weaker,
     }
+    outcome = _judged(not impossible)
     if as_json:
-        _print_json(figures)
+        _print_json(figures, outcome)
     else:
         for key, value in figures.items():
             if key not in ("impossible_meets", "confirmed_by_eye"):
@@ -406,7 +460,7 @@ def check(
             sys.stdout.write(f"impossible: {text}\n")
         for place, trains in weaker.items():
             sys.stdout.write(f"weaker: {place}: {CONFIRMED_BY_EYE} ({', '.join(trains)})\n")
-    raise typer.Exit(BROKEN if impossible else 0)
+    _end(outcome)
 
 
 @app.command()

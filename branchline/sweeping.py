@@ -9,6 +9,7 @@ from pathlib import Path
 
 from branchline.progress import progress_of_runs
 from network.errors import InputError
+from study.outcome import Outcome
 from study.run.directory import check_out
 from study.run.drill import find_drill
 from study.run.forks import jobs_of
@@ -64,7 +65,9 @@ def _sweep(name: str, asked: Asked, *, kinds: bool) -> bool:
     if out is not None:
         write_sweep(scenario, swept, variations, figures, out)
     if asked.as_json:
-        sys.stdout.write(json.dumps(figures | {"out": None if out is None else str(out)}) + "\n")
+        outcome = Outcome.BROKEN if swept.bad else Outcome.GOOD
+        told = {"outcome": outcome.value, **figures, "out": None if out is None else str(out)}
+        sys.stdout.write(json.dumps(told) + "\n")
         return not swept.bad
     sys.stdout.write(f"{scenario.name}: {figures['runs']} runs, one every {figures['every_s']:g} s\n")
     for text in left_out:

@@ -117,7 +117,7 @@ def main(
     """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
     from branchline import cli
 
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.getsignal(number) for number in cli.STOPS}
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> Ended:
