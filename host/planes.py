@@ -29,6 +29,7 @@ SOCKET_NAME: Final = "z"
 SOCKET_PATH_BYTES_MAX: Final = 107  # sun_path holds 108 with its end (unix(7))
 LOCK_SUFFIX: Final = ".lock"  # Zenoh locks the path beside the socket
 SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
+LEASE_MS: Final = 14 * 24 * 3600 * 1000
 PAYLOAD_BYTES_MAX: Final = 60_000  # a low-latency link breaks at 65,536, headers included
 _NAME: Final = re.compile(r"[^/*?#$\s]+")
 
@@ -100,7 +101,8 @@ def session_json5(role: str, endpoint: str, session_id: str) -> str:
         "transport": {
             "unicast": {"lowlatency": True, "qos": {"enabled": False}, "max_links": 1},
             "shared_memory": {"enabled": False},
-            "link": {"protocols": ["unixsock-stream"]},
+            # A Unix socket closes with its process, so a link needs no sign of life; who is stopped gives none.
+            "link": {"protocols": ["unixsock-stream"], "tx": {"lease": LEASE_MS, "keep_alive": 2}},
         },
     }
     return msgspec.json.encode(config).decode()

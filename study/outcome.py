@@ -5,13 +5,12 @@ A run that came to its end is judged by `study.run.outcome`; what ended another 
 
 from __future__ import annotations
 
-import errno
 import signal
 from enum import Enum
 from typing import Final
 
 from host.parties import PartyBug, PartyError
-from network.errors import InputError
+from network.errors import InputError, wanting
 
 SIGNALLED: Final = 128  # plus the number of the signal, as shells have it
 
@@ -64,22 +63,6 @@ BY_SIGNAL: Final = {
     signal.SIGINT: Outcome.INTERRUPTED,
     signal.SIGTERM: Outcome.TERMINATED,
 }
-# What the system refuses for want of something, or of a right to it; any other error of its calls is a bug.
-WANTING: Final = frozenset(
-    {
-        errno.ENOSPC,
-        errno.EDQUOT,
-        errno.EFBIG,
-        errno.EROFS,
-        errno.EIO,
-        errno.ENOMEM,
-        errno.EMFILE,
-        errno.ENFILE,
-        errno.EACCES,
-        errno.EPERM,
-        errno.EPIPE,
-    }
-)
 
 
 class StoppedError(BaseException):
@@ -99,12 +82,10 @@ def outcome_of(error: BaseException) -> Outcome:
             return Outcome.BAD_INPUT
         case PartyBug():
             return Outcome.BUG
-        case PartyError() | MemoryError():
-            return Outcome.COULD_NOT_RUN
-        case OSError() if error.errno in WANTING:
+        case PartyError():
             return Outcome.COULD_NOT_RUN
         case _:
-            return Outcome.BUG
+            return Outcome.COULD_NOT_RUN if wanting(error) else Outcome.BUG
 
 
 def text_of(error: BaseException) -> str:
