@@ -1,34 +1,28 @@
 """The command `branchline`: reads arguments, shows progress, prints results.
 
-How it ends is an `Outcome`; every error becomes one here, in `main`. With `--json` stdout carries one object, which has
-the outcome, and nothing else; all else is on stderr. Heavy imports are inside the commands, so that help is quick.
+Heavy imports are inside the commands, so that help is quick. How a command ends: `branchline.ending`.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import signal
 import sys
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn, cast
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from branchline.ending import JSON_OPTION, ended, judged, print_json, stop_by_signals
 from branchline.progress import progress_of, tell
 from network.errors import InputError
-from study.outcome import Outcome, StoppedError, outcome_of, text_of
+from study.outcome import Outcome
 
 if TYPE_CHECKING:
     from study.run.run import Run
-
-STOPS: Final = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
-USAGE_COLUMNS: Final = 200  # of a usage error, which repeats what was typed
-JSON_OPTION: Final = "--json"
 
 app = typer.Typer(
     name="branchline",
@@ -57,27 +51,8 @@ UnitsName = Annotated[
 
 def main() -> None:
     """Entry point: how a command ends, and one line on stderr wherever a person has to act."""
-    for number in STOPS:
-        if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:  # nohup ignores it
-            signal.signal(number, _stop)
-    sys.exit(_ended().code)
-
-
-def _ended() -> Outcome:
-    try:
-        outcome = _run_command(sys.argv[1:])
-        sys.stdout.flush()
-    except typer.TyperException as error:
-        told = " ".join(error.format_message().split())[:USAGE_COLUMNS].rstrip(".")
-        return _tell_error(Outcome.BAD_INPUT, f"command line: {told}; see branchline --help")
-    except (Exception, StoppedError) as error:
-        outcome = outcome_of(error)
-        if outcome is Outcome.BUG:
-            return _tell_bug(error)
-        if isinstance(error, StoppedError):
-            return _tell_error(outcome, "interrupted", label="")
-        return _tell_error(outcome, text_of(error))
-    return outcome
+    stop_by_signals()
+    sys.exit(ended(partial(_run_command, sys.argv[1:])).code)
 
 
 def _run_command(arguments: list[str]) -> Outcome:
@@ -86,47 +61,13 @@ def _run_command(arguments: list[str]) -> Outcome:
     try:
         with command.make_context("branchline", arguments) as context:
             command.invoke(context)
-    except typer.Exit as ended:
-        return next(outcome for outcome in Outcome if outcome.code == ended.exit_code)
+    except typer.Exit as ending:
+        return next(outcome for outcome in Outcome if outcome.code == ending.exit_code)
     return Outcome.GOOD
 
 
 def _end(outcome: Outcome) -> NoReturn:
     raise typer.Exit(outcome.code)
-
-
-def _judged(good: bool) -> Outcome:
-    return Outcome.GOOD if good else Outcome.BROKEN
-
-
-def _stop(number: int, _frame: FrameType | None) -> None:
-    """End like any other way: contexts close, processes go. Only once, so that the clearing up is not stopped."""
-    for stop in STOPS:
-        signal.signal(stop, signal.SIG_IGN)
-    raise StoppedError(signal.Signals(number))
-
-
-def _tell_error(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
-    """One line on stderr; one object on stdout, if one was asked for and stdout still takes it."""
-    tell(f"{label}{text}")
-    try:
-        if JSON_OPTION in sys.argv[1:]:
-            _print_json({"message": text}, outcome)
-        sys.stdout.flush()
-    except OSError:  # what is left in its buffer would fail once more when the interpreter ends
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return outcome
-
-
-def _tell_bug(error: BaseException) -> Outcome:
-    """One line; the traceback, and the journal of a run that was under way, go into files."""
-    from study.run.crash import Crashed, keep, keep_traceback, named
-
-    if isinstance(error, Crashed):
-        text = f"{error}; its journal so far and the traceback are in {keep(error)}"
-    else:
-        text = f"{named(error)}; the traceback is in {keep_traceback(error)}"
-    return _tell_error(Outcome.BUG, text, label="bug: ")
 
 
 @contextmanager
@@ -139,14 +80,6 @@ def _crashes_into(directory: Path | None) -> Generator[None]:
     except Crashed as crashed:
         crashed.out = directory
         raise
-
-
-def _print_json(value: object, outcome: Outcome | None = None) -> None:
-    """One object, and how the command ends."""
-    if outcome is not None and isinstance(value, dict):
-        value = {"outcome": outcome.value, **cast("dict[str, object]", value)}
-    sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
-    sys.stdout.flush()
 
 
 def _print_version(asked: bool) -> None:
@@ -177,8 +110,8 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html."""
-    from study.run.directory import check_out
-    from study.run.run import CarrierKind, execute, link_of, units_at, write_run
+    from study.run.directory import reserved
+    from study.run.run import CarrierKind, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
@@ -187,14 +120,21 @@ def run(
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     loaded = load_scenario(scenario, seed)
     directory = (out or Path("runs") / loaded.id).resolve()
-    check_out(directory)
-    with _crashes_into(directory), progress_of(loaded.id) as progress:
-        done = execute(loaded, chosen, units=hosted, carrier=CarrierKind(carrier), progress=progress)
-    tell("writing the report")
-    report = write_run(done, directory)
-    outcome = _judged(not done.broken)
+    with reserved(directory) as place:
+        with _crashes_into(directory), progress_of(loaded.id) as progress:
+            done = execute(
+                loaded,
+                chosen,
+                units=hosted,
+                carrier=CarrierKind(carrier),
+                progress=progress,
+                journal=place.journal,
+            )
+        tell("writing the report")
+        report = fill_run(done, place)
+    outcome = judged(not done.broken)
     if as_json:
-        _print_json(done.summary | {"out": str(directory)}, outcome)
+        print_json(done.summary | {"out": str(directory)}, outcome)
     else:
         _print_run(done, report)
     for text in done.summary["outside_design"]:
@@ -291,29 +231,29 @@ def drill(
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
         asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
-        _end(_judged(good))
-    from study.run.directory import check_out
-    from study.run.drill import run_drill, score_text, sentence_of, shipped_drills, write_drill
+        _end(judged(good))
+    from study.run.directory import reserved
+    from study.run.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
     from study.run.run import link_of, units_at
 
     if file == "list":
         sentences = {name: sentence_of(name) for name in shipped_drills()}
         if as_json:
-            _print_json([{"drill": name, "sentence": sentence} for name, sentence in sentences.items()])
+            print_json([{"drill": name, "sentence": sentence} for name, sentence in sentences.items()])
         else:
             width = max(map(len, sentences), default=0)
             sys.stdout.write("".join(f"{name:{width}}  {text}\n" for name, text in sentences.items()))
         return
-    if out is not None:
-        check_out(out.resolve())
-    into = None if out is None else out.resolve()
-    with _crashes_into(into), progress_of(Path(file).stem) as progress:
-        chosen = link_of(link)
-        done = run_drill(file, chosen, seed, progress, units_at(units, chosen))
-    if out is not None:
-        write_drill(done, out.resolve())
+    chosen = link_of(link)
+    hosted = units_at(units, chosen)
+    with nullcontext() if out is None else reserved(out.resolve()) as place:
+        journal = None if place is None else place.journal
+        with _crashes_into(None if place is None else place.out), progress_of(Path(file).stem) as progress:
+            done = run_drill(file, chosen, seed, progress, hosted, journal)
+        if place is not None:
+            fill_drill(done, place)
     if as_json:
-        _print_json(done.as_dict(), _judged(done.passed))
+        print_json(done.as_dict(), judged(done.passed))
     else:
         sys.stdout.write(f"{done.run.scenario.name}\n")
         for verdict in done.verdicts:
@@ -321,7 +261,7 @@ def drill(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
         sys.stdout.write(f"  {score_text(done.scores)}\n")
-    _end(_judged(done.passed))
+    _end(judged(done.passed))
 
 
 @app.command()
@@ -336,9 +276,9 @@ def bench(
     from study.evaluate.bench import bench as measure
 
     found = [measure(scenario, rounds, tell) for scenario in scenarios or ["karasuyama_weekday"]]
-    outcome = _judged(all(figures["same_digest"] for figures in found))
+    outcome = judged(all(figures["same_digest"] for figures in found))
     if as_json:
-        _print_json({"scenarios": found}, outcome)
+        print_json({"scenarios": found}, outcome)
     else:
         for figures in found:
             _print_bench(figures)
@@ -389,15 +329,15 @@ def reproduce(
     from study.run.run import link_of
 
     if name == "list":
-        _print_json(sorted(REPRODUCTIONS)) if as_json else sys.stdout.write(
+        print_json(sorted(REPRODUCTIONS)) if as_json else sys.stdout.write(
             "\n".join(sorted(REPRODUCTIONS)) + "\n"
         )
         return
     options = Options(seed=seed, link=link_of(link).value, out=None if out is None else str(out), quick=quick)
     result = reproduction(name)(options)
-    outcome = _judged(result.passed)
+    outcome = judged(result.passed)
     if as_json:
-        _print_json(result.as_dict(), outcome)
+        print_json(result.as_dict(), outcome)
     else:
         _print_reproduction(result.as_dict())
     _end(outcome)
@@ -449,9 +389,9 @@ def check(
         "impossible_meets": impossible,
         "confirmed_by_eye": weaker,
     }
-    outcome = _judged(not impossible)
+    outcome = judged(not impossible)
     if as_json:
-        _print_json(figures, outcome)
+        print_json(figures, outcome)
     else:
         for key, value in figures.items():
             if key not in ("impossible_meets", "confirmed_by_eye"):
@@ -470,7 +410,7 @@ def schema(
     """Print the JSON Schema of a kind of file; without one, of all kinds by name."""
     from study.scenario.schemas import KINDS, schema_of
 
-    _print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
+    print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
 
 
 @importers.command("geometry")

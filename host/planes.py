@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 import secrets
-import shutil
 import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ from typing import Any, Final
 import msgspec
 
 from host.parties import PartyError
+from host.scratch import scratch
 from network.errors import InputError
 from radio.keys import KEY_BYTES, KeyRing
 
@@ -67,14 +67,10 @@ def private_folder(first: Path | None = None) -> Generator[Path]:
     for base in (str(first or tempfile.gettempdir()), *SHORT_FOLDERS):
         if not Path(base).is_dir():
             continue
-        # mkdtemp makes it for its owner alone, whatever the umask is.
-        folder = Path(tempfile.mkdtemp(prefix="bl-", dir=base))
-        try:
+        with scratch("bl-", Path(base)) as folder:
             if len(bytes(folder / (SOCKET_NAME + LOCK_SUFFIX))) <= SOCKET_PATH_BYTES_MAX:
                 yield folder
                 return
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
     limit = f"{SOCKET_PATH_BYTES_MAX} bytes for a Unix socket"
     raise PartyError(f"no folder for temporary files has a path within {limit}; set TMPDIR to a shorter one")
 

@@ -73,6 +73,13 @@ class StoppedError(BaseException):
         self.outcome: Final = BY_SIGNAL[number]
 
 
+class CutShortError(Exception):
+    """A run could not go on; what was run so far is kept."""
+
+    def __init__(self, why: str, kept: str) -> None:
+        super().__init__(f"{why}; what was run so far is in {kept}")
+
+
 def outcome_of(error: BaseException) -> Outcome:
     """How a command ends that this error ends."""
     match error:
@@ -82,7 +89,7 @@ def outcome_of(error: BaseException) -> Outcome:
             return Outcome.BAD_INPUT
         case PartyBug():
             return Outcome.BUG
-        case PartyError():
+        case PartyError() | CutShortError():
             return Outcome.COULD_NOT_RUN
         case _:
             return Outcome.COULD_NOT_RUN if wanting(error) else Outcome.BUG

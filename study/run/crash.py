@@ -6,7 +6,7 @@ import os
 import tempfile
 import traceback
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from host.parties import PartyError
@@ -40,6 +40,8 @@ def bugs_named(scenario: str, simulation: Simulation, *, processes: bool) -> Gen
     except Exception as error:
         lost = isinstance(error, PartyError) and not processes
         if outcome_of(error) is not Outcome.BUG and not lost:
+            with suppress(OSError):
+                simulation.journal.spill()
             raise
         setup = simulation.setup
         journal = simulation.journal.to_bytes()

@@ -17,6 +17,7 @@ import pytest
 
 from host.parties import PartyError
 from host.planes import ANSWER_LIMIT_S
+from simulation.journal import read_journal
 from study.outcome import Outcome
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
@@ -176,11 +177,27 @@ def test_a_simulator_that_was_stopped_blames_no_device(running: Running) -> None
     assert running.said["digest"] == day.result.digest
 
 
-def test_devices_end_by_themselves_when_the_simulator_is_killed(running: Running) -> None:
+def test_devices_end_by_themselves_when_the_simulator_is_killed(
+    running: Running, command: tuple[str, ...]
+) -> None:
+    """What it leaves on disk, hidden, the next start sweeps: the run directory begun, and temporary folders."""
     running.program.kill()
     running.program.wait(timeout=60)
     assert alive(running.devices) == []
-    assert list(running.cwd.iterdir()) == []
+    runs = running.cwd / "runs"
+    (left,) = runs.iterdir()
+    assert left.name.startswith(".karasuyama_weekday-")
+    assert {path.name.partition("-")[0] for path in running.temporary.iterdir()} == {"bl", "branchline"}
+    again = subprocess.run(
+        [*command, "run", "rtri_test_line", "--link", "zenoh", "--json"],
+        cwd=running.cwd,
+        env={**os.environ, "TMPDIR": str(running.temporary)},
+        capture_output=True,
+        check=False,
+    )
+    assert again.returncode == 0
+    assert [path.name for path in runs.iterdir()] == ["rtri_test_line"]
+    assert list(running.temporary.iterdir()) == []
 
 
 def test_a_device_that_dies_unasked_ends_the_run_with_its_name(running: Running) -> None:
@@ -189,7 +206,11 @@ def test_a_device_that_dies_unasked_ends_the_run_with_its_name(running: Running)
     assert running.program.returncode == Outcome.COULD_NOT_RUN.code
     assert running.said["outcome"] == "could not run"
     assert alive(running.devices) == []
-    assert list(running.cwd.iterdir()) == []
+    (kept,) = (running.cwd / "runs").iterdir()
+    assert kept.name == "karasuyama_weekday-incomplete"
+    assert running.said["message"].endswith(f"; what was run so far is in {kept}")
+    assert {path.name for path in kept.iterdir()} == {"journal.jsonl", "incomplete.txt"}
+    assert read_journal(kept / "journal.jsonl")[-1].t_s > 5 * 3600.0
     assert list(running.temporary.iterdir()) == []
 
 
