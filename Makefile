@@ -33,7 +33,6 @@ nightly: install interpreted
 
 interpreted: install
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadfile $(LAWS) \
-		--deselect tests/vehicle/test_record.py \
 		--cov=vehicle --cov=onboard.driving --cov=onboard.localisation --cov=onboard.tick --cov-report=term-missing:skip-covered
 
 check: install

@@ -1,48 +1,41 @@
-"""The command `branchline`: reads arguments, shows progress, prints results, sets exit codes.
+"""The command `branchline`: reads arguments, shows progress, prints results.
 
-Exit codes: 0 good, 1 the run broke an expectation or an invariant, 2 bad input, 70 a bug, 130 Ctrl-C, 143 SIGTERM.
-Heavy imports are inside the commands, so that help is quick. With `--json` stdout carries one object and nothing
-else; all else is on stderr.
+Heavy imports are inside the commands, so that help is quick. How a command ends: `branchline.ending`.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import signal
 import sys
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from functools import partial
+from importlib.metadata import version
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from branchline.ending import JSON_OPTION, ended, judged, print_json, stop_by_signals
 from branchline.progress import progress_of, tell
-from host.parties import PartyError
 from network.errors import InputError
+from study.outcome import Outcome
 
 if TYPE_CHECKING:
     from study.run.run import Run
 
-BROKEN: Final = 1
-BAD_INPUT: Final = 2
-BUG: Final = 70  # EX_SOFTWARE of sysexits.h
-SIGNALLED: Final = 128  # plus the number of the signal: Ctrl-C gives 130
-STOPS: Final = (signal.SIGINT, signal.SIGTERM)
-
 app = typer.Typer(
     name="branchline",
     help="Line-level traffic and interlocking simulator for single-track branch lines.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-importers = typer.Typer(help="Make line and timetable data from outside sources.", no_args_is_help=True)
+importers = typer.Typer(help="Make line and timetable data from outside sources.")
 app.add_typer(importers, name="import")
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else there.")]
+Json = Annotated[
+    bool, typer.Option(JSON_OPTION, help="Print one JSON object on stdout and nothing else there.")
+]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of every chance in the run.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Run directory; default runs/<scenario>.")]
 LinkName = Annotated[
@@ -56,45 +49,25 @@ UnitsName = Annotated[
 ]
 
 
-class _StoppedError(BaseException):
-    """Ctrl-C or SIGTERM. Not a KeyboardInterrupt, which typer ends without a word."""
-
-
 def main() -> None:
-    """Entry point: whatever a person has to act on is one line on stderr."""
-    for number in STOPS:
-        signal.signal(number, _stop)
+    """Entry point: how a command ends, and one line on stderr wherever a person has to act."""
+    stop_by_signals()
+    sys.exit(ended(partial(_run_command, sys.argv[1:])).code)
+
+
+def _run_command(arguments: list[str]) -> Outcome:
+    """Commands end by `typer.Exit` with the code of their outcome, or by coming to their end."""
+    command = typer.main.get_command(app)
     try:
-        app()
-    except InputError as error:
-        tell(f"error: {error}")
-        sys.exit(BAD_INPUT)
-    except PartyError as error:
-        tell(f"error: {error}")
-        sys.exit(BROKEN)
-    except _StoppedError as stopped:
-        tell("interrupted")
-        sys.exit(stopped.args[0])
-    except Exception as error:
-        _tell_bug(error)
-        sys.exit(BUG)
+        with command.make_context("branchline", arguments) as context:
+            command.invoke(context)
+    except typer.Exit as ending:
+        return next(outcome for outcome in Outcome if outcome.code == ending.exit_code)
+    return Outcome.GOOD
 
 
-def _stop(number: int, _frame: FrameType | None) -> None:
-    """End like any other way: contexts close, processes go. Only once, so that the clearing up is not stopped."""
-    for stop in STOPS:
-        signal.signal(stop, signal.SIG_IGN)
-    raise _StoppedError(SIGNALLED + number)
-
-
-def _tell_bug(error: Exception) -> None:
-    """One line; the traceback, and the journal of a run that was under way, go into files."""
-    from study.run.crash import Crashed, keep, keep_traceback, named
-
-    if isinstance(error, Crashed):
-        tell(f"bug: {error}; its journal so far and the traceback are in {keep(error)}")
-    else:
-        tell(f"bug: {named(error)}; the traceback is in {keep_traceback(error)}")
+def _end(outcome: Outcome) -> NoReturn:
+    raise typer.Exit(outcome.code)
 
 
 @contextmanager
@@ -109,9 +82,19 @@ def _crashes_into(directory: Path | None) -> Generator[None]:
         raise
 
 
-def _print_json(value: object) -> None:
-    sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
-    sys.stdout.flush()
+def _print_version(asked: bool) -> None:
+    if asked:
+        sys.stdout.write(f"branchline {version('branchline')}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def _of_all_commands(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Line-level traffic and interlocking simulator for single-track branch lines."""
 
 
 @app.command()
@@ -127,8 +110,8 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html."""
-    from study.run.directory import check_out
-    from study.run.run import CarrierKind, execute, link_of, units_at, write_run
+    from study.run.directory import reserved
+    from study.run.run import CarrierKind, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
@@ -137,20 +120,28 @@ def run(
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     loaded = load_scenario(scenario, seed)
     directory = (out or Path("runs") / loaded.id).resolve()
-    check_out(directory)
-    with _crashes_into(directory), progress_of(loaded.id) as progress:
-        done = execute(loaded, chosen, units=hosted, carrier=CarrierKind(carrier), progress=progress)
-    tell("writing the report")
-    report = write_run(done, directory)
+    with reserved(directory) as place:
+        with _crashes_into(directory), progress_of(loaded.id) as progress:
+            done = execute(
+                loaded,
+                chosen,
+                units=hosted,
+                carrier=CarrierKind(carrier),
+                progress=progress,
+                journal=place.journal,
+            )
+        tell("writing the report")
+        report = fill_run(done, place)
+    outcome = judged(not done.broken)
     if as_json:
-        _print_json(done.summary | {"out": str(directory)})
+        print_json(done.summary | {"out": str(directory)}, outcome)
     else:
         _print_run(done, report)
     for text in done.summary["outside_design"]:
         tell(f"outside the design: {text}")
     for text in done.broken:
         tell(f"broken: {text}")
-    raise typer.Exit(BROKEN if done.broken else 0)
+    _end(outcome)
 
 
 def _print_run(done: Run, report: Path) -> None:
@@ -240,29 +231,29 @@ def drill(
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
         asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
-        raise typer.Exit(0 if good else BROKEN)
-    from study.run.directory import check_out
-    from study.run.drill import run_drill, score_text, sentence_of, shipped_drills, write_drill
+        _end(judged(good))
+    from study.run.directory import reserved
+    from study.run.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
     from study.run.run import link_of, units_at
 
     if file == "list":
         sentences = {name: sentence_of(name) for name in shipped_drills()}
         if as_json:
-            _print_json([{"drill": name, "sentence": sentence} for name, sentence in sentences.items()])
+            print_json([{"drill": name, "sentence": sentence} for name, sentence in sentences.items()])
         else:
             width = max(map(len, sentences), default=0)
             sys.stdout.write("".join(f"{name:{width}}  {text}\n" for name, text in sentences.items()))
         return
-    if out is not None:
-        check_out(out.resolve())
-    into = None if out is None else out.resolve()
-    with _crashes_into(into), progress_of(Path(file).stem) as progress:
-        chosen = link_of(link)
-        done = run_drill(file, chosen, seed, progress, units_at(units, chosen))
-    if out is not None:
-        write_drill(done, out.resolve())
+    chosen = link_of(link)
+    hosted = units_at(units, chosen)
+    with nullcontext() if out is None else reserved(out.resolve()) as place:
+        journal = None if place is None else place.journal
+        with _crashes_into(None if place is None else place.out), progress_of(Path(file).stem) as progress:
+            done = run_drill(file, chosen, seed, progress, hosted, journal)
+        if place is not None:
+            fill_drill(done, place)
     if as_json:
-        _print_json(done.as_dict())
+        print_json(done.as_dict(), judged(done.passed))
     else:
         sys.stdout.write(f"{done.run.scenario.name}\n")
         for verdict in done.verdicts:
@@ -270,7 +261,7 @@ def drill(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
         sys.stdout.write(f"  {score_text(done.scores)}\n")
-    raise typer.Exit(0 if done.passed else BROKEN)
+    _end(judged(done.passed))
 
 
 @app.command()
@@ -285,12 +276,13 @@ def bench(
     from study.evaluate.bench import bench as measure
 
     found = [measure(scenario, rounds, tell) for scenario in scenarios or ["karasuyama_weekday"]]
+    outcome = judged(all(figures["same_digest"] for figures in found))
     if as_json:
-        _print_json({"scenarios": found})
+        print_json({"scenarios": found}, outcome)
     else:
         for figures in found:
             _print_bench(figures)
-    raise typer.Exit(0 if all(figures["same_digest"] for figures in found) else BROKEN)
+    _end(outcome)
 
 
 def _print_bench(figures: dict[str, Any]) -> None:
@@ -337,17 +329,18 @@ def reproduce(
     from study.run.run import link_of
 
     if name == "list":
-        _print_json(sorted(REPRODUCTIONS)) if as_json else sys.stdout.write(
+        print_json(sorted(REPRODUCTIONS)) if as_json else sys.stdout.write(
             "\n".join(sorted(REPRODUCTIONS)) + "\n"
         )
         return
     options = Options(seed=seed, link=link_of(link).value, out=None if out is None else str(out), quick=quick)
     result = reproduction(name)(options)
+    outcome = judged(result.passed)
     if as_json:
-        _print_json(result.as_dict())
+        print_json(result.as_dict(), outcome)
     else:
         _print_reproduction(result.as_dict())
-    raise typer.Exit(0 if result.passed else BROKEN)
+    _end(outcome)
 
 
 def _print_reproduction(result: dict[str, Any]) -> None:
@@ -396,8 +389,9 @@ def check(
         "impossible_meets": impossible,
         "confirmed_by_eye": weaker,
     }
+    outcome = judged(not impossible)
     if as_json:
-        _print_json(figures)
+        print_json(figures, outcome)
     else:
         for key, value in figures.items():
             if key not in ("impossible_meets", "confirmed_by_eye"):
@@ -406,7 +400,7 @@ def check(
             sys.stdout.write(f"impossible: {text}\n")
         for place, trains in weaker.items():
             sys.stdout.write(f"weaker: {place}: {CONFIRMED_BY_EYE} ({', '.join(trains)})\n")
-    raise typer.Exit(BROKEN if impossible else 0)
+    _end(outcome)
 
 
 @app.command()
@@ -416,7 +410,7 @@ def schema(
     """Print the JSON Schema of a kind of file; without one, of all kinds by name."""
     from study.scenario.schemas import KINDS, schema_of
 
-    _print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
+    print_json({name: schema_of(name) for name in KINDS} if kind is None else schema_of(kind))
 
 
 @importers.command("geometry")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from branchline.ending import judged, print_json
 from branchline.progress import progress_of_runs
 from network.errors import InputError
-from study.run.directory import check_out
+from study.run.directory import replaced
 from study.run.drill import find_drill
 from study.run.forks import jobs_of
 from study.run.moving import moved, single_faults
@@ -44,8 +45,6 @@ def sweep_kinds(scenario: str, asked: Asked) -> bool:
 
 def _sweep(name: str, asked: Asked, *, kinds: bool) -> bool:
     out = None if asked.out is None else asked.out.resolve()
-    if out is not None:
-        check_out(out, owns, "a sweep")
     window = Window(
         asked.every_s, _time("--from", asked.from_time), _time("--to", asked.to_time), staggered=kinds
     )
@@ -58,13 +57,14 @@ def _sweep(name: str, asked: Asked, *, kinds: bool) -> bool:
     else:
         found = moved(scenario)
         variations, left_out = (found.variation,), found.left_out
-    with progress_of_runs(f"sweep of {scenario.id}") as progress:
-        swept = sweep(scenario.setup, variations, window, jobs_of(asked.jobs), progress)
-    figures = figures_of(scenario, swept, left_out)
-    if out is not None:
-        write_sweep(scenario, swept, variations, figures, out)
+    with nullcontext() if out is None else replaced(out, owns, "a sweep") as folder:
+        with progress_of_runs(f"sweep of {scenario.id}") as progress:
+            swept = sweep(scenario.setup, variations, window, jobs_of(asked.jobs), progress)
+        figures = figures_of(scenario, swept, left_out)
+        if folder is not None:
+            write_sweep(scenario, swept, variations, figures, folder)
     if asked.as_json:
-        sys.stdout.write(json.dumps(figures | {"out": None if out is None else str(out)}) + "\n")
+        print_json(figures | {"out": None if out is None else str(out)}, judged(not swept.bad))
         return not swept.bad
     sys.stdout.write(f"{scenario.name}: {figures['runs']} runs, one every {figures['every_s']:g} s\n")
     for text in left_out:

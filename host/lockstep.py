@@ -4,7 +4,8 @@ round that is asked; whatever else is heard ends the run.
 The time plane carries orders as powerful as telegrams (point detection, relay outputs, a person's inputs), so
 it is as authentic as they are. A round is one question and its answer, each sealed with an HMAC cut to 128
 bits; every telegram of the round has a tag: round, place in the round, and the code of both with its bytes.
-Rounds grow by one, so nothing that was said before can be said again. Round `READY` asks whether the party is
+Rounds grow by one, so nothing that was said before takes effect again; the last question, asked again, is answered as
+before by `host.serve`, and moves nothing. Round `READY` asks whether the party is
 there; its one telegram proves the radio plane. Both ends are here, without a socket, a clock or a process.
 
 | what is heard                                       | refused by          |
@@ -42,7 +43,10 @@ class Question(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Answer(msgspec.Struct, frozen=True, array_like=True):
-    """From the party: done, and `sent` telegrams of this round are on the radio plane; or why it failed."""
+    """From the party: done, and `sent` telegrams of this round are on the radio plane; or why it failed.
+
+    `bug`: its program is at fault, and no want of the machine.
+    """
 
     party_id: str
     round: int
@@ -50,6 +54,7 @@ class Answer(msgspec.Struct, frozen=True, array_like=True):
     wake_at_s: float | None = None
     said: bytes = b""
     failed: str = ""
+    bug: bool = False
 
 
 class Tag(msgspec.Struct, frozen=True, array_like=True):
@@ -172,10 +177,9 @@ class Answerer:
         sealed = _sealed(self._key, b"answer", _ENCODER.encode(answer))
         return sealed, _tagged(self._key, b"from", question.round, pairs)
 
-    def failure(self, question: Question, text: str) -> bytes:
+    def failure(self, question: Question, text: str, *, bug: bool) -> bytes:
         """The answer that says why there is none."""
-
-        answer = Answer(self._party_id, question.round, 0, failed=text)
+        answer = Answer(self._party_id, question.round, 0, failed=text, bug=bug)
         return _sealed(self._key, b"answer", _ENCODER.encode(answer))
 
 

@@ -18,8 +18,9 @@ from typing import Final, Self
 import zenoh
 
 from host.lockstep import Answer, Asker, Tagged, of_run
-from host.parties import ForeignError, PartyError
+from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance, PartySpec
+from host.patience import Patience
 from host.planes import (
     ANSWER_LIMIT_S,
     PAYLOAD_BYTES_MAX,
@@ -34,6 +35,7 @@ from host.planes import (
 from host.process import PartyProcess, last_words
 
 START_LIMIT_S: Final = 30.0
+ASK_AGAIN_S: Final = 2.5
 INBOX_TELEGRAMS: Final = 4096
 _SESSION_EVENTS: Final = 1024
 _START_POLL_S: Final = 0.005
@@ -103,24 +105,30 @@ class ZenohParties:
     def advance(self, party_id: str, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Let a party act at `now_s`: its telegrams, then the question, then its answer and telegrams."""
         hosted = self._hosted[party_id]
-        if not self.alive(party_id):
-            raise PartyError(f"party {party_id} is down")
+        if hosted.process is None:
+            raise PartyBug(f"party {party_id} is down")
+        if not hosted.process.alive():
+            raise self._ended(hosted, hosted.process)
         question, tagged = hosted.asker.ask(now_s, telegrams, told)
         if len(question) > PAYLOAD_BYTES_MAX:
-            raise PartyError(f"a question of {len(question)} bytes to {party_id} is too long for its link")
+            raise PartyBug(f"a question of {len(question)} bytes to {party_id} is too long for its link")
         session = self._wires.session
-        for telegram in tagged:
-            session.put(
-                radio_key(self._line_id, party_id),
-                telegram.data,
-                attachment=telegram.tag,
-                congestion_control=zenoh.CongestionControl.BLOCK,
-                express=True,
-            )
+        try:
+            for telegram in tagged:
+                session.put(
+                    radio_key(self._line_id, party_id),
+                    telegram.data,
+                    attachment=telegram.tag,
+                    congestion_control=zenoh.CongestionControl.BLOCK,
+                    express=True,
+                )
+        except zenoh.ZError as error:
+            raise PartyError(f"the endpoint of the run is lost: {error}") from error
         answer = self._ask(hosted, question)
         if answer is None:
-            died = hosted.process is None or hosted.process.ended_within(_DEATH_LIMIT_S)
-            raise PartyError(self._complaint(hosted, "died" if died else "gave no answer"))
+            if hosted.process.ended_within(_DEATH_LIMIT_S):
+                raise self._ended(hosted, hosted.process)
+            raise PartyError(self._complaint(hosted, "gave no answer"))
         done = hosted.asker.advance(answer, self._collect(hosted, answer.sent))
         self._look_for_strangers()
         return done
@@ -149,7 +157,10 @@ class ZenohParties:
         folder = self._folder.enter_context(private_folder())
         self._endpoint = endpoint_of(folder)
         config = zenoh.Config.from_json5(session_json5("listen", self._endpoint, _OWN_SESSION))
-        session = zenoh.open(config)
+        try:
+            session = zenoh.open(config)
+        except zenoh.ZError as error:
+            raise PartyError(f"no endpoint can be opened at {self._endpoint}: {error}") from error
         (folder / SOCKET_NAME).chmod(0o600)
         joined = session.info.declare_transport_events_listener(
             zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
@@ -166,7 +177,7 @@ class ZenohParties:
                 # All, so that a stranger who also answers cannot keep the question from the party.
                 target=zenoh.QueryTarget.ALL,
                 consolidation=zenoh.ConsolidationMode.NONE,
-                timeout=ANSWER_LIMIT_S,
+                timeout=ASK_AGAIN_S,
                 congestion_control=zenoh.CongestionControl.BLOCK,
                 express=True,
             )
@@ -182,10 +193,10 @@ class ZenohParties:
 
     def _wait_ready(self, hosted: _Hosted) -> None:
         """Until the party answered and its telegram reached us: then both planes stand."""
-        limit_s = time.monotonic() + START_LIMIT_S
-        while time.monotonic() < limit_s:
-            if not self.alive(hosted.spec.party_id):
-                raise PartyError(self._complaint(hosted, "ended while it started"))
+        patience = Patience(START_LIMIT_S, gap_s_max=2.0 * ASK_AGAIN_S)
+        while not patience.over():
+            if hosted.process is not None and not hosted.process.alive():
+                raise self._ended(hosted, hosted.process, " while it started")
             # Matching changes when the party's declaration arrives; asking before that finds nobody.
             if hosted.querier.matching_status:
                 answer = self._ask(hosted, hosted.asker.ask_ready())
@@ -197,31 +208,41 @@ class ZenohParties:
         raise PartyError(self._complaint(hosted, f"was not ready within {START_LIMIT_S:g} s"))
 
     def _ask(self, hosted: _Hosted, question: bytes) -> Answer | None:
-        """The answer; None if nobody is there, or no longer. PartyError if the party failed or hangs."""
-        try:
-            reply = hosted.querier.get(payload=question).recv()
-        except zenoh.ZError:  # the channel closed without a reply
-            return None
-        if (sample := reply.ok) is None:
-            text = "" if reply.err is None else reply.err.payload.to_string()
-            if reply.replier_id is None:  # Zenoh's own word: time is up
-                raise PartyError(self._complaint(hosted, f"hangs for {ANSWER_LIMIT_S:g} s"))
+        """The answer; None if nobody is there, or no longer. PartyError if the party failed or hangs.
+
+        A party that is slow is asked the same again. If this process was stopped, its own limit may have run out over
+        an answer that is there: such a time is not counted.
+        """
+        patience = Patience(ANSWER_LIMIT_S, gap_s_max=2.0 * ASK_AGAIN_S)
+        while True:
+            try:
+                reply = hosted.querier.get(payload=question).recv()
+            except zenoh.ZError:  # the channel closed without a reply
+                return None
+            if (sample := reply.ok) is not None:
+                break
             self._look_for_strangers()
-            raise ForeignError(f"a foreign reply to the question to {hosted.spec.party_id}: {text}")
+            # Zenoh's own word that time is up names the session asked, but nothing in it that answers.
+            if reply.replier_id is not None and reply.replier_id.eid != 0:
+                text = "" if reply.err is None else reply.err.payload.to_string()
+                raise ForeignError(f"a foreign reply to the question to {hosted.spec.party_id}: {text}")
+            if patience.over():
+                raise PartyError(self._complaint(hosted, f"hangs for {ANSWER_LIMIT_S:g} s"))
         try:
             answer = hosted.asker.answer(sample.payload.to_bytes())
         except ForeignError:
             self._look_for_strangers()
             raise
         if answer.failed:
-            raise PartyError(self._complaint(hosted, f"failed: {answer.failed}"))
+            kind = PartyBug if answer.bug else PartyError
+            raise kind(self._complaint(hosted, f"failed: {answer.failed}"))
         return answer
 
     def _collect(self, hosted: _Hosted, expected: int) -> list[Tagged]:
         """All telegrams that are there: the party's came before its answer, on the same link."""
         heard: list[Tagged] = []
         inbox = self._wires.inbox
-        limit_s = time.monotonic() + ANSWER_LIMIT_S
+        patience = Patience(ANSWER_LIMIT_S)
         while True:
             sample = inbox.try_recv()
             if sample is not None:
@@ -230,7 +251,7 @@ class ZenohParties:
                 heard.append(Tagged(destination, sample.payload.to_bytes(), tag))
             elif len(heard) >= expected:
                 return heard
-            elif time.monotonic() > limit_s:
+            elif patience.over():
                 what = f"sent {expected} telegrams, {len(heard)} came"
                 raise PartyError(self._complaint(hosted, what))
             else:
@@ -245,7 +266,12 @@ class ZenohParties:
 
     def _complaint(self, hosted: _Hosted, what: str) -> str:
         words = last_words(hosted.state)
-        return f"party {hosted.spec.party_id} {what}" + (f"; it wrote: {words}" if words else "")
+        return f"{hosted.spec.called} {what}" + (f"; it wrote: {words}" if words else "")
+
+    def _ended(self, hosted: _Hosted, process: PartyProcess, when: str = "") -> PartyError:
+        """That its process has ended, which nobody asked for, and how."""
+        kind = PartyBug if process.at_fault else PartyError
+        return kind(self._complaint(hosted, process.ending + when))
 
     @property
     def _wires(self) -> _Wires:

@@ -18,6 +18,10 @@ class PartyError(RuntimeError):
     """A party is down, or did not answer: the run cannot go on."""
 
 
+class PartyBug(PartyError):  # noqa: N818 - names what happened
+    """The program of a party failed: no loss from outside, but a fault of ours."""
+
+
 class ForeignError(PartyError):
     """Somebody who is not of this run spoke on its planes, or joined them: the run does not go on."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum
-from typing import Generic, Protocol, TypeVar
+from typing import Final, Generic, Protocol, TypeVar
 
 import msgspec
 
@@ -28,6 +28,13 @@ class Role(Enum):
     UNIT = "unit"
 
 
+_CALLED: Final = {
+    Role.BLOCK_MANAGER: "block manager",
+    Role.POINT_TERMINAL: "point terminal {}",
+    Role.UNIT: "on-board unit {}",
+}
+
+
 class PartySpec(msgspec.Struct, frozen=True):
     """What is needed to start a party; `config` is the JSON of its role's fixed data (固定データ)."""
 
@@ -36,6 +43,11 @@ class PartySpec(msgspec.Struct, frozen=True):
     role: Role
     config: bytes
     keys: KeyRing
+
+    @property
+    def called(self) -> str:
+        """What a person calls it; a line has one block manager."""
+        return _CALLED[self.role].format(self.party_id)
 
 
 class Advance(msgspec.Struct, frozen=True):

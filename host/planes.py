@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 import secrets
-import shutil
 import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ from typing import Any, Final
 import msgspec
 
 from host.parties import PartyError
+from host.scratch import scratch
 from network.errors import InputError
 from radio.keys import KEY_BYTES, KeyRing
 
@@ -29,6 +29,7 @@ SOCKET_NAME: Final = "z"
 SOCKET_PATH_BYTES_MAX: Final = 107  # sun_path holds 108 with its end (unix(7))
 LOCK_SUFFIX: Final = ".lock"  # Zenoh locks the path beside the socket
 SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
+LEASE_MS: Final = 14 * 24 * 3600 * 1000
 PAYLOAD_BYTES_MAX: Final = 60_000  # a low-latency link breaks at 65,536, headers included
 _NAME: Final = re.compile(r"[^/*?#$\s]+")
 
@@ -66,14 +67,10 @@ def private_folder(first: Path | None = None) -> Generator[Path]:
     for base in (str(first or tempfile.gettempdir()), *SHORT_FOLDERS):
         if not Path(base).is_dir():
             continue
-        # mkdtemp makes it for its owner alone, whatever the umask is.
-        folder = Path(tempfile.mkdtemp(prefix="bl-", dir=base))
-        try:
+        with scratch("bl-", Path(base)) as folder:
             if len(bytes(folder / (SOCKET_NAME + LOCK_SUFFIX))) <= SOCKET_PATH_BYTES_MAX:
                 yield folder
                 return
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
     limit = f"{SOCKET_PATH_BYTES_MAX} bytes for a Unix socket"
     raise PartyError(f"no folder for temporary files has a path within {limit}; set TMPDIR to a shorter one")
 
@@ -100,7 +97,8 @@ def session_json5(role: str, endpoint: str, session_id: str) -> str:
         "transport": {
             "unicast": {"lowlatency": True, "qos": {"enabled": False}, "max_links": 1},
             "shared_memory": {"enabled": False},
-            "link": {"protocols": ["unixsock-stream"]},
+            # A Unix socket closes with its process, so a link needs no sign of life; who is stopped gives none.
+            "link": {"protocols": ["unixsock-stream"], "tx": {"lease": LEASE_MS, "keep_alive": 2}},
         },
     }
     return msgspec.json.encode(config).decode()

@@ -5,8 +5,11 @@ last wrote.
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import sysconfig
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
@@ -21,27 +24,69 @@ DURABLE_FILE: Final = "durable"
 LOG_FILE: Final = "stderr.log"
 _END_LIMIT_S: Final = 2.0
 _LOG_TAIL_BYTES: Final = 2000
+WANTING_CODE: Final = 3  # the process ends for want of something: no bug
+# Of Python's own settings, those that say where packages are; others could change what a party's program does.
+_KEPT: Final = frozenset(
+    {"PYTHONHOME", "PYTHONUSERBASE", "PYTHONNOUSERSITE", "PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"}
+)
+_ROOT: Final = Path(__file__).resolve().parent.parent
+
+
+def environment(own: Mapping[str, str], folder: Path, root: Path = _ROOT) -> dict[str, str]:
+    """The environment of a party's process, made of the caller's `own`, who works in `folder`.
+
+    No entry of PYTHONPATH is the folder from which the program was called (an empty one is, too): a module there cannot
+    stand in for one of ours. A checkout that is not installed (`root`) comes first, so that both ends are one program.
+    """
+    given = [Path(entry) for entry in own.get("PYTHONPATH", "").split(os.pathsep) if entry]
+    path = [entry for entry in given if entry.is_absolute() and entry.resolve() != folder.resolve()]
+    installed = {Path(sysconfig.get_path(name)).resolve() for name in ("purelib", "platlib")}
+    if root.resolve() not in installed:
+        path = [root, *(entry for entry in path if entry.resolve() != root)]
+    kept = {name: text for name, text in own.items() if not name.startswith("PYTHON") or name in _KEPT}
+    return kept | ({"PYTHONPATH": os.pathsep.join(map(str, path))} if path else {})
 
 
 class PartyProcess:
     """One running `host.serve`. It ends by itself when its stdin or its parent is gone."""
 
     def __init__(self, spec: PartySpec, secrets: Secrets, state: Path, endpoint: str) -> None:
+        state = state.resolve()
         state.mkdir(mode=0o700, parents=True, exist_ok=True)
         (state / CONFIG_FILE).write_bytes(spec.config)
         write_private(state / SECRETS_FILE, msgspec.json.encode(secrets))
-        # -P: the folder from which the program was called cannot put a module in the way.
+        # -P, and a folder of its own: that from which the program was called cannot put a module in the way.
         command = [sys.executable, "-P", "-m", "host.serve", spec.role.value]
         command += ["--line", spec.line_id, "--party", spec.party_id, "--state", str(state)]
         command += ["--key-file", str(state / SECRETS_FILE), "--connect", endpoint]
         with (state / LOG_FILE).open("ab") as log:
             self._process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=log,
+                cwd=state,
+                env=environment(os.environ, Path.cwd()),
+                start_new_session=True,  # a signal to the simulator's group is the simulator's alone to answer
             )
 
     def alive(self) -> bool:
         """Whether it runs."""
         return self._process.poll() is None
+
+    @property
+    def ending(self) -> str:
+        """How it ended, in words; only of one that has."""
+        code = self._process.poll()
+        if code is not None and code < 0:
+            return f"was killed by {signal.Signals(-code).name}"
+        return f"ended with code {code}"
+
+    @property
+    def at_fault(self) -> bool:
+        """Whether its own program ended it, and no signal and no want of the machine."""
+        code = self._process.poll()
+        return code is not None and code > 0 and code != WANTING_CODE
 
     def ended_within(self, limit_s: float) -> bool:
         """Whether it ends within this time."""

@@ -2,7 +2,7 @@
 
 It acts only when asked on the time plane (see `host.lockstep`), so no clock is read here but to give up waiting.
 It ends with its parent (end of stdin, or another parent) and on SIGTERM, at any moment: the durable state is
-always whole. SIGINT is the parent's business.
+always whole. SIGINT and SIGHUP are the parent's business.
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ from host.boot import boot
 from host.lockstep import Answerer, Question, Tagged
 from host.parties import ForeignError
 from host.party import PartySpec, Role
+from host.patience import Patience
 from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, session_json5, time_key
-from host.process import CONFIG_FILE, DURABLE_FILE
+from host.process import CONFIG_FILE, DURABLE_FILE, WANTING_CODE
 from host.store import FileStore
-from network.errors import InputError
+from network.errors import InputError, wanting
 
 INBOX_TELEGRAMS: Final = 4096
 _PARENT_CHECK_S: Final = 1.0
@@ -66,19 +67,24 @@ class _Server:
             radio_key(line_id, party_id), zenoh.handlers.FifoChannel(INBOX_TELEGRAMS)
         )
         self._questions = session.declare_queryable(self._time_key)
+        self._asked, self._answered = b"", b""  # the last question as it came, and what was said to it
 
     def run(self) -> None:
         """Answer questions until the process ends."""
         for query in self._questions:
             with query:
-                payload = query.payload
+                data = b"" if query.payload is None else query.payload.to_bytes()
+                if data and data == self._asked:  # the simulator slept over the answer
+                    query.reply(self._time_key, self._answered)
+                    continue
                 try:
-                    question = self._answerer.question(b"" if payload is None else payload.to_bytes())
+                    question = self._answerer.question(data)
                 except ForeignError as error:
                     _log.exception("not our question")
                     query.reply_err(str(error))
                     continue
-                query.reply(self._time_key, self._answer(question))
+                self._asked, self._answered = data, self._answer(question)
+                query.reply(self._time_key, self._answered)
 
     def _answer(self, question: Question) -> bytes:
         try:
@@ -87,7 +93,8 @@ class _Server:
                 raise ValueError(f"an answer of {len(sealed)} bytes is too long for the link")
         except _FAILURES as error:
             _log.exception("question failed")
-            return self._answerer.failure(question, f"{type(error).__name__}: {error}")
+            bug = not (wanting(error) or isinstance(error, ForeignError | TimeoutError))
+            return self._answerer.failure(question, f"{type(error).__name__}: {error}", bug=bug)
         for telegram in telegrams:
             self._session.put(
                 radio_key(self._line_id, telegram.destination),
@@ -101,7 +108,7 @@ class _Server:
     def _collect(self, expected: int) -> list[Tagged]:
         """All telegrams that are there: those of the question came before it, on the same link."""
         heard: list[Tagged] = []
-        limit_s = time.monotonic() + ANSWER_LIMIT_S / 2
+        patience = Patience(ANSWER_LIMIT_S / 2)
         while True:
             sample = self._inbox.try_recv()
             if sample is not None:
@@ -109,7 +116,7 @@ class _Server:
                 heard.append(Tagged(self._party_id, sample.payload.to_bytes(), tag))
             elif len(heard) >= expected:
                 return heard
-            elif time.monotonic() > limit_s:
+            elif patience.over():
                 raise TimeoutError(f"{len(heard)} of {expected} telegrams came")
             else:
                 time.sleep(_ARRIVAL_POLL_S)
@@ -149,8 +156,9 @@ def _answerer(options: argparse.Namespace, secrets: Secrets) -> Answerer:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Host one party until the parent ends. 2: bad input."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Host one party until the parent ends. 2: bad input; 3: the machine lacks something, or the endpoint is gone."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     options = _arguments(arguments)
     try:
@@ -159,9 +167,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         return 2
+    except OSError as error:
+        if not wanting(error):
+            raise
+        sys.stderr.write(f"{error}\n")
+        return WANTING_CODE
     _end_with_parent()
     config = zenoh.Config.from_json5(session_json5("connect", options.connect, secrets.session_id))
-    with zenoh.open(config) as session:
+    try:
+        session = zenoh.open(config)
+    except zenoh.ZError as error:
+        sys.stderr.write(f"{options.connect} cannot be reached: {error}\n")
+        return WANTING_CODE
+    with session:
         _Server(session, answerer, options.line, options.party).run()
     return 0
 

@@ -1,6 +1,33 @@
-"""The one error that bad input raises; the command line prints it as one line and exits with 2."""
+"""The one error that bad input raises, which the command line prints as one line, and errors of the system that are no
+bug.
+"""
 
 from __future__ import annotations
+
+import errno
+from typing import Final
+
+# What the system refuses for want of something, or of a right to it; any other error of its calls is a bug.
+_WANTING: Final = frozenset(
+    {
+        errno.ENOSPC,
+        errno.EDQUOT,
+        errno.EFBIG,
+        errno.EROFS,
+        errno.EIO,
+        errno.ENOMEM,
+        errno.EMFILE,
+        errno.ENFILE,
+        errno.EACCES,
+        errno.EPERM,
+        errno.EPIPE,
+    }
+)
+
+
+def wanting(error: BaseException) -> bool:
+    """Whether the machine lacks what the program needs: room, memory, a right, a reader."""
+    return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno in _WANTING)
 
 
 class InputError(Exception):

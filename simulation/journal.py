@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
-from typing import Final
+from typing import Final, overload
 
 import msgspec
 
@@ -14,6 +15,7 @@ from simulation.events import Entry, Event
 
 _ENCODER: Final = msgspec.json.Encoder()
 _EVENT: Final[msgspec.json.Decoder[Event]] = msgspec.json.Decoder(Event)
+SPILL_BYTES: Final = 1 << 15
 
 
 class _Head(msgspec.Struct, frozen=True):
@@ -27,28 +29,73 @@ _HEAD: Final = msgspec.json.Decoder(_Head)
 
 
 class Journal:
-    """Lines are flat: `t` (simulated s), `who`, `what`, then data. Watchers see each entry as it is written."""
+    """Lines are flat: `t` (simulated s), `who`, `what`, then data. Watchers see each entry as it is written.
 
-    def __init__(self) -> None:
-        self.entries: list[Entry] = []
-        self._lines: list[bytes] = []
+    With a `file` it grows there, in whole lines, and only its end is in memory.
+    """
+
+    def __init__(self, file: Path | None = None) -> None:
+        self._entries: list[Entry] = []  # without a file: all of them
+        self._lines: list[bytes] = []  # those not in the file
+        self._waiting_bytes = 0
+        self._file = file
         self._hash = blake2b(digest_size=16)
         self._watchers: list[Callable[[Entry], None]] = []
+        if file is not None:
+            file.write_bytes(b"")
+
+    @property
+    def file(self) -> Path | None:
+        """Where it grows."""
+        return self._file
+
+    @property
+    def entries(self) -> Sequence[Entry]:
+        """What was written, in order; read again each time where it is in a file."""
+        return self._entries if self._file is None else _Spilled(self._file, self._lines)
 
     def watch(self, watcher: Callable[[Entry], None]) -> None:
         """Show every further entry to `watcher`."""
         self._watchers.append(watcher)
 
     def write(self, t_s: float, who: str, event: Event) -> None:
-        """Write an entry."""
+        """Write an entry. OSError where its file takes no more."""
         entry = Entry(t_s, who, event)
         line = encode_entry(entry)
         self._hash.update(line)
         self._hash.update(b"\n")
         self._lines.append(line)
-        self.entries.append(entry)
+        if self._file is None:
+            self._entries.append(entry)
+        else:
+            self._waiting_bytes += len(line)
+            if self._waiting_bytes >= SPILL_BYTES:
+                self.spill()
         for watcher in self._watchers:
             watcher(entry)
+
+    def spill(self) -> None:
+        """Put into the file what waits for it. OSError where that takes no more: it then ends with a whole line."""
+        if self._file is None:
+            return
+        data = _joined(self._lines)
+        with self._file.open("ab", buffering=0) as stream:
+            begin = stream.tell()
+            done = 0
+            try:
+                while done < len(data):
+                    done += stream.write(data[done:])
+            except OSError as error:
+                whole = data.rfind(b"\n", 0, done) + 1
+                stream.truncate(begin + whole)
+                del self._lines[: data.count(b"\n", 0, whole)]
+                raise OSError(error.errno, error.strerror, str(self._file)) from error
+        self._lines.clear()
+        self._waiting_bytes = 0
+
+    def moved(self, file: Path) -> None:
+        """Its file is whole, and has another name."""
+        self._file = file
 
     def add_to_digest(self, data: bytes) -> None:
         """Let something that is not an entry count for sameness too (the trajectories)."""
@@ -60,7 +107,38 @@ class Journal:
 
     def to_bytes(self) -> bytes:
         """The journal file."""
-        return b"\n".join([*self._lines, b""])
+        return (b"" if self._file is None else self._file.read_bytes()) + _joined(self._lines)
+
+
+class _Spilled(Sequence[Entry]):
+    """Entries of a file, and of the lines that are still to come into it."""
+
+    def __init__(self, file: Path, waiting: Sequence[bytes]) -> None:
+        self._file = file
+        self._waiting = waiting
+
+    def __iter__(self) -> Iterator[Entry]:
+        with self._file.open("rb") as stream:
+            for line in stream:
+                yield decode_entry(line)
+        for line in self._waiting:
+            yield decode_entry(line)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    @overload
+    def __getitem__(self, index: int) -> Entry: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Entry]: ...
+
+    def __getitem__(self, index: int | slice) -> Entry | Sequence[Entry]:
+        return list(self)[index]
+
+
+def _joined(lines: Sequence[bytes]) -> bytes:
+    return b"\n".join([*lines, b""])
 
 
 def encode_entry(entry: Entry) -> bytes:
@@ -89,3 +167,12 @@ def read_journal(path: Path) -> list[Entry]:
             shown = line[:80].decode(errors="replace")
             raise InputError(str(path), f"line {number}", shown, f"a line of a journal: {error}") from error
     return entries
+
+
+def last_time_s(path: Path) -> float | None:
+    """Simulated time of the last entry of a journal file, s; None where there is none."""
+    last = None
+    with suppress(OSError), path.open("rb") as stream:
+        for line in stream:
+            last = line
+    return None if last is None else decode_entry(last).t_s

@@ -65,9 +65,10 @@ class Simulation:
         net: NetMap,
         units: Units,
         link: str,
+        journal: Journal | None = None,
     ) -> None:
         self.setup: Final = setup
-        self.journal = Journal()
+        self.journal = journal or Journal()
         lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
         duties = draw_up(setup.believed_line, setup.timetable, lengths, setup.operation.portal_lead_s)
         first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)

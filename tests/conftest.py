@@ -115,9 +115,9 @@ def main(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> Iterator[Callable[..., Ended]]:
     """Run the command in this process, in the test's own folder: the same entry point, without the imports."""
-    from branchline import cli
+    from branchline import cli, ending
 
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.getsignal(number) for number in ending.STOPS}
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> Ended:

@@ -26,6 +26,16 @@ def refused_on_line(state: Authority, event: Refused) -> Result:
     return route.route_refused(state, event)
 
 
+def refused_signing_on(state: Authority, event: Refused) -> Result:
+    """Its sign-on: asks again. If that says where it stands, which is no wish to enter, the train is stopped."""
+    request = state.open(Ask.SIGN_ON)
+    waiting, actions = sign_on.sign_on_refused(state, event)
+    if not actions or state.entering or request is None or not request.section_ids:
+        return waiting, actions
+    stopped, more = disagrees(waiting, f"claim refused: {event.why}")
+    return stopped, (*actions, *more)
+
+
 def refused_signing_off(state: Authority, event: Refused) -> Result:
     """Its claim: the train is stopped. Its sign-off: asks again."""
     if event.ask is Ask.SIGN_ON:
@@ -47,6 +57,7 @@ TABLE: Final[Table] = MappingProxyType(
         (Standing.SIGNING_ON, Contested): contested,
         (Standing.ON_LINE, Contested): contested,
         (Standing.SIGNING_OFF, Contested): contested,
+        (Standing.SIGNING_ON, Refused): refused_signing_on,
         (Standing.ON_LINE, Refused): refused_on_line,
         (Standing.SIGNING_OFF, Refused): refused_signing_off,
         (Standing.ON_LINE, SignedOn): claim_accepted,

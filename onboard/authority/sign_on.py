@@ -150,7 +150,6 @@ TABLE: Final[Table] = MappingProxyType(
         (Standing.OFF_LINE, BeginOnLine): begin,
         (Standing.SIGNING_ON, BeginOnLine): begin,
         (Standing.SIGNING_ON, SignedOn): signed_on,
-        (Standing.SIGNING_ON, Refused): sign_on_refused,
         (Standing.ON_LINE, EndOnLine): end,
         (Standing.SIGNING_OFF, SignedOff): signed_off,
         (Standing.OFF_LINE, Queried): queried,

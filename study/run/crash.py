@@ -6,7 +6,7 @@ import os
 import tempfile
 import traceback
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from host.parties import PartyError
@@ -14,6 +14,7 @@ from network.errors import InputError
 from network.timetable import clock
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S
+from study.outcome import Outcome, outcome_of
 from study.run.directory import CRASH_FILE, JOURNAL_FILE, replaced
 
 
@@ -30,13 +31,17 @@ class Crashed(RuntimeError):  # noqa: N818 - names what happened
 
 @contextmanager
 def bugs_named(scenario: str, simulation: Simulation, *, processes: bool) -> Generator[None]:
-    """Any exception becomes a `Crashed`, save bad input and a failing party process: those say what they are."""
+    """Any exception becomes a `Crashed`, save those that are no bug: they say what they are.
+
+    Without `processes` no party can be lost: one that is down is the simulator's own fault.
+    """
     try:
         yield
-    except InputError:
-        raise
     except Exception as error:
-        if processes and isinstance(error, PartyError):
+        lost = isinstance(error, PartyError) and not processes
+        if outcome_of(error) is not Outcome.BUG and not lost:
+            with suppress(OSError):
+                simulation.journal.spill()
             raise
         setup = simulation.setup
         journal = simulation.journal.to_bytes()
@@ -64,7 +69,7 @@ def keep(crashed: Crashed) -> Path:
     return out
 
 
-def keep_traceback(error: Exception) -> Path:
+def keep_traceback(error: BaseException) -> Path:
     """Write the traceback of a bug outside any run; returns its file."""
     file = Path(tempfile.mkdtemp(prefix="branchline-crash-")) / CRASH_FILE
     file.write_text(text_of(error), "utf-8")

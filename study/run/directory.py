@@ -1,15 +1,19 @@
-"""Run directories: what may stand in one, and how one is put in place, whole or not at all."""
+"""Run directories: reserved before a run, filled out of sight beside their place, and put there whole or not at all."""
 
 from __future__ import annotations
 
-import shutil
+import errno
 import tempfile
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
+from host.scratch import scratch, sweep
 from network.errors import InputError
+from network.timetable import clock
+from simulation.journal import last_time_s
+from study.outcome import CutShortError, Outcome, outcome_of, text_of
 from study.run.tables import SCHEMAS
 
 LEARNED_FILE: Final = (
@@ -17,16 +21,20 @@ LEARNED_FILE: Final = (
 )
 JOURNAL_FILE: Final = "journal.jsonl"
 CRASH_FILE: Final = "crash.txt"  # only of a run that a bug has ended
-RUN_FILES: Final = frozenset(
-    {
-        "summary.json",
-        LEARNED_FILE,
-        JOURNAL_FILE,
-        CRASH_FILE,
-        "report.html",
-        *(f"{name}.parquet" for name in SCHEMAS),
-    }
-)
+INCOMPLETE_FILE: Final = "incomplete.txt"  # only of a run that is under way or was cut short
+TABLE_FILES: Final = frozenset(f"{name}.parquet" for name in SCHEMAS)
+RUN_FILES: Final = TABLE_FILES | {
+    "summary.json",
+    LEARNED_FILE,
+    JOURNAL_FILE,
+    CRASH_FILE,
+    INCOMPLETE_FILE,
+    "report.html",
+}
+INCOMPLETE: Final = "-incomplete"  # ends the name of the directory of a run that was cut short
+ROOM_BYTES: Final = 1 << 18  # where not even so much can be written no run begins: the shortest takes more
+_FULL: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
+_UNDER_WAY: Final = "This is no whole run: it is under way, or it was killed.\n"
 
 
 def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run") -> None:
@@ -51,23 +59,152 @@ def replaced(
 ) -> Generator[Path]:
     """A path at which a folder is to be made; it takes the place of `out` when the context ends well.
 
-    Raises InputError as `check_out` does, and when the directory cannot be written.
+    Raises InputError as `check_out` does, and when the directory cannot be written; OSError where there is no room.
     """
     check_out(out, owns, what)
+    with _parents_of(out), _beside(out) as aside:
+        yield aside / "new"
+        _put(aside, out)
+
+
+class Reserved:
+    """The directory of a run that is under way: `folder` is to be filled, `journal` grows in it; then `put`.
+
+    It says that it is incomplete until it is put in its place, `out`.
+    """
+
+    def __init__(self, out: Path, aside: Path) -> None:
+        self.out: Final = out
+        self.folder: Final = aside / "new"
+        self.journal: Final = self.folder / JOURNAL_FILE
+        self._aside: Final = aside
+        self.folder.mkdir()
+        self._say(_UNDER_WAY)
+
+    def put(self) -> None:
+        """The run is whole: it takes its place."""
+        (self.folder / INCOMPLETE_FILE).unlink()
+        _put(self._aside, self.out)
+
+    def keep(self, why: str) -> Path | None:
+        """The run was cut short: journal and whole tables stay, under a name of their own. None if it had not begun."""
+        until_s = last_time_s(self.journal)
+        if until_s is None:
+            return None
+        for path in self.folder.iterdir():
+            if path.name not in TABLE_FILES | {JOURNAL_FILE, INCOMPLETE_FILE}:
+                path.unlink()
+        self._say(
+            f"This is no whole run: it was cut short.\nwhy: {why}\njournal until: {clock(int(until_s))}\n"
+        )
+        kept = self.out.with_name(self.out.name + INCOMPLETE)
+        try:
+            check_out(kept)
+            _put(self._aside, kept)
+        except InputError:  # the name is taken by somebody's work
+            kept = Path(tempfile.mkdtemp(prefix=f"{kept.name}-", dir=kept.parent))
+            self.folder.rename(kept)
+        return kept
+
+    def _say(self, text: str) -> None:
+        """Over what is there, which takes no new room on the disk; blanks to the length of the longest."""
+        file = self.folder / INCOMPLETE_FILE
+        with suppress(OSError), file.open("r+b" if file.exists() else "wb") as stream:
+            stream.write(f"{text.rstrip():<1000.1000}\n".encode())
+
+
+@contextmanager
+def reserved(out: Path) -> Generator[Reserved]:
+    """The directory of a run, reserved until the context ends; then it was `put`, or nothing of it is left.
+
+    What cuts the run short and is no bug leaves what was run so far, and becomes a CutShortError that says where.
+    Raises InputError as `check_out` does, and when the directory cannot be written; OSError where there is no room.
+    """
+    check_out(out)
+    with _parents_of(out), _beside(out) as aside:
+        place = Reserved(out, aside)
+        try:
+            yield place
+        except Exception as error:
+            if isinstance(error, OSError) and error.filename is None:  # of a file that was open
+                error.filename = str(out)
+            if outcome_of(error) is not Outcome.COULD_NOT_RUN or (kept := place.keep(text_of(error))) is None:
+                raise
+            raise CutShortError(text_of(error), str(kept)) from error
+
+
+@contextmanager
+def _parents_of(out: Path) -> Generator[None]:
+    """The folders above, made; those that were not there before go again if nothing came into them."""
+    above = out.parent
+    new: list[Path] = []
+    while not above.exists() and above != above.parent:
+        new.append(above)
+        above = above.parent
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
     except OSError as error:
-        expected = f"a directory that can be written ({error.strerror})"
-        raise InputError("command line", "--out", str(out), expected) from error
+        raise _unwritable(out, error) from error
     try:
-        yield aside / "new"
+        yield
+    finally:
+        with suppress(OSError):
+            for folder in new:
+                folder.rmdir()
+
+
+@contextmanager
+def _beside(out: Path) -> Generator[Path]:
+    """A hidden folder beside `out`, on the same disk, where there is room; what killed runs left there is swept."""
+    begun = False
+    sweep(out.parent, ".", _rescue)
+    try:
+        with scratch(f".{out.name}-", out.parent) as aside:
+            _try_room(aside)
+            begun = True
+            yield aside
+    except OSError as error:
+        if begun or error.errno in _FULL:
+            raise
+        raise _unwritable(out, error) from error
+
+
+def _unwritable(out: Path, error: OSError) -> InputError:
+    expected = f"a directory that can be written ({error.strerror})"
+    return InputError("command line", "--out", str(out), expected)
+
+
+def _try_room(folder: Path) -> None:
+    """OSError where there is no room for even the shortest run."""
+    file = folder / "room"
+    try:
+        with file.open("wb", buffering=0) as stream:
+            left = memoryview(bytes(ROOM_BYTES))
+            while left:
+                left = left[stream.write(left) :]
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(folder.parent)) from error
+    finally:
+        file.unlink(missing_ok=True)
+
+
+def _put(aside: Path, out: Path) -> None:
+    """What was filled takes the place of what was there, which comes back if that fails."""
+    try:
         if out.exists():
             out.rename(aside / "old")
         (aside / "new").rename(out)
     except BaseException:
-        if (aside / "old").exists() and not out.exists():
-            (aside / "old").rename(out)
+        _rescue_to(aside, out)
         raise
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+
+
+def _rescue(left: Path) -> None:
+    """Of a process that was killed between two renames: the run before goes back to its place."""
+    name, _, _ = left.name.removeprefix(".").rpartition("-")
+    _rescue_to(left, left.with_name(name))
+
+
+def _rescue_to(aside: Path, out: Path) -> None:
+    if (aside / "old").exists() and not out.exists():
+        (aside / "old").rename(out)

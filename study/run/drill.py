@@ -20,8 +20,9 @@ from simulation.faults.script import DEFAULTS, Act, Course, Failure
 from simulation.loop import Progress
 from simulation.setup import STEPS_PER_S
 from study.report.drill import DrillShown, Mark, MarkKind
+from study.run.directory import Reserved
 from study.run.outcome import unfinished
-from study.run.run import Link, Run, UnitsAt, execute, write_run
+from study.run.run import Link, Run, UnitsAt, execute, fill_run
 from study.run.scores import Scores, score
 from study.run.tables import RunTables, make_table
 from study.run.verdict import Verdict, judge
@@ -84,15 +85,19 @@ def run_drill(
     seed: int | None = None,
     progress: Progress | None = None,
     units: UnitsAt = UnitsAt.SIMULATOR,
+    journal: Path | None = None,
 ) -> Drill:
-    """Run a drill. InputError for a file that is no drill: nothing fails, nobody acts, it expects nothing."""
+    """Run a drill; its journal grows in a file, if there is one.
+
+    InputError for a file that is no drill: nothing fails, nobody acts, it expects nothing.
+    """
     scenario = load_scenario(find_drill(name), seed)
     script = scenario.setup.script
     if not script.faults and not script.acts and all(e in DEFAULTS for e in script.expectations):
         raise InputError(
             scenario.file, "fault", None, "at least one [[fault]], [[act]] or [[expect]] to make it a drill"
         )
-    run = execute(scenario, link, units=units, progress=progress)
+    run = execute(scenario, link, units=units, progress=progress, journal=journal)
     verdicts = judge(script.expectations, run.result, run.tables)
     scores = score(
         run.result.courses,
@@ -114,9 +119,9 @@ def run_drill(
     return Drill(run, verdicts, scores)
 
 
-def write_drill(drill: Drill, out: Path) -> Path:
-    """Write the run directory of a drill, its report showing the drill. Raises InputError as `write_run` does."""
-    return write_run(drill.run, out, shown(drill))
+def fill_drill(drill: Drill, place: Reserved) -> Path:
+    """Write a drill into the directory reserved, its report showing it. Returns the path of the report."""
+    return fill_run(drill.run, place, shown(drill))
 
 
 def shown(drill: Drill) -> DrillShown:

@@ -139,7 +139,7 @@ def alone(kind: type[T], work: Callable[[], T]) -> T:
 def _work(work: Callable[[], object], to_parent: int) -> NoReturn:
     """All that a copy does."""
     faulthandler.disable()  # the parent says what it died of
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     used_s = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])

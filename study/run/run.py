@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 import secrets
-import tempfile
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from host.devices import device_specs
 from host.parties import Parties
 from host.party import PartySpec
+from host.scratch import scratch
 from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
@@ -24,6 +24,7 @@ from network.meets import meet_text, unresolvable_meets
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
+from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
@@ -32,7 +33,7 @@ from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
-from study.run.directory import JOURNAL_FILE, LEARNED_FILE, replaced
+from study.run.directory import JOURNAL_FILE, LEARNED_FILE, Reserved, reserved
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.summary import summarise
 from study.run.tables import RunTables
@@ -41,6 +42,8 @@ from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 from wayside.config import manager_config, terminal_configs
+
+TEMPORARY: Final = "branchline-"
 
 
 class Link(Enum):
@@ -84,15 +87,17 @@ def execute(
     progress: Progress | None = None,
     wrap: Callable[[Carrier], Carrier] | None = None,
     watch: Callable[[Parties], Parties] | None = None,
+    journal: Path | None = None,
 ) -> Run:
-    """Run a scenario and compute its tables and summary; writes nothing that stays. Raises Crashed for a bug.
+    """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
+    `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties.
     """
     setup = scenario.setup
-    with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
-        net = net_for(setup.line, Path(folder))
+    with scratch(TEMPORARY) as folder:
+        net = net_for(setup.line, folder)
         # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
         master_key = secrets.token_bytes(KEY_BYTES)
         on_board = unit_configs(setup, master_key)
@@ -104,7 +109,7 @@ def execute(
         started = time.perf_counter()
         while True:
             last = setup.day >= scenario.setup.tuning.days
-            state = Path(folder) / f"day-{setup.day}"
+            state = folder / f"day-{setup.day}"
             state.mkdir()
             with parties_of(link, setup.line.id, specs, state) as parties:
                 simulation = Simulation(
@@ -114,6 +119,7 @@ def execute(
                     read_net(net),
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
                     link.value,
+                    Journal(journal),
                 )
                 with bugs_named(scenario.id, simulation, processes=link is Link.ZENOH):
                     result = simulation.run(progress)
@@ -151,11 +157,11 @@ def execute(
 @contextmanager
 def simulated(setup: Setup) -> Generator[Simulation]:
     """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end."""
-    with tempfile.TemporaryDirectory(prefix="branchline-") as folder:
-        net = net_for(setup.line, Path(folder))
+    with scratch(TEMPORARY) as folder:
+        net = net_for(setup.line, folder)
         master_key = secrets.token_bytes(KEY_BYTES)
         units = LocalUnits(unit_configs(setup, master_key))
-        with parties_of(Link.SIMULATED, setup.line.id, specs_of(setup, master_key), Path(folder)) as parties:
+        with parties_of(Link.SIMULATED, setup.line.id, specs_of(setup, master_key), folder) as parties:
             make = carrier_factory(CarrierKind.SUMO, setup.line, net)
             simulation = Simulation(setup, make, parties, read_net(net), units, Link.SIMULATED.value)
             try:
@@ -173,17 +179,28 @@ def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
 
     Raises InputError as `check_out` does, and when the directory cannot be written.
     """
-    with replaced(out) as folder:
-        _write_files(run, out, folder, drill)
-    return out / "report.html"
+    with reserved(out) as place:
+        return fill_run(run, place, drill)
 
 
-def _write_files(run: Run, out: Path, folder: Path, drill: DrillShown | None) -> None:
-    """All files of a run into a new folder; `out` is where they will be found."""
+def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None) -> Path:
+    """Write a run into the directory reserved, and put that in its place. Returns the path of the report."""
+    _write_files(run, place, drill)
+    place.put()
+    if run.result.journal.file == place.journal:
+        run.result.journal.moved(place.out / JOURNAL_FILE)
+    return place.out / "report.html"
+
+
+def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
+    """All files of a run. The journal may be there already; what is worth most comes first."""
+    folder, out, journal = place.folder, place.out, run.result.journal
     setup = run.scenario.setup
-    folder.mkdir()
+    if journal.file == place.journal:
+        journal.spill()
+    else:
+        place.journal.write_bytes(journal.to_bytes())
     run.tables.write(folder)
-    (folder / JOURNAL_FILE).write_bytes(run.result.journal.to_bytes())
     if run.result.learned:
         (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
     summary = run.summary | {"out": str(out)}

@@ -12,7 +12,6 @@ from typing import Any, Final
 from network.timetable import clock
 from simulation.faults.script import Act, Failure, Script
 from simulation.setup import STEPS_PER_S
-from study.run.directory import replaced
 from study.run.outcome_class import Kind, Outcome
 from study.run.sweep import Swept, Variation
 from study.scenario.scenario import Scenario
@@ -119,27 +118,30 @@ def figures_of(scenario: Scenario, swept: Swept, left_out: Sequence[str]) -> dic
 
 
 def write_sweep(
-    scenario: Scenario, swept: Swept, variations: Sequence[Variation], figures: Mapping[str, Any], out: Path
+    scenario: Scenario,
+    swept: Swept,
+    variations: Sequence[Variation],
+    figures: Mapping[str, Any],
+    folder: Path,
 ) -> None:
-    """Write tables and drills, all or nothing. Raises InputError as `replaced` does."""
+    """Write tables and drills into a new folder."""
     by_name = {variation.name: variation for variation in variations}
-    with replaced(out, owns, "a sweep") as folder:
-        folder.mkdir()
-        (folder / JSON_FILE).write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n", "utf-8")
-        with (folder / CSV_FILE).open("w", encoding="utf-8", newline="") as stream:
-            rows = csv.writer(stream)
-            rows.writerow(("variation", "instant_s", "kind", "class", "late_s", "digest"))
-            for name, runs in swept.outcomes.items():
-                rows.writerows(
-                    (name, step / STEPS_PER_S, o.kind.name.lower(), o.label, o.late_s, o.digest)
-                    for step, o in runs.items()
-                )
-        for found in classes_of(swept):
-            if found.bad:
-                script = by_name[found.variation].at(found.steps[0])
-                title = f"{found.variation} at {_clock(found.steps[0])}: {found.label}"
-                text = replay_of(scenario, script, found.replay.removesuffix(".toml"), title)
-                (folder / found.replay).write_text(text, "utf-8")
+    folder.mkdir()
+    (folder / JSON_FILE).write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    with (folder / CSV_FILE).open("w", encoding="utf-8", newline="") as stream:
+        rows = csv.writer(stream)
+        rows.writerow(("variation", "instant_s", "kind", "class", "late_s", "digest"))
+        for name, runs in swept.outcomes.items():
+            rows.writerows(
+                (name, step / STEPS_PER_S, o.kind.name.lower(), o.label, o.late_s, o.digest)
+                for step, o in runs.items()
+            )
+    for found in classes_of(swept):
+        if found.bad:
+            script = by_name[found.variation].at(found.steps[0])
+            title = f"{found.variation} at {_clock(found.steps[0])}: {found.label}"
+            text = replay_of(scenario, script, found.replay.removesuffix(".toml"), title)
+            (folder / found.replay).write_text(text, "utf-8")
 
 
 def replay_of(scenario: Scenario, script: Script, own_id: str, title: str) -> str:

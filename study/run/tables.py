@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
@@ -140,7 +141,9 @@ class RunTables:
         directory.mkdir(parents=True, exist_ok=True)
         aside = {name: directory / f".{name}.parquet.part" for name in SCHEMAS}
         for name, path in aside.items():
-            getattr(self, name).write_parquet(path, compression="zstd")
+            written = BytesIO()  # an error of the disk then is one of ours, and no library's
+            getattr(self, name).write_parquet(written, compression="zstd")
+            path.write_bytes(written.getbuffer())
         for name, path in aside.items():
             path.replace(_file(directory, name))
 

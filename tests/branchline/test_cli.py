@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import pytest
 
 import study.run.run
 from host.parties import PartyError
+from study.outcome import Outcome
 
 HEAVY = ("numba", "libsumo", "matplotlib", "polars", "numpy", "scipy", "zenoh", "cv2", "pydantic")
 
@@ -42,17 +44,90 @@ def test_help_is_no_error(main: Callable[..., Any], arguments: tuple[str, ...]) 
         (("run", "rtri_test_line", "--out"), "--out"),
         (("bench", "--rounds", "0"), "--rounds"),
         (("dance",), "dance"),
+        ((), "command"),
+        (("--bogus",), "--bogus"),
+        (("run", "rtri_test_line", "another"), "another"),
+        (("run", "rtri_test_line", "--link", "string"), "--link"),
+        (("run", "rtri_test_line", "--units", "moon"), "--units"),
+        (("run", "rtri_test_line", "--carrier", "horse"), "--carrier"),
+        (("drill",), "file"),
+        (("drill", "list", "--every", "0"), "--every"),
+        (("reproduce",), "name"),
+        (("check",), "scenario"),
+        (("schema", "a", "b"), "b"),
+        (("import",), "command"),
+        (("import", "dance"), "dance"),
+        (("import", "geometry", "a"), "stations"),
+        (("import", "timetable", "a", "--calendar"), "--calendar"),
+        (("dance" * 1000,), "dance"),
+        (("dance\nand\nsing",), "sing"),
     ],
 )
-def test_a_usage_error_names_what_is_wrong(
+def test_a_usage_error_is_one_line_that_names_what_is_wrong(
     main: Callable[..., Any], tmp_path: Path, arguments: tuple[str, ...], named: str
 ) -> None:
     ended = main(*arguments)
     assert (ended.code, ended.out) == (2, "")
-    assert named in ended.err
-    assert ended.err.lower().count("error") == 1
-    assert "Traceback" not in ended.err
+    (line,) = ended.err.splitlines()
+    assert line.startswith("error: command line: ")
+    assert named in line
+    assert len(line) < 300
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_version_is_that_of_the_package(main: Callable[..., Any]) -> None:
+    ended = main("--version")
+    assert (ended.code, ended.out, ended.err) == (0, f"branchline {version('branchline')}\n", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "outcome"),
+    [
+        (("check", "rtri_test_line"), Outcome.GOOD),
+        (("run", "no_such_scenario"), Outcome.BAD_INPUT),
+        (("run", "--bogus"), Outcome.BAD_INPUT),
+        (("drill", "no_such_drill"), Outcome.BAD_INPUT),
+        (("drill", "--bogus"), Outcome.BAD_INPUT),
+        (("reproduce", "no_such_paper"), Outcome.BAD_INPUT),
+        (("bench", "no_such_scenario"), Outcome.BAD_INPUT),
+        (("check", "no_such_scenario"), Outcome.BAD_INPUT),
+    ],
+)
+def test_one_object_says_how_it_ended(
+    main: Callable[..., Any], arguments: tuple[str, ...], outcome: Outcome
+) -> None:
+    """Where nothing goes wrong, and where something does before anything has begun."""
+    ended = main(*arguments, "--json")
+    assert ended.code == outcome.code
+    figures = ended.figures()
+    assert figures["outcome"] == outcome.value
+    if outcome is Outcome.BAD_INPUT:
+        assert ended.err.endswith(f"error: {figures['message']}\n")
+
+
+@pytest.mark.parametrize("arguments", [("drill", "list"), ("schema",), ("--help",), ("run", "--json")])
+def test_what_cannot_be_printed_was_not_said(command: tuple[str, ...], arguments: tuple[str, ...]) -> None:
+    """A full disk under stdout is told, whatever the command; not a traceback at the end of the interpreter."""
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [*command, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    code = Outcome.BAD_INPUT if arguments[0] == "run" else Outcome.COULD_NOT_RUN  # the first that went wrong
+    assert done.returncode == code.code
+    assert len(done.stderr.splitlines()) == 1
+    assert "No space left" in done.stderr or arguments[0] == "run"
+
+
+def test_who_reads_no_further_ends_it_in_one_line(command: tuple[str, ...]) -> None:
+    """As `branchline drill list | head -1` does."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [*command, "drill", "list"], stdout=writer, stderr=subprocess.PIPE, text=True, check=False
+    )
+    os.close(writer)
+    assert done.returncode == Outcome.COULD_NOT_RUN.code
+    assert done.stderr == "error: nobody reads what is written any more\n"
 
 
 @pytest.mark.system
@@ -81,7 +156,9 @@ def test_a_run_replaces_the_run_before_it(main: Callable[..., Any], tmp_path: Pa
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
 @pytest.mark.parametrize("moment", ["execute", "write_report"])
 def test_a_signal_ends_it_with_a_word_and_nothing_half_written(
     main: Callable[..., Any],
@@ -111,7 +188,7 @@ def test_a_failing_device_is_one_line(main: Callable[..., Any], monkeypatch: pyt
 
     monkeypatch.setattr(study.run.run, "execute", fail)
     ended = main("run", "rtri_test_line")
-    assert (ended.code, ended.out, ended.err) == (1, "", "error: party OGN-W died\n")
+    assert (ended.code, ended.out, ended.err) == (3, "", "error: party OGN-W died\n")
 
 
 def test_check_prints_one_object(main: Callable[..., Any]) -> None:

@@ -68,9 +68,9 @@ def test_being_there_is_asked_as_often_as_needed_and_moves_nothing() -> None:
 def test_a_failure_is_as_authentic_as_an_answer() -> None:
     pair = Pair()
     question = pair.answerer.question(pair.asker.ask(5.0, (), b"")[0])
-    assert pair.asker.answer(pair.answerer.failure(question, "no points")).failed == "no points"
+    assert pair.asker.answer(pair.answerer.failure(question, "no points", bug=False)).failed == "no points"
     with pytest.raises(ForeignError):
-        pair.asker.answer(Pair(key=OTHER_KEY).answerer.failure(question, "no points"))
+        pair.asker.answer(Pair(key=OTHER_KEY).answerer.failure(question, "no points", bug=False))
 
 
 # what each defence keeps out: it takes effect when the defence is off ---------------------------------------

@@ -8,7 +8,8 @@ import signal
 import stat
 import subprocess
 import sys
-from collections.abc import Iterator
+import sysconfig
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -18,12 +19,14 @@ import zenoh
 
 import host.lockstep
 import host.over_zenoh
+import host.process
 from host.devices import CODEC, DeviceTold, device_specs
+from host.lockstep import Asker, Tagged
 from host.over_zenoh import ZenohParties
-from host.parties import ForeignError, PartyError
+from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance
 from host.planes import radio_key, session_json5, time_key
-from host.process import SECRETS_FILE, PartyProcess
+from host.process import SECRETS_FILE, PartyProcess, environment
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, SectionEntry, TerminalConfig
 
 pytestmark = pytest.mark.system
@@ -162,22 +165,141 @@ def test_a_party_that_dies_over_a_question_is_named(
     monkeypatch.setattr(PartyProcess, "alive", lambda _self: True)  # as it was when it was asked
     (terminal,) = [p for p in psutil.Process().children() if "t" in p.cmdline()]
     terminal.kill()
-    with pytest.raises(PartyError, match="party t died"):
+    with pytest.raises(PartyError, match=r"^point terminal t was killed by SIGKILL$"):
         parties.advance("t", 0.0, [], TOLD)
 
 
+def test_a_party_that_died_since_it_was_asked_is_named_with_its_signal(parties: ZenohParties) -> None:
+    (manager,) = [p for p in psutil.Process().children() if MANAGER_ID in p.cmdline()]
+    ended = os.pidfd_open(manager.pid)
+    manager.terminate()
+    assert select.select([ended], [], [], 20.0)[0] == [ended]
+    os.close(ended)
+    with pytest.raises(PartyError, match=r"^block manager was killed by SIGTERM$") as lost:
+        parties.advance(MANAGER_ID, 0.0, [], TOLD)
+    assert not isinstance(lost.value, PartyBug)
+
+
+def test_a_party_whose_program_fails_is_a_bug(parties: ZenohParties) -> None:
+    with pytest.raises(PartyBug, match=r"^point terminal t failed: InputError"):
+        parties.advance("t", 0.0, [], b"no record of a terminal")
+
+
+def test_a_party_without_room_on_its_disk_is_no_bug(tmp_path: Path) -> None:
+    """Its durable state cannot be written: the file aside is a device that takes nothing."""
+    (tmp_path / "t").mkdir()
+    (tmp_path / "t" / "durable.new").symlink_to("/dev/full")
+    with pytest.raises(
+        PartyError, match=r"^point terminal t ended with code 3 while it .* No space left"
+    ) as lost:
+        zenoh_parties(tmp_path).__enter__()
+    assert not isinstance(lost.value, PartyBug)
+
+
+def test_an_endpoint_that_is_gone_is_no_bug(parties: ZenohParties) -> None:
+    parties.kill("t")
+    Path(parties.endpoint.removeprefix("unixsock-stream/")).unlink()
+    with pytest.raises(PartyError, match=r"^point terminal t ended with code 3 .* cannot be reached") as lost:
+        parties.restart("t")
+    assert not isinstance(lost.value, PartyBug)
+
+
+# a folder with other modules ----------------------------------------------------------------------------------
+
+TRAPS: Final = ("host", "radio", "network", "wayside", "onboard", "numpy", "msgspec", "zenoh", "queue")
+
+
+@pytest.fixture
+def trap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder from which the program is called; whoever takes a module from it leaves a mark."""
+    folder = tmp_path / "trap"
+    folder.mkdir()
+    mark = f"from pathlib import Path\nPath({str(folder / 'mark')!r}).touch()\nraise SystemExit('the wrong module')\n"
+    for name in (*TRAPS, "sitecustomize", "usercustomize"):
+        (folder / f"{name}.py").write_text(mark, "utf-8")
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.mark.parametrize("path", [None, "", ":", "/nowhere:", ".", "../trap", "{trap}"])
 def test_the_folder_from_which_it_is_called_cannot_put_a_module_in_the_way(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    trap: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str | None
 ) -> None:
-    trap = tmp_path / "trap"
-    trap.mkdir()
-    for name in ("host", "zenoh", "wayside", "queue"):
-        (trap / f"{name}.py").write_text("raise SystemExit('the wrong module')\n", "utf-8")
-    monkeypatch.chdir(trap)
-    unsafe = subprocess.run([sys.executable, "-m", "host.serve"], capture_output=True, check=False)
-    assert b"the wrong module" in unsafe.stderr
+    """Nor if PYTHONPATH has it: by its name, or as an empty entry, which a needless colon makes."""
+    if path is None:
+        monkeypatch.delenv("PYTHONPATH", raising=False)
+    else:
+        monkeypatch.setenv("PYTHONPATH", path.format(trap=trap))
     with zenoh_parties(tmp_path / "state") as parties:
-        assert parties.alive("t")
+        parties.advance("t", 0.0, [], TOLD)
+    assert not (trap / "mark").exists()
+
+
+def test_without_that_the_folder_is_in_the_way(
+    trap: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the test above guards, switched off."""
+    monkeypatch.setattr(host.process, "environment", lambda own, _folder: {**own, "PYTHONPATH": str(trap)})
+    with pytest.raises(PartyError, match="ended with code 1 while it started; it wrote: "):
+        zenoh_parties(tmp_path / "state").__enter__()
+    assert (trap / "mark").exists()
+
+
+def test_a_party_runs_the_program_of_its_simulator_and_what_else_it_is_told(tmp_path: Path) -> None:
+    """A checkout comes first, installed or not; other folders of PYTHONPATH stay, settings of Python's own do not."""
+    root, libs, cwd = tmp_path / "checkout", tmp_path / "libs", tmp_path / "cwd"
+    own = {
+        "PATH": "/bin",
+        "PYTHONINSPECT": "1",
+        "PYTHONWARNINGS": "error",
+        "PYTHONUSERBASE": "/u",
+        "PYTHONPATH": os.pathsep.join(["", ".", "rel", str(cwd), str(libs), str(root), f"{libs}/../cwd"]),
+    }
+    assert environment(own, cwd, root) == {
+        "PATH": "/bin",
+        "PYTHONUSERBASE": "/u",
+        "PYTHONPATH": f"{root}{os.pathsep}{libs}",
+    }
+    installed = Path(sysconfig.get_path("purelib"))
+    assert environment({"PYTHONPATH": str(libs)}, cwd, installed) == {"PYTHONPATH": str(libs)}
+    assert environment({"PYTHONPATH": ":"}, cwd, installed) == {}
+    assert environment({}, root, root) == {"PYTHONPATH": str(root)}  # called from the checkout itself
+
+
+# a simulator that sleeps --------------------------------------------------------------------------------------
+
+
+def test_a_question_asked_again_is_answered_as_before_and_moves_nothing(
+    parties: ZenohParties, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when the simulator was stopped and its own limit ran out over the answer."""
+    first = parties.advance("t", 1.0, [], TOLD)
+    asked: list[bytes] = []
+    ask = Asker.ask
+
+    def noted(
+        self: Asker, now_s: float, telegrams: Sequence[bytes], told: bytes
+    ) -> tuple[bytes, tuple[Tagged, ...]]:
+        asked.append(ask(self, now_s, telegrams, told)[0])
+        return asked[-1], ()
+
+    monkeypatch.setattr(Asker, "ask", noted)
+    second = parties.advance("t", 2.0, [], TOLD)
+    monkeypatch.setattr(Asker, "ask", lambda *_: (asked[-1], ()))
+    assert [parties.advance("t", 2.0, [], TOLD) for _ in range(3)] == [second] * 3
+    monkeypatch.setattr(Asker, "ask", ask)
+    assert parties.advance("t", 3.0, [], TOLD).wake_at_s == first.wake_at_s
+
+
+def test_a_party_that_hangs_is_blamed(parties: ZenohParties, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(host.over_zenoh, "ANSWER_LIMIT_S", 0.0)
+    (terminal,) = [p for p in psutil.Process().children() if "t" in p.cmdline()]
+    terminal.suspend()
+    try:
+        with pytest.raises(PartyError, match=r"^point terminal t hangs for 0 s$"):
+            parties.advance("t", 0.0, [], TOLD)
+    finally:
+        terminal.resume()
 
 
 # what is left ---------------------------------------------------------------------------------------------
@@ -248,6 +370,8 @@ def test_devices_end_when_their_parent_is_killed(tmp_path: Path) -> None:
 def test_a_device_that_cannot_start_says_why(tmp_path: Path) -> None:
     (tmp_path / "t").mkdir()
     (tmp_path / "t" / "durable").write_bytes(b"damaged")
-    with pytest.raises(PartyError, match=r"party t ended while it started; it wrote: .*undamaged"):
+    with pytest.raises(
+        PartyError, match=r"^point terminal t ended with code 2 while it started; it wrote: .*undamaged"
+    ):
         zenoh_parties(tmp_path).__enter__()
     assert processes_of(tmp_path) == []

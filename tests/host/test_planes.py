@@ -48,6 +48,12 @@ def test_a_session_scouts_for_nobody_and_knows_one_way_only() -> None:
     assert config["transport"]["link"]["protocols"] == ["unixsock-stream"]
 
 
+def test_who_was_stopped_for_a_day_has_lost_no_link() -> None:
+    """Nothing is heard of a stopped process; a link ends with the process, not with silence."""
+    tx = msgspec.json.decode(session_json5("listen", "unixsock-stream/z", "1"))["transport"]["link"]["tx"]
+    assert tx["lease"] > 24 * 3600 * 1000
+
+
 def test_secrets_are_drawn_and_the_session_has_a_name_that_zenoh_keeps() -> None:
     drawn = [new_secrets(KEYS) for _ in range(50)]
     assert len({secrets.plane_key for secrets in drawn}) == 50

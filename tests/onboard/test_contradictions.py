@@ -8,6 +8,7 @@ import pytest
 
 from onboard.duty.records import (
     Phase,
+    SwitchedOn,
 )
 from onboard.records import (
     EMERGENCY_INTERVENTION,
@@ -26,6 +27,7 @@ from radio.messages import (
     HoldingReport,
     RefusalReason,
     RouteGranted,
+    SignOn,
     SignOnAccepted,
     SignOnRefused,
 )
@@ -77,6 +79,36 @@ def test_a_train_whose_claim_is_refused_is_braked_until_that_is_over(running: Be
     assert running.held == SECTIONS  # what the tags read so far prove to be behind is given back first
     assert running.said[-1] == HoldingReport(SECTIONS, TOKEN)
     check_braked_until_agreed(running)
+
+
+def test_a_train_on_sight_whose_claim_is_refused_is_braked_until_it_is_signed_on(running: Bench) -> None:
+    """Neither side knew; a tag told it where it is; the manager has that for another."""
+    running.unit = running.boot(2)
+    running.motion.switch_on(running.mission, running.path, 0.0, 0.0)
+    running.row.speed_mps = 0.0
+    running.tell([SwitchedOn(running.plan, None)])
+    running.hear(MANAGER, SignOnRefused(RefusalReason.CLAIM_NEEDED))
+    assert "mismatch" not in running.notes
+    running.at(running.now_s + UnitParameters().emergency_release_s)
+    assert running.row.intervention == NO_INTERVENTION
+    running.row.speed_mps = 3.0
+    running.ticked(EVENT_MOVING)
+    running.read(602)
+    claim = running.said[-1]
+    assert isinstance(claim, SignOn)
+    assert claim.section_ids
+    running.hear(MANAGER, SignOnRefused(RefusalReason.HELD, claim.section_ids[0], "K2"))
+    assert "mismatch" in running.notes
+    assert (running.row.intervention, running.row.mode) == (EMERGENCY_INTERVENTION, MODE_HOLD)
+    running.row.speed_mps = 0.0
+    running.ticked(EVENT_STOPPED)
+    running.at(running.now_s + UnitParameters().emergency_release_s)
+    assert running.row.intervention == EMERGENCY_INTERVENTION  # standing does not end it
+    assert running.said[-1] == claim  # said again
+    running.hear(MANAGER, SignOnAccepted(claim.section_ids, TOKEN, None, ()))
+    assert "agreed" in running.notes
+    running.at(running.now_s + UnitParameters().emergency_release_s)
+    assert running.row.intervention == NO_INTERVENTION
 
 
 def test_a_train_that_disagrees_does_not_leave(granted: Bench) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import subprocess
+import sys
+import tracemalloc
+from collections.abc import Iterable
 from enum import Enum
 from hashlib import blake2b
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Final, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 import pytest
@@ -18,7 +23,7 @@ from network.errors import InputError
 from network.model import Position
 from onboard.notes import Arrived, Departs, Holds, Moving, Proven
 from simulation.events import EVENTS, WORLD, Collision, Entry, EventType, authors_of, unit_of, word_of
-from simulation.journal import Journal, decode_entry, encode_entry, read_journal
+from simulation.journal import SPILL_BYTES, Journal, decode_entry, encode_entry, last_time_s, read_journal
 from wayside.said import Granted, Refused
 
 TOKEN_MAX = 2**63 - 1
@@ -152,3 +157,92 @@ def test_watchers_see_every_further_entry_in_order() -> None:
     journal.write(0.1, "V1", proven)
     assert [entry.event for entry in seen] == [departs, proven]
     assert Journal().to_bytes() == b""
+
+
+# in a file ------------------------------------------------------------------------------------------------------
+
+
+def course(length: int) -> list[Entry]:
+    """Entries of many lengths."""
+    return [
+        Entry(0.1 * n, f"V{n % 7}", Holds(section_ids=("駅",) * (n % 23), token=n)) for n in range(length)
+    ]
+
+
+def grown(journal: Journal, entries: Iterable[Entry]) -> Journal:
+    for entry in entries:
+        journal.write(entry.t_s, entry.who, entry.event)
+    return journal
+
+
+@pytest.mark.parametrize("length", [0, 1, 40, 2000])
+def test_it_is_the_same_in_a_file(tmp_path: Path, length: int) -> None:
+    """Digest, bytes and entries; read in the middle of it, and when it is whole; under another name, too."""
+    entries = course(length)
+    file = tmp_path / "journal.jsonl"
+    here, there = grown(Journal(), entries), Journal(file)
+    for number, entry in enumerate(entries):
+        there.write(entry.t_s, entry.who, entry.event)
+        if number % 500 == 250:
+            assert list(there.entries) == entries[: number + 1]
+    assert there.digest() == here.digest()
+    assert there.to_bytes() == here.to_bytes()
+    assert list(there.entries) == entries == here.entries
+    there.spill()
+    assert file.read_bytes() == here.to_bytes()
+    there.moved(file.rename(tmp_path / "put"))
+    assert list(there.entries) == entries
+    assert len(there.entries) == length
+    if entries:
+        assert (there.entries[-1], there.entries[:1]) == (entries[-1], entries[:1])
+        assert last_time_s(tmp_path / "put") == entries[-1].t_s
+    else:
+        assert last_time_s(tmp_path / "put") is None
+
+
+def test_what_is_in_the_file_is_not_in_memory(tmp_path: Path) -> None:
+    """What a journal takes does not grow with the day."""
+    held = []
+    for length in (3000, 12_000):
+        entries = course(length)
+        tracemalloc.start()
+        before, _ = tracemalloc.get_traced_memory()
+        journal = grown(Journal(tmp_path / str(length)), entries)
+        after, _ = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert (tmp_path / str(length)).stat().st_size > 4 * SPILL_BYTES
+        held.append(after - before)
+        assert journal.entries
+    assert max(held) < 8 * SPILL_BYTES
+
+
+WRITER: Final = """
+import resource, sys
+from pathlib import Path
+from onboard.notes import Holds
+from simulation.journal import Journal
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
+journal = Journal(Path(sys.argv[1]))
+try:
+    for n in range(20_000):
+        journal.write(0.1 * n, "V1", Holds(section_ids=("3",) * (n % 23), token=n))
+except OSError as error:
+    print(error.errno, error.filename, n + 1, len(journal.entries))
+"""
+
+
+@pytest.mark.parametrize("room_bytes", [0, 10, 40_000, 123_457])
+def test_where_the_disk_is_full_it_ends_with_a_whole_line(tmp_path: Path, room_bytes: int) -> None:
+    """A limit of the size of files stands for the disk; what is not in the file is still in memory."""
+    file = tmp_path / "journal.jsonl"
+    done = subprocess.run(
+        [sys.executable, "-c", WRITER, str(file), str(room_bytes)], capture_output=True, text=True, check=True
+    )
+    number, name, written, held = done.stdout.split()
+    assert (int(number), name) == (errno.EFBIG, str(file))
+    assert written == held
+    kept = read_journal(file)  # no half line
+    assert [entry.event for entry in kept] == [
+        Holds(section_ids=("3",) * (n % 23), token=n) for n in range(len(kept))
+    ]
+    assert room_bytes - 200 < file.stat().st_size <= room_bytes or room_bytes < 200

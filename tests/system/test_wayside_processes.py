@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
 
 from host.parties import PartyError
+from host.planes import ANSWER_LIMIT_S
+from simulation.journal import read_journal
+from study.outcome import Outcome
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 
@@ -30,13 +35,14 @@ class Running:
     devices: list[psutil.Process]
     cwd: Path
     temporary: Path
+    said: dict[str, Any] = field(default_factory=dict[str, Any])  # the object on stdout
 
     def end(self) -> str:
         """Wait until the program has ended; what else it wrote on stderr."""
         assert self.program.stdout is not None
         assert self.program.stderr is not None
         rest, err = self.program.communicate(timeout=60)
-        assert rest == ""
+        self.said = json.loads(rest) if rest else {}
         return "\n".join(text for text in err.splitlines() if ":00, " not in text)
 
     def device(self, name: str) -> psutil.Process:
@@ -54,8 +60,22 @@ def alive(processes: list[psutil.Process]) -> list[psutil.Process]:
     return running
 
 
+def passes(program: subprocess.Popen[str], real_s: float) -> None:
+    """Real time passes, in which the program does not end."""
+    with pytest.raises(subprocess.TimeoutExpired):
+        program.wait(timeout=real_s)
+
+
+@pytest.fixture(params=[signal.SIG_DFL])
+def hang_up_is(request: pytest.FixtureRequest) -> Iterator[None]:
+    """What the program finds set for SIGHUP: not what nohup may have set for these tests."""
+    before = signal.signal(signal.SIGHUP, request.param)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.fixture
-def running(command: tuple[str, ...], tmp_path: Path) -> Iterator[Running]:
+def running(command: tuple[str, ...], tmp_path: Path, hang_up_is: None) -> Iterator[Running]:
     temporary, cwd = tmp_path / "temporary", tmp_path / "cwd"
     temporary.mkdir()
     cwd.mkdir()
@@ -99,31 +119,98 @@ def terminate(program: subprocess.Popen[str]) -> None:
     program.terminate()
 
 
-@pytest.mark.parametrize(("stop", "code"), [(ctrl_c, 130), (interrupt, 130), (twice, 130), (terminate, 143)])
+def terminate_all(program: subprocess.Popen[str]) -> None:
+    """As a service manager does it."""
+    os.killpg(program.pid, signal.SIGTERM)
+
+
+def hang_up(program: subprocess.Popen[str]) -> None:
+    """As a terminal does it that is closed: to the whole process group."""
+    os.killpg(program.pid, signal.SIGHUP)
+
+
+@pytest.mark.parametrize(
+    ("stop", "outcome"),
+    [
+        (ctrl_c, Outcome.INTERRUPTED),
+        (interrupt, Outcome.INTERRUPTED),
+        (twice, Outcome.INTERRUPTED),
+        (terminate, Outcome.TERMINATED),
+        (terminate_all, Outcome.TERMINATED),
+        (hang_up, Outcome.HUNG_UP),
+    ],
+)
 def test_a_stopped_run_leaves_nothing_behind(
-    running: Running, stop: Callable[[subprocess.Popen[str]], None], code: int
+    running: Running, stop: Callable[[subprocess.Popen[str]], None], outcome: Outcome
 ) -> None:
     stop(running.program)
     assert running.end() == "interrupted"
-    assert running.program.returncode == code
+    assert running.said["outcome"] == outcome.value
+    assert running.program.returncode == outcome.code
     assert alive(running.devices) == []
     assert list(running.cwd.iterdir()) == []
     assert list(running.temporary.iterdir()) == []
 
 
-def test_devices_end_by_themselves_when_the_simulator_is_killed(running: Running) -> None:
+@pytest.mark.parametrize("hang_up_is", [signal.SIG_IGN], indirect=True, ids=["nohup"])
+def test_who_asked_for_it_is_not_hung_up(running: Running) -> None:
+    hang_up(running.program)
+    passes(running.program, 1.0)
+    terminate(running.program)
+    assert running.end() == "interrupted"
+    assert running.program.returncode == Outcome.TERMINATED.code
+
+
+def test_a_simulator_that_was_stopped_blames_no_device(running: Running) -> None:
+    """Asked, the device gives no answer while both are stopped; its own limit is long over when it wakes."""
+    device = running.device("OGN-W")
+    device.suspend()
+    passes(running.program, 1.0)
+    running.program.send_signal(signal.SIGSTOP)
+    passes(running.program, ANSWER_LIMIT_S + 2.0)
+    running.program.send_signal(signal.SIGCONT)
+    passes(running.program, 1.0)
+    device.resume()
+    assert running.end() == "writing the report"
+    assert (running.program.returncode, running.said["outcome"]) == (0, "good")
+    day = execute(load_scenario("karasuyama_weekday"), Link.SIMULATED)
+    assert running.said["digest"] == day.result.digest
+
+
+def test_devices_end_by_themselves_when_the_simulator_is_killed(
+    running: Running, command: tuple[str, ...]
+) -> None:
+    """What it leaves on disk, hidden, the next start sweeps: the run directory begun, and temporary folders."""
     running.program.kill()
     running.program.wait(timeout=60)
     assert alive(running.devices) == []
-    assert list(running.cwd.iterdir()) == []
+    runs = running.cwd / "runs"
+    (left,) = runs.iterdir()
+    assert left.name.startswith(".karasuyama_weekday-")
+    assert {path.name.partition("-")[0] for path in running.temporary.iterdir()} == {"bl", "branchline"}
+    again = subprocess.run(
+        [*command, "run", "rtri_test_line", "--link", "zenoh", "--json"],
+        cwd=running.cwd,
+        env={**os.environ, "TMPDIR": str(running.temporary)},
+        capture_output=True,
+        check=False,
+    )
+    assert again.returncode == 0
+    assert [path.name for path in runs.iterdir()] == ["rtri_test_line"]
+    assert list(running.temporary.iterdir()) == []
 
 
 def test_a_device_that_dies_unasked_ends_the_run_with_its_name(running: Running) -> None:
     running.device("OGN-W").kill()
-    assert running.end().startswith("error: party OGN-W")
-    assert running.program.returncode == 1
+    assert running.end().startswith("error: point terminal OGN-W was killed by SIGKILL")
+    assert running.program.returncode == Outcome.COULD_NOT_RUN.code
+    assert running.said["outcome"] == "could not run"
     assert alive(running.devices) == []
-    assert list(running.cwd.iterdir()) == []
+    (kept,) = (running.cwd / "runs").iterdir()
+    assert kept.name == "karasuyama_weekday-incomplete"
+    assert running.said["message"].endswith(f"; what was run so far is in {kept}")
+    assert {path.name for path in kept.iterdir()} == {"journal.jsonl", "incomplete.txt"}
+    assert read_journal(kept / "journal.jsonl")[-1].t_s > 5 * 3600.0
     assert list(running.temporary.iterdir()) == []
 
 

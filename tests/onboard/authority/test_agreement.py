@@ -30,7 +30,7 @@ from onboard.authority.records import (
     Timer,
     Write,
 )
-from onboard.authority.tables import REPEAT_S, Result, Standing, Table, standing
+from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Result, Standing, Table, standing
 from tests.onboard.authority.test_machine import Course, after_all, begun, courses_with_crew
 
 REPORT: Final = Timer("report")
@@ -105,6 +105,35 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         DENIED,
         stopped(SIGNING_OFF, REFUSED),
         said(REFUSED, "PE"),
+    ),
+    "its sign-on refused where it says that it stands, the train is stopped, and it asks again": (
+        SIGNING_ON,
+        replace(DENIED, answers=True),
+        replace(SIGNING_ON, mismatch=REFUSED, requests=(replace(CLAIMING, refusal=DENIED.why),)),
+        (
+            SetTimer(CLAIMING.timer, REFUSED_REPEAT_S),
+            Write(notes.SignOnDenied(why=DENIED.why)),
+            Write(notes.Mismatch(why=REFUSED)),
+        ),
+    ),
+    "refused again, it is stopped already": (
+        replace(SIGNING_ON, mismatch=REFUSED),
+        replace(DENIED, answers=True),
+        replace(SIGNING_ON, mismatch=REFUSED, requests=(replace(CLAIMING, refusal=DENIED.why),)),
+        (SetTimer(CLAIMING.timer, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why=DENIED.why))),
+    ),
+    "a refusal of another sign-on stops nothing": (SIGNING_ON, DENIED, SIGNING_ON, ()),
+    "a wish to enter that is refused stops nothing": (
+        replace(SIGNING_ON, held=(), entering=True),
+        replace(DENIED, answers=True),
+        replace(SIGNING_ON, held=(), entering=True, requests=(replace(CLAIMING, refusal=DENIED.why),)),
+        (SetTimer(CLAIMING.timer, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why=DENIED.why))),
+    ),
+    "who does not know what it holds claims nothing that could be refused": (
+        Authority(requests=(replace(CLAIMING, section_ids=None),)),
+        replace(DENIED, answers=True),
+        Authority(requests=(replace(CLAIMING, section_ids=None, refusal=DENIED.why),)),
+        (SetTimer(CLAIMING.timer, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why=DENIED.why))),
     ),
     "its claim accepted with less than it holds, the train is stopped": (
         HOLDING,

@@ -287,11 +287,12 @@ def test_row(name: str) -> None:
 
 
 def test_every_row_has_a_case() -> None:
-    """With the rows that it shares with `agreement`: answers to a claim, and refusals of a sign-off."""
+    """With the rows that it shares with `agreement`: answers to a claim, and refusals of a sign-on and a sign-off."""
     cases = {(standing(state), type(event)) for state, event, _, _ in CASES.values()}
     shared = {
         (Standing.ON_LINE, SignedOn),
         (Standing.SIGNING_OFF, SignedOn),
+        (Standing.SIGNING_ON, Refused),
         (Standing.SIGNING_OFF, Refused),
     }
     assert cases == {*sign_on.TABLE, *shared}

@@ -70,7 +70,11 @@ def test_a_bug_is_one_line_and_leaves_the_journal(
 ) -> None:
     told = fails_while_a_train_runs(monkeypatch)
     ended = main(*arguments)
-    assert (ended.code, ended.out) == (70, "")
+    assert ended.code == 70
+    if "--json" in arguments:
+        assert ended.figures()["outcome"] == "bug" and ended.figures()["message"] in ended.err
+    else:
+        assert ended.out == ""
     said = WORDS.fullmatch(ended.err.splitlines()[-1])
     assert said is not None, ended.err
     assert (said[1], said[5]) == (scenario, str(tmp_path / folder))
@@ -85,7 +89,7 @@ def test_a_reproduction_names_the_bug_of_its_run(
 ) -> None:
     told = fails_while_a_train_runs(monkeypatch)
     ended = main("reproduce", "sugiyama-table5", "--quick", "--json")
-    assert (ended.code, ended.out) == (70, "")
+    assert (ended.code, ended.figures()["outcome"]) == (70, "bug")
     assert "bug: KeyError: 'planted'; scenario rtri_" in ended.err and "Traceback" not in ended.err
     (folder,) = (tmp_path / "runs").iterdir()
     check_kept(folder, told)
@@ -133,7 +137,7 @@ def test_a_bug_outside_a_run_is_one_line_too(
 
     monkeypatch.setattr("study.run.run.write_report", failing)
     ended = main("run", "rtri_test_line", "--carrier", "plain", "--json")
-    assert (ended.code, ended.out) == (70, "")
+    assert (ended.code, ended.figures()["outcome"]) == (70, "bug")
     last = ended.err.splitlines()[-1]
     assert last.startswith("bug: ValueError: planted in two lines; the traceback is in ")
     assert "ValueError: planted" in Path(last.rpartition(" ")[2]).read_text("utf-8")

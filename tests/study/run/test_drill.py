@@ -12,7 +12,8 @@ from simulation.cabs import Cabs
 from simulation.duties import Duties
 from simulation.events import MANAGER, WORLD, Author, authors_of
 from simulation.faults.script import Property
-from study.run.drill import Drill, find_drill, run_drill, sentence_of, shipped_drills, write_drill
+from study.run.directory import reserved
+from study.run.drill import Drill, fill_drill, find_drill, run_drill, sentence_of, shipped_drills
 from study.run.run import Link, terminals_of
 from study.scenario.scenario import load_scenario
 
@@ -172,7 +173,8 @@ def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
 def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
     drill = run_drill("rtri/21_points_stuck", Link.SIMULATED)
     out = tmp_path / "out"
-    page = write_drill(drill, out).read_text("utf-8")
+    with reserved(out) as place:
+        page = fill_drill(drill, place).read_text("utf-8")
     told = json.loads((out / "summary.json").read_text("utf-8"))["drill"]
     assert told["passed"] is True
     assert [item["text"] for item in told["expectations"]] == [v.text for v in drill.verdicts]

@@ -27,6 +27,7 @@ from study.run.run import (
     CarrierKind,
     Link,
     Run,
+    UnitsAt,
     broken_by,
     execute,
     link_of,
@@ -148,6 +149,7 @@ def test_impossible_meets_are_told_when_trains_are_missing() -> None:
     assert any(text.startswith("321M and 322M would meet at Ogane") for text in told)
 
 
+@pytest.mark.system
 def test_every_run_has_new_keys_which_leave_no_trace_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bits that flip in the air change codes and capabilities too: which ones they are decides nothing."""
     keys = []
@@ -161,10 +163,12 @@ def test_every_run_has_new_keys_which_leave_no_trace_in_it(monkeypatch: pytest.M
     noisy = replace(scenario.setup, air=scenario.setup.air.model_copy(update={"flip_p": 1e-3}))
     scenario = replace(scenario, setup=noisy)
     runs = [execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN) for _ in range(2)]
-    assert keys[0] != keys[1]
+    runs.append(execute(scenario, Link.ZENOH, units=UnitsAt.PROCESSES, carrier=CarrierKind.PLAIN))
+    assert len(set(keys)) == len(keys) == 3
     dropped = [e for e in runs[0].result.journal.entries if isinstance(e.event, TelegramDropped)]
     assert len(dropped) > 5
-    assert runs[0].result.digest == runs[1].result.digest
+    assert len({run.result.digest for run in runs}) == 1
+    assert len({run.result.journal.to_bytes() for run in runs}) == 1
 
 
 def test_what_starts_the_devices_of_a_line() -> None:

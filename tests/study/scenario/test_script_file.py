@@ -11,6 +11,7 @@ from branchline import cli
 from network.errors import InputError
 from simulation.faults.links import ANY, Cut, Link, Reorder
 from simulation.faults.script import DEFAULTS, ActKind, Property
+from study.outcome import Outcome
 from study.scenario.scenario import Scenario, load_scenario
 
 HEAD = 'extends = "rtri_test_line"\nid = "tried"\n'
@@ -160,7 +161,7 @@ def test_the_command_ends_with_2_and_one_line(
     monkeypatch.setattr(sys, "argv", ["branchline", "drill", str(file)])
     with pytest.raises(SystemExit) as ended:
         cli.main()
-    assert ended.value.code == cli.BAD_INPUT
+    assert ended.value.code == Outcome.BAD_INPUT.code
     assert capsys.readouterr().err.splitlines()[-1].startswith("error: ")
 
 

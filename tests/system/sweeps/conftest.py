@@ -8,8 +8,9 @@ from typing import Final
 
 import pytest
 
+from study.run.directory import replaced
 from study.run.sweep import Variation, Window, sweep
-from study.run.sweep_report import classes_of, figures_of, text_of, write_sweep
+from study.run.sweep_report import classes_of, figures_of, owns, text_of, write_sweep
 from study.scenario.scenario import Scenario
 
 JOBS: Final = 1  # the other worker has the other line
@@ -24,7 +25,8 @@ def bad_in(tmp_path: Path) -> Sweeps:
     def run(scenario: Scenario, variations: Sequence[Variation], window: Window) -> list[str]:
         swept = sweep(scenario.setup, variations, window, JOBS)
         out = tmp_path / "sweep"
-        write_sweep(scenario, swept, variations, figures_of(scenario, swept, ()), out)
+        with replaced(out, owns, "a sweep") as folder:
+            write_sweep(scenario, swept, variations, figures_of(scenario, swept, ()), folder)
         return [f"{text_of(found)}; {out / found.replay}" for found in classes_of(swept) if found.bad]
 
     return run

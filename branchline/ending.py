@@ -1,0 +1,92 @@
+"""How a command ends: every error becomes an `Outcome` here, with one line on stderr for a person to act on.
+
+With `--json` stdout carries one object, which has the outcome, and nothing else; all else is on stderr.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Final, cast
+
+import typer
+
+from branchline.progress import tell
+from study.outcome import Outcome, StoppedError, outcome_of, text_of
+
+STOPS: Final = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
+USAGE_COLUMNS: Final = 200  # of a usage error, which repeats what was typed
+JSON_OPTION: Final = "--json"
+
+
+def stop_by_signals() -> None:
+    """From now on a signal is a `StoppedError`. What nohup has set for SIGHUP stays."""
+    for number in STOPS:
+        if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def _stop(number: int, _frame: FrameType | None) -> None:
+    """End like any other way: contexts close, processes go. Only once, so that the clearing up is not stopped."""
+    for stop in STOPS:
+        signal.signal(stop, signal.SIG_IGN)
+    raise StoppedError(signal.Signals(number))
+
+
+def ended(command: Callable[[], Outcome]) -> Outcome:
+    """Run a command to its end, whatever that is; what is wrong is told."""
+    try:
+        outcome = command()
+        sys.stdout.flush()
+    except typer.TyperException as error:
+        told = " ".join(error.format_message().split())[:USAGE_COLUMNS].rstrip(".")
+        return _tell(Outcome.BAD_INPUT, f"command line: {told}; see branchline --help")
+    except (Exception, StoppedError) as error:
+        outcome = outcome_of(error)
+        if outcome is Outcome.BUG:
+            return _tell(Outcome.BUG, _bug(error), label="bug: ")
+        if isinstance(error, StoppedError):
+            return _tell(outcome, "interrupted", label="")
+        return _tell(outcome, text_of(error))
+    return outcome
+
+
+def judged(good: bool) -> Outcome:
+    """How a command ends that came to its end."""
+    return Outcome.GOOD if good else Outcome.BROKEN
+
+
+def print_json(value: object, outcome: Outcome | None = None) -> None:
+    """One object, and how the command ends."""
+    if outcome is not None and isinstance(value, dict):
+        value = {"outcome": outcome.value, **cast("dict[str, object]", value)}
+    sys.stdout.write(json.dumps(value, ensure_ascii=False) + "\n")
+    sys.stdout.flush()
+
+
+def _tell(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
+    """One line on stderr; one object on stdout, if one was asked for and stdout still takes it."""
+    tell(f"{label}{text}")
+    try:
+        if JSON_OPTION in sys.argv[1:]:
+            print_json({"message": text}, outcome)
+        sys.stdout.flush()
+    except OSError:  # what is left in its buffer would fail once more when the interpreter ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return outcome
+
+
+def _bug(error: BaseException) -> str:
+    """What a bug is; the traceback, and the journal of a run that was under way, go into files."""
+    from study.run.crash import Crashed, keep, keep_traceback, named
+
+    try:
+        if isinstance(error, Crashed):
+            return f"{error}; its journal so far and the traceback are in {keep(error)}"
+        return f"{named(error)}; the traceback is in {keep_traceback(error)}"
+    except OSError as full:
+        return f"{named(error)}; nothing could be kept of it: {text_of(full)}"
