@@ -20,6 +20,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from network.errors import InputError
 from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
+from network.files.names import Identifier, Prose, Title
 from network.files.raw import is_list, is_table
 from network.files.toml_input import Record
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
@@ -192,8 +193,8 @@ class _Sensors(Record):
 class TrainFile(Record):
     """A whole train file; keys may end in other units, see `UNITS`."""
 
-    id: Annotated[str, Field(min_length=1), about("name of the kind of train")]
-    name: Annotated[str, Field(min_length=1), about("what people call it")]
+    id: Annotated[Identifier, about("name of the kind of train")]
+    name: Annotated[Title, Field(min_length=1), about("what people call it")]
     body: _Body
     resistance: _Resistance
     traction: _Traction
@@ -204,7 +205,7 @@ class TrainFile(Record):
     adhesion: _Adhesion
     sensors: _Sensors
     provenance: Annotated[
-        dict[str, str], about('source of each figure, by key ("body.length_m") or table, or "assumed: why"')
+        dict[str, Prose], about('source of each figure, by key ("body.length_m") or table, or "assumed: why"')
     ]
 
 

@@ -10,11 +10,10 @@ from typing import Annotated, Final, Literal
 from pydantic import Field
 
 from network.files.kinds import Positive, about
+from network.files.names import Identifier, Prose, Title
 from network.files.toml_input import Record
 from network.model import Direction
 
-# Ids become SUMO ids and Zenoh key expressions, which both reserve most other characters.
-Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
 DirectionName = Literal["down", "up"]
 
 DIRECTIONS: Final[dict[str, Direction]] = {"down": Direction.DOWN, "up": Direction.UP}
@@ -24,12 +23,12 @@ TAG_ID_MAX: Final = 0xFFFF  # section 6.1.3: 24 bits hold a tag's id and its CRC
 class LineTable(Record):
     """`[line]`."""
 
-    id: Annotated[Id, about("name of the line")]
-    name: Annotated[str, about("what people call it")]
-    name_ja: Annotated[str, about("the same in Japanese")] = ""
+    id: Annotated[Identifier, about("name of the line")]
+    name: Annotated[Title, about("what people call it")]
+    name_ja: Annotated[Title, about("the same in Japanese")] = ""
     max_speed_kmh: Annotated[Positive, about("greatest speed anywhere")]
-    sources: Annotated[list[str], about("where its figures come from")] = Field(default_factory=list)
-    assumed: Annotated[list[str], about("what nobody has published, in sentences for the report")] = Field(
+    sources: Annotated[list[Prose], about("where its figures come from")] = Field(default_factory=list)
+    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
         default_factory=list
     )
 
@@ -67,7 +66,7 @@ class LimitTable(RangeTable):
 class AlignmentTable(RangeTable):
     """`[[alignments]]`."""
 
-    id: Annotated[Id, about("name of the axis")]
+    id: Annotated[Identifier, about("name of the axis")]
     x_m: Annotated[float, about("where it begins, east")] = 0.0
     y_m: Annotated[float, about("where it begins, north")] = 0.0
     bearing_deg: Annotated[float, about("where it heads, from north")] = 0.0
@@ -83,7 +82,7 @@ class AlignmentTable(RangeTable):
 class SectionTable(Record):
     """`[[sections]]`: a points section has neither range nor offset, its points give them."""
 
-    id: Annotated[Id, about("name of the section (閉そく区間)")]
+    id: Annotated[Identifier, about("name of the section (閉そく区間)")]
     kind: Annotated[
         Literal["track", "points", "between", "portal"],
         about("platform track, points, between stations, or portal to another line"),
@@ -97,9 +96,9 @@ class SectionTable(Record):
 class PointsTable(Record):
     """`[[points]]`: stem between the toe and the end the facing train comes from, legs on the other side."""
 
-    id: Annotated[Id, about("name of the points (転てつ器)")]
+    id: Annotated[Identifier, about("name of the points (転てつ器)")]
     section: Annotated[str, about("points section they lie in")]
-    terminal: Annotated[Id, about("terminal that drives them")]
+    terminal: Annotated[Identifier, about("terminal that drives them")]
     alignment: Annotated[str | None, about("its axis; left out: the first")] = None
     from_km: Annotated[float, about("low end")]
     toe_km: Annotated[float, about("where the legs part")]
@@ -124,7 +123,7 @@ class JointTable(Record):
 class PlatformTable(Record):
     """`stations.tracks`."""
 
-    name: Annotated[str, Field(min_length=1), about("number of the track")]
+    name: Annotated[Title, Field(min_length=1), about("number of the track")]
     section: Annotated[str, about("section it lies in")]
     platform_from_km: Annotated[float, about("platform, low end")]
     platform_to_km: Annotated[float, about("platform, high end")]
@@ -138,9 +137,9 @@ class PlatformTable(Record):
 class StationTable(Record):
     """`[[stations]]`."""
 
-    id: Annotated[Id, about("name of the station")]
-    name: Annotated[str, about("what people call it")]
-    name_ja: Annotated[str, about("the same in Japanese")] = ""
+    id: Annotated[Identifier, about("name of the station")]
+    name: Annotated[Title, about("what people call it")]
+    name_ja: Annotated[Title, about("the same in Japanese")] = ""
     km: Annotated[float, about("kilometrage")]
     halt: Annotated[bool, about("on a section between stations, no track of its own")] = False
     tracks: Annotated[list[PlatformTable], Field(min_length=1), about("platform tracks")]

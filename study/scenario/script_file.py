@@ -13,6 +13,7 @@ from typing import Any, Final
 from pydantic import ConfigDict, Field
 
 from network.errors import InputError
+from network.files.names import Title
 from network.files.toml_input import Record, one_of, validate
 from network.graph import all_routes
 from network.timetable import clock
@@ -30,10 +31,10 @@ from simulation.faults.script import (
 from simulation.faults.table import FAULTS
 from simulation.setup import Setup
 from study.scenario.event_file import matcher_in
+from study.scenario.fleet_file import PEOPLE
 from wayside.config import MANAGER_ID
 
 _CLOCK: Final = re.compile(r"(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
-PEOPLE: Final = ("controller", "staff", "crew")
 
 
 class FaultTable(Record):
@@ -55,7 +56,7 @@ class ActTable(Record):
     start: str | dict[str, Any]
     target: str = ""
     after_s: float = Field(default=0.0, ge=0.0)
-    person: str = "controller"
+    person: Title = "controller"
     sections: list[str] = Field(default_factory=list)
     position: str = ""
     place: str = ""
@@ -66,7 +67,7 @@ class ActTable(Record):
 class ExpectTable(Record):
     """`[[expect]]`: an event (words or a table), its absence, or a property."""
 
-    text: str
+    text: Title
     event: str | dict[str, Any] | None = None
     absent: bool = False
     after: str | dict[str, Any] | None = None

@@ -124,7 +124,7 @@ FAULTS = [
         0,
         "above 0",
     ),
-    ("bad id", changed('id = "sample"', 'id = "a b"'), "line.id", "a b", "match"),
+    ("bad id", changed('id = "sample"', 'id = "a b"'), "line.id", "a b", "an identifier"),
     ("kind", changed('kind = "portal"', 'kind = "door"'), "sections[0].kind", "door", "'track'"),
     (
         "gap",
