@@ -7,7 +7,6 @@ by its key (`"body.length_m"`) or its table (`"body"`), with a source or a text 
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,7 +21,7 @@ from network.errors import InputError
 from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
 from network.files.names import Identifier, Prose, Title
 from network.files.raw import is_list, is_table
-from network.files.toml_input import Record
+from network.files.toml_input import Record, parse_table, read_text
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 
 TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
@@ -238,14 +237,7 @@ def load_train(path: Path) -> TrainType:
 
 def read_train(path: Path) -> dict[str, Any]:
     """The tables of a train file as they are written. Raises InputError."""
-    file = str(path)
-    try:
-        with path.open("rb") as stream:
-            return tomllib.load(stream)
-    except OSError as error:
-        raise InputError(file, "", None, f"a readable train file ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(file, "", None, f"valid TOML ({error})") from error
+    return parse_table(read_text(path), str(path))
 
 
 def train_of(raw: Mapping[str, Any], file: str) -> TrainType:

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from network.errors import InputError
+from network.files.json_input import read_json
 from network.files.raw import is_table
-from network.files.toml_input import one_of, read_text
+from network.files.toml_input import one_of
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
@@ -91,10 +92,7 @@ def learned_of(path: Path, tuning: Tuning, stock_ids: Iterable[str]) -> dict[str
 
 def read_learned(path: Path) -> dict[str, Learned]:
     """What the trains of an earlier run learned, by stock id. InputError for a file that is not of that kind."""
-    try:
-        data = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(str(path), "", None, f"valid JSON ({error})") from error
+    data = read_json(path, object)
     if not is_table(data) or not all(is_table(kept) for kept in data.values()):
         raise InputError(str(path), "", None, "an object of trains, as a run with [tuning] leaves it")
     return {str(stock_id): learned_from(str(path), kept) for stock_id, kept in data.items()}

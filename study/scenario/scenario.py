@@ -17,6 +17,7 @@ from network.files.edits import Change
 from network.files.line_file import validate_train_fits
 from network.files.patch import patched_line
 from network.files.shipped import find_file, shipped_line, shipped_timetable
+from network.files.text_input import existing_file
 from network.files.timetable_patch import patched_timetable
 from network.files.toml_input import one_of
 from network.timetable import Timetable
@@ -105,7 +106,7 @@ def _folder() -> Path:
 def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> Path:
     """A file named relative to the scenario's own folder, or one that is shipped; InputError names the key."""
     near = path.parent / name
-    if name.endswith(".toml") and near.is_file():
+    if name.endswith(".toml") and existing_file(near):
         return near
     try:
         return shipped(name)
