@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Final
+
+from network.files.raw import is_row
 
 SHOWN_MAX: Final = 80  # characters of a value, or of a key, that a message shows
 EXPECTED_MAX: Final = 600  # of what was expected: it may name what a file calls its own things
@@ -26,20 +29,28 @@ class InputError(Exception):
 
 
 def shown(value: object) -> str:
-    """A value as a file spells it, cut at SHOWN_MAX characters."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        # A longer text is cut before its quotes and escapes are made: it may be as large as a file.
-        return cut(repr(value[: SHOWN_MAX + 1]))
-    if isinstance(value, list | tuple):
-        return cut(
-            f"[{', '.join(shown(item) for item in value[:SHOWN_MAX])}{', …' if len(value) > SHOWN_MAX else ''}]"
-        )
-    if isinstance(value, dict):
-        return "a table"
+    """A value as a file spells it, cut at SHOWN_MAX characters; a path whole, it is of no use without its end."""
+    match value:
+        case PurePath():
+            text = repr(str(value))
+        case bool():
+            text = str(value).lower()
+        case str():
+            # A longer text is cut before its quotes and escapes are made: it may be as large as a file.
+            text = cut(repr(value[: SHOWN_MAX + 1]))
+        case _ if is_row(value):
+            items = ", ".join(shown(item) for item in value[:SHOWN_MAX])
+            text = cut(f"[{items}{', …' if len(value) > SHOWN_MAX else ''}]")
+        case dict():
+            text = "a table"
+        case _:
+            text = cut(_plain(value))
+    return text
+
+
+def _plain(value: object) -> str:
     try:
-        return cut(str(value))
+        return str(value)
     except ValueError:  # Python writes no whole number of more than 4300 digits
         return "a number of thousands of digits"
 

@@ -6,9 +6,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from network.files.kinds import NotNegative, about
+from network.files.kinds import about
 from network.files.line_schema import DirectionName
 from network.files.names import Identifier, Prose, Title
+from network.files.quantities import Wait
 from network.files.toml_input import Record
 
 _CLOCK = "HH:MM or HH:MM:SS, 24:00 and later after midnight"
@@ -20,9 +21,7 @@ class HeadTable(Record):
     id: Annotated[Identifier, about("name of the timetable")]
     name: Annotated[Title, about("what people call it")] = ""
     line: Annotated[str, about("id of the line it belongs to")]
-    dwell_min_s: Annotated[
-        NotNegative, about("shortest stop for passengers", "assumed: a quiet platform")
-    ] = 20.0
+    dwell_min_s: Annotated[Wait, about("shortest stop for passengers", "assumed: a quiet platform")] = 20.0
     sources: Annotated[list[Prose], about("where its times come from")] = Field(default_factory=list)
     assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
         default_factory=list

@@ -87,8 +87,10 @@ def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> Inp
         known = keys_text(node_at(schema, location[:-1])[0], str(location[-1]))
         return InputError(file, key, value, f"no such key, but {known}")
     if detail["type"] == "too_long":
-        most, found = detail["ctx"]["max_length"], detail["ctx"]["actual_length"]
-        return InputError(file, key, None, f"at most {most} entries, not {found}")
+        ends = detail.get("ctx", {})
+        return InputError(
+            file, key, None, f"at most {ends.get('max_length')} entries, not {ends.get('actual_length')}"
+        )
     if detail["type"] in _OUT_OF_RANGE:
         what = "an integer" if node.get("type") == "integer" else "a number"
         what = "a finite number" if detail["type"] == "finite_number" else what

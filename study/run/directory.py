@@ -40,9 +40,9 @@ def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, w
     except FileNotFoundError:
         return
     except OSError as error:
-        raise InputError("command line", "--out", str(out), f"{expected} ({error.strerror})") from error
+        raise InputError("command line", "--out", out, f"{expected} ({error.strerror})") from error
     if strange:
-        raise InputError("command line", "--out", str(out), f"{expected}; it holds {min(strange)}")
+        raise InputError("command line", "--out", out, f"{expected}; it holds {min(strange)}")
 
 
 @contextmanager
@@ -59,7 +59,7 @@ def replaced(
         aside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
     except OSError as error:
         expected = f"a directory that can be written ({error.strerror})"
-        raise InputError("command line", "--out", str(out), expected) from error
+        raise InputError("command line", "--out", out, expected) from error
     try:
         yield aside / "new"
         if out.exists():

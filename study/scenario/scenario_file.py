@@ -10,6 +10,7 @@ from network.files.edits import Words
 from network.files.kinds import about
 from network.files.names import Identifier, Prose, Title
 from network.files.patch import LineWords
+from network.files.quantities import Seed
 from network.files.timetable_patch import TimetableWords
 from network.files.toml_input import Record
 from onboard.unit_records import UnitParameters
@@ -28,8 +29,6 @@ from simulation.settings import (
 from simulation.world.scatter import Scatter
 from study.scenario.belief import BeliefTable
 from study.scenario.script_file import ActTable, ExpectTable, FaultTable
-
-Seed = Annotated[int, Field(ge=0)]
 
 
 class TrainsTable(Load):

@@ -14,6 +14,7 @@ from pydantic import ConfigDict, Field
 
 from network.errors import InputError
 from network.files.names import Title
+from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
 from network.graph import all_routes
 from network.timetable import clock
@@ -45,8 +46,8 @@ class FaultTable(Record):
     kind: str
     target: str
     start: str | dict[str, Any]
-    after_s: float = Field(default=0.0, ge=0.0)
-    duration_s: float | None = Field(default=None, gt=0.0)
+    after_s: DrillTime = 0.0
+    duration_s: Duration | None = None
 
 
 class ActTable(Record):
@@ -55,13 +56,13 @@ class ActTable(Record):
     kind: str
     start: str | dict[str, Any]
     target: str = ""
-    after_s: float = Field(default=0.0, ge=0.0)
+    after_s: DrillTime = 0.0
     person: Title = "controller"
     sections: list[str] = Field(default_factory=list)
     position: str = ""
     place: str = ""
-    hold_s: float = Field(default=300.0, ge=0.0)
-    pace_s: float = Field(default=0.0, ge=0.0, le=600.0)
+    hold_s: DrillTime = 300.0
+    pace_s: Pace = 0.0
 
 
 class ExpectTable(Record):
@@ -72,12 +73,12 @@ class ExpectTable(Record):
     absent: bool = False
     after: str | dict[str, Any] | None = None
     until: str | dict[str, Any] | None = None
-    within_s: float | None = Field(default=None, gt=0.0)
+    within_s: Duration | None = None
     by: str | None = None
     property: str | None = None
     unit: str = ""
     section: str = ""
-    kmh: float | None = Field(default=None, ge=0.0)
+    kmh: SpeedFrom0Kmh | None = None
 
 
 def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
