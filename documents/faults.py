@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from documents.page import write_page
+from network.files.quantity import Quantity
 from simulation.faults.table import KINDS
 
 FILE: Final = Path("docs/faults.md")
@@ -41,11 +42,9 @@ def _table() -> Iterator[str]:
 
 
 def _key(name: str, info: FieldInfo) -> str:
-    low, high = (
-        next(getattr(m, bound) for m in info.metadata if hasattr(m, bound)) for bound in ("ge", "le")
-    )
+    quantity = next(item for item in info.metadata if isinstance(item, Quantity))
     default = "" if info.default is PydanticUndefined else f", {info.default} if not given"
-    return f"`{name}`: {info.description}, {low:g} to {high:g}{default}"
+    return f"`{name}`: {info.description}, {quantity.text()}{default}"
 
 
 def _families() -> Iterator[str]:

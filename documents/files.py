@@ -46,7 +46,7 @@ UNIT_OF: Final = {
     "_share": "share",
     "permille": "‰",
 }
-_KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
+KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
     (
         "Line",
         LineFile,
@@ -64,12 +64,18 @@ _KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
     ),
     ("Scenario and drill", ScenarioFile, "`study/scenarios/*.toml`, `study/drills/*/*.toml`: one run."),
 )
+_FORMATS: Final = {"HH:MM": "time", "identifier": "identifier"}
 _INTRO: Final = """# Files
 
 Made by `make docs` from the schemas that read the files; `branchline schema KIND` prints them as JSON Schema. All are
 TOML. A key that is not listed is refused, and so is a value outside its range: one message says file, key, value and
 what was expected. `needed` in place of a default: the key must be there. Shipped files are found by name, others by
 their path beside the scenario that names them.
+
+An `identifier` is at most 64 of `A-Z a-z 0-9 . _ -`, begins with a letter or a digit, does not end in a dot and is
+no name that Windows keeps for a device (`con`, `nul.toml`): it becomes a directory, an id of SUMO, a key of Zenoh.
+Japanese stands in the `name` and `name_ja` beside it. Text has no control characters; a name is one line of at most
+200 characters.
 """
 _UNITS_INTRO: Final = "Instead of a key in SI a file may have one of another ending, which is converted: "
 _WORDS: Final = """### What a patch may say
@@ -85,7 +91,7 @@ else by their index, and `*` is all of them: `"points.*.throw_time_s"`, `"trains
 def document() -> str:
     """The whole page."""
     parts = [_INTRO]
-    for title, model, text in _KINDS:
+    for title, model, text in KINDS:
         parts.append(f"## {title}\n\n{text}\n")
         if model is TrainFile:
             endings = ", ".join(f"`{ending}` for `{si}`" for ending, si, _, _ in UNITS)
@@ -183,8 +189,8 @@ def _type(own: Mapping[str, Any], field: Mapping[str, Any]) -> str:
     if field.get("type") == "array":
         items = field.get("items", {})
         return "list of tables" if "$ref" in items or items.get("type") == "object" else "list"
-    if field.get("format") == "HH:MM":
-        return "time"
+    if field.get("format") in _FORMATS:
+        return _FORMATS[str(field["format"])]
     names = {
         "number": "number",
         "integer": "whole number",

@@ -5,7 +5,13 @@ bug.
 from __future__ import annotations
 
 import errno
+from pathlib import PurePath
 from typing import Final
+
+from network.files.raw import is_row
+
+SHOWN_MAX: Final = 80  # characters of a value, or of a key, that a message shows
+EXPECTED_MAX: Final = 600  # of what was expected: it may name what a file calls its own things
 
 # What the system refuses for want of something, or of a right to it; any other error of its calls is a bug.
 _WANTING: Final = frozenset(
@@ -42,6 +48,43 @@ class InputError(Exception):
 
     def __str__(self) -> str:
         """One line for the person who has to mend the file."""
-        where = f"{self.file}: {self.key}" if self.key else self.file
-        value = "" if self.value is None else f" is {self.value!r}"
-        return f"{where}{value}; expected {self.expected}"
+        where = f"{one_line(self.file)}: {cut(one_line(self.key))}" if self.key else one_line(self.file)
+        value = "" if self.value is None else f" is {shown(self.value)}"
+        return f"{where}{value}; expected {cut(one_line(self.expected), EXPECTED_MAX)}"
+
+
+def shown(value: object) -> str:
+    """A value as a file spells it, cut at SHOWN_MAX characters; a path whole, it is of no use without its end."""
+    match value:
+        case PurePath():
+            text = repr(str(value))
+        case bool():
+            text = str(value).lower()
+        case str():
+            # A longer text is cut before its quotes and escapes are made: it may be as large as a file.
+            text = cut(repr(value[: SHOWN_MAX + 1]))
+        case _ if is_row(value):
+            items = ", ".join(shown(item) for item in value[:SHOWN_MAX])
+            text = cut(f"[{items}{', …' if len(value) > SHOWN_MAX else ''}]")
+        case dict():
+            text = "a table"
+        case _:
+            text = cut(_plain(value))
+    return text
+
+
+def _plain(value: object) -> str:
+    try:
+        return str(value)
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        return "a number of thousands of digits"
+
+
+def cut(text: str, most: int = SHOWN_MAX) -> str:
+    """A text with what goes beyond `most` characters left out."""
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def one_line(text: str) -> str:
+    """A text with everything escaped that does not show as itself on a line."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

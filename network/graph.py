@@ -15,6 +15,7 @@ from network.model import Direction, Leg, Line, Piece, Position, Route, Section,
 _STOPS: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
 _POSITION: Final = {Leg.NORMAL: Position.NORMAL, Leg.REVERSE: Position.REVERSE}
 _GRAPHS_MAX: Final = 16
+TRAILS_MAX: Final = 10_000  # of routes from one place: with more, nobody laid these points
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,11 +78,15 @@ def required_positions(line: Line, piece_ids: Sequence[str]) -> tuple[tuple[str,
     return tuple(item for item in needed if item is not None)
 
 
+class TooManyRoutesError(ValueError):
+    """The ways from one place to the next tracks are too many to be written down."""
+
+
 def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Route, ...]:
     """All routes from a track or portal to the next tracks or portals in `direction`, normal legs first.
 
     A route's id is `from>to`; a second way between the same two has `#2` behind it. Raises KeyError for an
-    unknown section, ValueError when the section is neither track nor portal.
+    unknown section, ValueError when the section is neither track nor portal, TooManyRoutesError beyond TRAILS_MAX.
     """
     section = line.sections[section_id]
     if section.kind not in _STOPS:
@@ -89,8 +94,12 @@ def routes_from(line: Line, section_id: str, direction: Direction) -> tuple[Rout
     routes: list[Route] = []
     ways: dict[str, int] = {}
     trails = [list(section.piece_ids)]
+    looked = 0
     while trails:
         trail = trails.pop()
+        looked += 1
+        if looked > TRAILS_MAX:
+            raise TooManyRoutesError(section_id)
         if len(trail) > 1 and _section_of(line, trail[-1]).kind in _STOPS:
             name = f"{section_id}>{_section_of(line, trail[-1]).id}"
             ways[name] = ways.get(name, 0) + 1

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from network.files.kinds import NotNegative, Positive, Share, about
+from network.files.kinds import about
+from network.files.quantities import Distance, PositionBound, Share, SightSpeedMps, Wait, WheelError
 from network.files.toml_input import Record
 from onboard.duty.turn import DutyParameters
 
@@ -13,45 +14,47 @@ class UnitParameters(Record):
     """`[unit]`: how on-board units time, localise and run on sight; the papers give no figures."""
 
     dwell_min_s: Annotated[
-        NotNegative,
+        Wait,
         about("shortest stop for passengers; a scenario has its timetable's", "timetable.dwell_min_s"),
     ] = 20.0
     request_lead_s: Annotated[
-        NotNegative,
+        Wait,
         about("a route is asked for this long before the departure", "assumed: throw and telegrams"),
     ] = 45.0
     time_margin_s: Annotated[
-        NotNegative, about("trains aim to arrive this much before the time", "assumed: a driver's habit")
+        Wait, about("trains aim to arrive this much before the time", "assumed: a driver's habit")
     ] = 10.0
     standoff_m: Annotated[
-        NotNegative, about("trains stop this far before a stop limit that is no mark", "assumed: stop error")
+        Distance, about("trains stop this far before a stop limit that is no mark", "assumed: stop error")
     ] = 15.0
     tag_accuracy_m: Annotated[
-        Positive, about("bound of the position at a tag", "assumed: reader's field")
+        PositionBound, about("bound of the position at a tag", "assumed: reader's field")
     ] = 0.5
     wheel_error_share: Annotated[
-        Share, about("growth of the bounds with distance", "assumed: worn wheels")
+        WheelError, about("growth of the bounds with distance", "assumed: worn wheels")
     ] = 0.02
     doubt_error_share: Annotated[
         Share,
         about("the same after a position fault, until two tags agree with it", "assumed: ten times that"),
     ] = 0.2
     doubt_bound_max_m: Annotated[
-        NotNegative,
+        Distance,
         about("a train that stands with wider bounds than this goes on sight", "assumed: a train and a half"),
     ] = 60.0
     wheel_scale_limit: Annotated[
-        NotNegative,
+        WheelError,
         about("most that tags may correct the wheel by, as a share", "assumed: below wheel_error_share"),
     ] = 0.015
     tag_window_m: Annotated[
-        Positive, about("a tag this far from where it is expected is a fault", "assumed: slip between tags")
+        PositionBound,
+        about("a tag this far from where it is expected is a fault", "assumed: slip between tags"),
     ] = 5.0
     emergency_release_s: Annotated[
-        NotNegative, about("the driver's acknowledgement after an emergency stop", "assumed: a radio call")
+        Wait, about("the driver's acknowledgement after an emergency stop", "assumed: a radio call")
     ] = 30.0
     restricted_mps: Annotated[
-        Positive, about("on sight, while the position is unknown", "assumed: 15 km/h, customary on sight")
+        SightSpeedMps,
+        about("on sight, while the position is unknown", "assumed: 15 km/h, customary on sight"),
     ] = 15.0 / 3.6
 
     @property

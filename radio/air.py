@@ -18,14 +18,13 @@ from typing import Annotated, Final
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
-from network.files.kinds import NotNegative, Probability, about
+from network.files.kinds import about
+from network.files.quantities import AddedDelay, LinkRate, Probability, TelegramDelay
 from network.files.toml_input import Record
 from radio.chance import generator
 
 STEP_S: Final = 0.1
 _STEP_TOLERANCE: Final = 1e-9
-
-Delay = Annotated[float, Field(ge=STEP_S)]
 
 
 class DelayShape(Enum):
@@ -53,10 +52,10 @@ class AirParameters(Record):
     """
 
     delay_min_s: Annotated[
-        Delay, about("least delay of a telegram", "one step: what lock-step with processes needs")
+        TelegramDelay, about("least delay of a telegram", "one step: what lock-step with processes needs")
     ] = STEP_S
     delay_mean_s: Annotated[
-        Delay,
+        TelegramDelay,
         Field(validate_default=True),
         about("mean delay, not below the least", "assumed: a perfect link"),
     ] = STEP_S
@@ -68,16 +67,16 @@ class AirParameters(Record):
     loss_good_p: Annotated[Probability, about("loss while the link is good", "assumed: a perfect link")] = 0.0
     loss_bad_p: Annotated[Probability, about("loss while it is bad", "as in Gilbert 1960")] = 1.0
     good_to_bad_per_s: Annotated[
-        NotNegative, about("rate at which a good link turns bad", "assumed: a perfect link")
+        LinkRate, about("rate at which a good link turns bad", "assumed: a perfect link")
     ] = 0.0
     bad_to_good_per_s: Annotated[
-        NotNegative,
+        LinkRate,
         about("rate at which a bad link turns good; a bad spell lasts 1 / this", "assumed: a second"),
     ] = 1.0
     duplicate_p: Annotated[Probability, about("a telegram comes twice", "assumed: a perfect link")] = 0.0
     reorder_p: Annotated[Probability, about("a telegram is held back", "assumed: a perfect link")] = 0.0
     reorder_delay_s: Annotated[
-        NotNegative, about("for how long it is held back", "assumed: a few telegrams")
+        AddedDelay, about("for how long it is held back", "assumed: a few telegrams")
     ] = 1.0
     flip_p: Annotated[Probability, about("a bit is wrong", "assumed: a perfect link")] = 0.0
 

@@ -10,11 +10,25 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
-from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
+from network.files.kinds import about
+from network.files.quantities import (
+    BitErrorFactor,
+    Days,
+    Deceleration,
+    FrameRate,
+    Gain,
+    Reaction,
+    ReadError,
+    RunLimit,
+    Share,
+    ShareAbove0,
+    SpeedMarginMps,
+    SpreadShare,
+    Wait,
+    WheelError,
+)
 from network.files.toml_input import Record
 from wayside.config import ReentryMode
-
-DAYS_MAX: Final = 60
 
 
 class Driving(Record):
@@ -26,14 +40,14 @@ class Driving(Record):
     law_of: Annotated[dict[str, str], about("driving law by stock id")] = Field(default_factory=dict)
 
     service_guaranteed_share: Annotated[
-        SharePositive,
+        ShareAbove0,
         about("of the strongest service notch, on which supervision counts", "assumed: worn pads, wet rail"),
     ] = 0.8
     emergency_guaranteed_share: Annotated[
-        SharePositive, about("of the emergency brake, on which supervision counts", "assumed: the same")
+        ShareAbove0, about("of the emergency brake, on which supervision counts", "assumed: the same")
     ] = 0.8
     design_adhesion_share: Annotated[
-        SharePositive,
+        ShareAbove0,
         about(
             "of the dry rail's adhesion, down to which the guaranteed brakes hold; what follows from less is told as"
             " outside the design",
@@ -41,34 +55,34 @@ class Driving(Record):
         ),
     ] = 0.8
     reaction_reserve_s: Annotated[
-        NotNegative, about("beyond dead time and lag of the brake", "assumed: ageing valves")
+        Reaction, about("beyond dead time and lag of the brake", "assumed: ageing valves")
     ] = 0.5
     service_margin_mps: Annotated[
-        NotNegative, about("over the permitted speed before the service brake comes", "assumed: 2 km/h")
+        SpeedMarginMps, about("over the permitted speed before the service brake comes", "assumed: 2 km/h")
     ] = 0.6
     release_margin_mps: Annotated[
-        NotNegative, about("under it before that brake goes", "assumed: so that it does not chatter")
+        SpeedMarginMps, about("under it before that brake goes", "assumed: so that it does not chatter")
     ] = 1.0
     emergency_margin_mps: Annotated[
-        NotNegative, about("over it before the emergency brake comes", "assumed: 7 km/h")
+        SpeedMarginMps, about("over it before the emergency brake comes", "assumed: 7 km/h")
     ] = 2.0
     driving_margin_mps: Annotated[
-        NotNegative, about("under the permitted speed at which trains are driven", "assumed: 4 km/h")
+        SpeedMarginMps, about("under the permitted speed at which trains are driven", "assumed: 4 km/h")
     ] = 1.2
     stop_deceleration_mps2: Annotated[
-        Positive, about("of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s")
+        Deceleration, about("of the pattern to a stop at a mark", "assumed: a moderate stop, 2.2 km/h/s")
     ] = 0.6
     stop_gain_per_s: Annotated[
-        Positive, about("proportional gain to the stop pattern", "assumed: settles in about a second")
+        Gain, about("proportional gain to the stop pattern", "assumed: settles in about a second")
     ] = 0.8
     cruise_gain_per_s: Annotated[
-        Positive, about("proportional gain to the cruising speed", "assumed: settles in about 3 s")
+        Gain, about("proportional gain to the cruising speed", "assumed: settles in about 3 s")
     ] = 0.3
     notch_hold_s: Annotated[
-        NotNegative, about("a notch is kept at least this long", "assumed: spares the switchgear")
+        Wait, about("a notch is kept at least this long", "assumed: spares the switchgear")
     ] = 2.0
     standing_brake_share: Annotated[
-        SharePositive, about("of the notches, applied while a train stands", "assumed: holds on 20 permille")
+        ShareAbove0, about("of the notches, applied while a train stands", "assumed: holds on 20 permille")
     ] = 0.5
 
 
@@ -76,26 +90,24 @@ class Sensors(Record):
     """`[sensors]`: errors of the sensors, drawn per train or per reading from seeded sources."""
 
     wheel_factor_sigma: Annotated[
-        float,
-        Field(ge=0.0, le=0.1),
+        WheelError,
         about(
             "of real over assumed wheel circumference, train to train", "assumed: wear between two turnings"
         ),
     ] = 0.003
     tag_read_sigma_m: Annotated[
-        float,
-        Field(ge=0.0, le=10.0),
+        ReadError,
         about("of where a tag is read", "assumed: a reader's field of about 0.1 m"),
     ] = 0.05
     tag_read_max_m: Annotated[
-        NotNegative, about("beyond this the reader discards", "assumed: the edge of its field")
+        ReadError, about("beyond this the reader discards", "assumed: the edge of its field")
     ] = 0.2
     tags: Annotated[
         Literal["ids", "bits"],
         about("a tag's id is read as it stands, or from telegrams bit by bit with the errors of the air"),
     ] = "ids"
     tag_bit_error_factor: Annotated[
-        NotNegative,
+        BitErrorFactor,
         about("on the bit-error rates, where tags are read by bits", "Sugiyama, table 7, is factor 1"),
     ] = 1.0
 
@@ -107,16 +119,14 @@ class Load(Record):
         Share, about("mean load as a share of the full one", "assumed: a branch line")
     ] = 0.2
     load_share_spread: Annotated[
-        float, Field(ge=0.0, le=0.5), about("train to train, evenly within +-", "assumed: peak and off-peak")
+        SpreadShare, about("train to train, evenly within +-", "assumed: peak and off-peak")
     ] = 0.15
 
 
 class Tuning(Record):
     """`[tuning]`: trains learn to stop; the table alone switches it on."""
 
-    days: Annotated[
-        int, Field(ge=1, le=DAYS_MAX), about("the same day that often; the last one is reported")
-    ] = 1
+    days: Annotated[Days, about("the same day that often; the last one is reported")] = 1
     learn: Annotated[bool, about("whether trains go on learning")] = True
     learned: Annotated[
         str | None, about("file that an earlier run left (`learned.json`), beside the scenario")
@@ -131,8 +141,7 @@ class Vision(Record):
         about("ids of stations with signs, or all"),
     ] = "all"
     rate_hz: Annotated[
-        float,
-        Field(gt=0.0, le=10.0),
+        FrameRate,
         about(
             "frames taken up; the camera has more, but errors of neighbours are alike",
             "assumed: half of the camera's",
@@ -155,10 +164,10 @@ class Limits(Record):
     """`[limits]`: when a run ends whatever happens."""
 
     time_limit_s: Annotated[
-        Positive, about("the run ends this long after the last planned time", "assumed: an hour of delay")
+        RunLimit, about("the run ends this long after the last planned time", "assumed: an hour of delay")
     ] = 3600.0
     stall_limit_s: Annotated[
-        Positive,
+        RunLimit,
         about(
             "or when no train has moved for this long although one waits for a section", "assumed: an hour"
         ),
@@ -169,11 +178,11 @@ class Operation(Record):
     """`[operation]`: what people do."""
 
     portal_lead_s: Annotated[
-        NotNegative,
+        Wait,
         about("a train stands at the portal this long before its first departure", "assumed: 3.5 min"),
     ] = 210.0
     change_ends_s: Annotated[
-        NotNegative, about("the driver walks to the other end", "assumed: 40 m and the cabs")
+        Wait, about("the driver walks to the other end", "assumed: 40 m and the cabs")
     ] = 60.0
     reentry: Annotated[
         ReentryMode,

@@ -7,8 +7,8 @@ by its key (`"body.length_m"`) or its table (`"body"`), with a source or a text 
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -19,13 +19,47 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from network.errors import InputError
-from network.files.kinds import NotNegative, Positive, Share, SharePositive, about
+from network.files.kinds import about
+from network.files.names import Identifier, Prose, Title
+from network.files.quantities import (
+    Adhesion,
+    AdhesionSlope,
+    AirResistance,
+    AuxiliaryPowerW,
+    BrakeForceN,
+    BrakePowerW,
+    Cars,
+    CurveResistance,
+    DeadTime,
+    Deceleration,
+    Efficiency,
+    EfficiencyOr0,
+    ForceN,
+    Jerk,
+    Lag,
+    LoadKg,
+    MassKg,
+    Motors,
+    PowerW,
+    Pulses,
+    Resistance,
+    ResistanceSlope,
+    RotatingMass,
+    Share,
+    ShareAbove0,
+    SpeedFrom0Mps,
+    SpeedMps,
+    TrainLength,
+    WheelDiameterM,
+)
+from network.files.quantity import OUT_OF_RANGE, Quantity
 from network.files.raw import is_list, is_table
-from network.files.toml_input import Record
+from network.files.toml_input import Record, parse_table, read_text
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
+from vehicle.train_checks import check_train
 
 TRAINS_FOLDER: Final = Path(__file__).parent / "trains"
-DEAD_TIME_S_MAX: Final = 6.0  # the ring of commands holds 63 steps of 0.1 s
+CURVE_ROWS_MAX: Final = 1000  # of a measured curve, read to an even grid of CURVE_POINTS_MAX
 HOLDING_NOTCH: Final = -3.0
 HOLDING_DECELERATION_MPS2: Final = 0.4
 
@@ -38,77 +72,75 @@ UNITS: Final = (
     ("_mm", "_m", 1.0, 1e3),
     ("_t", "_kg", 1e3, 1.0),
 )
-
-DeadTime = Annotated[float, Field(ge=0, le=DEAD_TIME_S_MAX)]
-Count = Annotated[float, Field(ge=1)]
+WRITTEN: Final = {"_kmhps": "km/h/s", "_kmh": "km/h", "_kn": "kN", "_kw": "kW", "_mm": "mm", "_t": "t"}
 
 
 class _Body(Record):
     """`[body]`."""
 
-    length_m: Annotated[Positive, about("over couplers")]
-    mass_empty_kg: Annotated[Positive, about("empty, in working order")]
-    mass_load_full_kg: Annotated[NotNegative, about("of a full load")]
-    rotating_mass_factor: Annotated[NotNegative, about("equivalent mass is mass times 1 + this")]
-    cars: Annotated[Count, about("number of cars")]
+    length_m: Annotated[TrainLength, about("over couplers")]
+    mass_empty_kg: Annotated[MassKg, about("empty, in working order")]
+    mass_load_full_kg: Annotated[LoadKg, about("of a full load")]
+    rotating_mass_factor: Annotated[RotatingMass, about("equivalent mass is mass times 1 + this")]
+    cars: Annotated[Cars, about("number of cars")]
     motored_mass_share: Annotated[Share, about("of the mass, on motored cars: for the running resistance")]
-    motored_axle_mass_share: Annotated[SharePositive, about("of the weight, on driven axles: for adhesion")]
-    speed_max_mps: Annotated[Positive, about("greatest speed")]
+    motored_axle_mass_share: Annotated[ShareAbove0, about("of the weight, on driven axles: for adhesion")]
+    speed_max_mps: Annotated[SpeedMps, about("greatest speed")]
 
 
 class _Resistance(Record):
     """`[resistance]`: R = sum of the mass terms and the air term, speeds in km/h."""
 
-    resistance_motored_constant_n_per_kn: Annotated[NotNegative, about("motored cars, constant term")] = (
-        Field(alias="motored_constant_n_per_kn")
+    resistance_motored_constant_n_per_kn: Annotated[Resistance, about("motored cars, constant term")] = Field(
+        alias="motored_constant_n_per_kn"
     )
-    resistance_motored_linear_n_per_kn_kmh: Annotated[NotNegative, about("motored cars, linear term")] = (
+    resistance_motored_linear_n_per_kn_kmh: Annotated[ResistanceSlope, about("motored cars, linear term")] = (
         Field(alias="motored_linear_n_per_kn_kmh")
     )
-    resistance_trailer_constant_n_per_kn: Annotated[NotNegative, about("trailers, constant term")] = Field(
+    resistance_trailer_constant_n_per_kn: Annotated[Resistance, about("trailers, constant term")] = Field(
         alias="trailer_constant_n_per_kn"
     )
-    resistance_trailer_linear_n_per_kn_kmh: Annotated[NotNegative, about("trailers, linear term")] = Field(
-        alias="trailer_linear_n_per_kn_kmh"
+    resistance_trailer_linear_n_per_kn_kmh: Annotated[ResistanceSlope, about("trailers, linear term")] = (
+        Field(alias="trailer_linear_n_per_kn_kmh")
     )
-    resistance_air_n_per_kmh2: Annotated[NotNegative, about("air, with the square of speed")] = Field(
+    resistance_air_n_per_kmh2: Annotated[AirResistance, about("air, with the square of speed")] = Field(
         alias="air_n_per_kmh2"
     )
-    starting_resistance_n_per_kn: Annotated[NotNegative, about("at a start")] = Field(
+    starting_resistance_n_per_kn: Annotated[Resistance, about("at a start")] = Field(
         alias="starting_n_per_kn"
     )
     curve_resistance_coefficient_m: Annotated[
-        NotNegative, about("permille of resistance times the radius of a curve")
+        CurveResistance, about("permille of resistance times the radius of a curve")
     ] = Field(alias="curve_coefficient_m")
 
 
 class _Traction(Record):
     """`[traction]`: force and power limits, or a measured curve in their place."""
 
-    force_max_n: Annotated[Positive, about("greatest force at the rim")]
-    power_max_w: Annotated[Positive, about("greatest power at the rim")]
+    force_max_n: Annotated[ForceN, about("greatest force at the rim")]
+    power_max_w: Annotated[PowerW, about("greatest power at the rim")]
     weak_field_speed_mps: Annotated[
-        NotNegative, about("above it the force falls with the square of speed; 0: never")
+        SpeedFrom0Mps, about("above it the force falls with the square of speed; 0: never")
     ] = 0.0
     notch_share: Annotated[
-        list[SharePositive],
+        list[ShareAbove0],
         Field(min_length=1, max_length=NOTCHES_MAX - 1),
         about("of the full force, by notch"),
     ]
-    notch_speed_cap_mps: Annotated[list[NotNegative], about("a notch pulls up to this speed; 0: no cap")] = (
-        Field(default_factory=list[float])
-    )
+    notch_speed_cap_mps: Annotated[
+        list[SpeedFrom0Mps], about("a notch pulls up to this speed; 0: no cap")
+    ] = Field(default_factory=list[float])
     load_compensated: Annotated[bool, about("the force limit grows with the load")] = False
-    curve_speed_mps: Annotated[list[NotNegative], about("measured curve: speeds, from 0")] = Field(
-        default_factory=list[float]
-    )
-    curve_force_n: Annotated[list[NotNegative], about("measured curve: full-notch force")] = Field(
-        default_factory=list[float]
-    )
+    curve_speed_mps: Annotated[
+        list[SpeedFrom0Mps], Field(max_length=CURVE_ROWS_MAX), about("measured curve: speeds, from 0")
+    ] = Field(default_factory=list[float])
+    curve_force_n: Annotated[
+        list[BrakeForceN], Field(max_length=CURVE_ROWS_MAX), about("measured curve: full-notch force")
+    ] = Field(default_factory=list[float])
     dead_time_s: Annotated[DeadTime, about("from command to first force")]
-    lag_s: Annotated[NotNegative, about("time constant of the build-up")]
-    jerk_max_mps3: Annotated[NotNegative, about("limit of the build-up; 0: none")]
-    motors: Annotated[Count, about("number of motors")]
+    lag_s: Annotated[Lag, about("time constant of the build-up")]
+    jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
+    motors: Annotated[Motors, about("number of motors")]
 
     @model_validator(mode="after")
     def _lists_agree(self) -> _Traction:
@@ -126,12 +158,12 @@ class _Brakes(Record):
     """`[brakes]`: the service brake, at any load."""
 
     notch_deceleration_mps2: Annotated[
-        list[Positive], Field(min_length=1, max_length=NOTCHES_MAX - 1), about("by notch, rising")
+        list[Deceleration], Field(min_length=1, max_length=NOTCHES_MAX - 1), about("by notch, rising")
     ]
     stepless: Annotated[bool, about("fractional notches are allowed")]
     dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
-    lag_s: Annotated[NotNegative, about("time constant of the build-up")]
-    jerk_max_mps3: Annotated[NotNegative, about("limit of the build-up; 0: none")]
+    lag_s: Annotated[Lag, about("time constant of the build-up")]
+    jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
 
     @model_validator(mode="after")
     def _notches_rise(self) -> _Brakes:
@@ -144,18 +176,18 @@ class _Brakes(Record):
 class _Emergency(Record):
     """`[emergency]`: the emergency brake."""
 
-    deceleration_mps2: Annotated[Positive, about("deceleration")]
+    deceleration_mps2: Annotated[Deceleration, about("deceleration")]
     dead_time_s: Annotated[DeadTime, about("from command to first deceleration")]
-    lag_s: Annotated[NotNegative, about("time constant of the build-up")]
+    lag_s: Annotated[Lag, about("time constant of the build-up")]
 
 
 class _Regeneration(Record):
     """`[regeneration]`: the electric part of the service brake; air supplies the rest."""
 
-    force_max_n: Annotated[NotNegative, about("greatest force at the rim")]
-    power_max_w: Annotated[NotNegative, about("greatest power at the rim")]
-    fade_from_mps: Annotated[NotNegative, about("below it the electric brake fades")]
-    fade_to_mps: Annotated[NotNegative, about("below it there is none")]
+    force_max_n: Annotated[BrakeForceN, about("greatest force at the rim")]
+    power_max_w: Annotated[BrakePowerW, about("greatest power at the rim")]
+    fade_from_mps: Annotated[SpeedFrom0Mps, about("below it the electric brake fades")]
+    fade_to_mps: Annotated[SpeedFrom0Mps, about("below it there is none")]
 
     @model_validator(mode="after")
     def _fades_downwards(self) -> _Regeneration:
@@ -167,33 +199,33 @@ class _Regeneration(Record):
 class _Energy(Record):
     """`[energy]`: at the wire or the battery."""
 
-    efficiency_traction: Annotated[SharePositive, about("rim over wire")]
-    efficiency_regeneration: Annotated[Share, about("wire over rim")]
-    auxiliary_power_w: Annotated[NotNegative, about("lighting, compressors, heating and cooling")]
+    efficiency_traction: Annotated[Efficiency, about("rim over wire")]
+    efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim")]
+    auxiliary_power_w: Annotated[AuxiliaryPowerW, about("lighting, compressors, heating and cooling")]
 
 
 class _Adhesion(Record):
     """`[adhesion]`: dry / (1 + factor times speed)."""
 
-    dry: Annotated[SharePositive, about("on dry rail at rest")]
-    speed_factor_s_per_m: Annotated[NotNegative, about("how it falls with speed")]
+    dry: Annotated[Adhesion, about("on dry rail at rest")]
+    speed_factor_s_per_m: Annotated[AdhesionSlope, about("how it falls with speed")]
     slide_share_max: Annotated[
-        SharePositive, about("deepest slide the protection allows, of train speed; 1: wheels may lock")
+        ShareAbove0, about("deepest slide the protection allows, of train speed; 1: wheels may lock")
     ]
 
 
 class _Sensors(Record):
     """`[sensors]`: on the axle."""
 
-    wheel_diameter_m: Annotated[Positive, about("of the tachometer's axle")]
-    pulses_per_revolution: Annotated[Count, about("of the tachometer")]
+    wheel_diameter_m: Annotated[WheelDiameterM, about("of the tachometer's axle")]
+    pulses_per_revolution: Annotated[Pulses, about("of the tachometer")]
 
 
 class TrainFile(Record):
     """A whole train file; keys may end in other units, see `UNITS`."""
 
-    id: Annotated[str, Field(min_length=1), about("name of the kind of train")]
-    name: Annotated[str, Field(min_length=1), about("what people call it")]
+    id: Annotated[Identifier, about("name of the kind of train")]
+    name: Annotated[Title, Field(min_length=1), about("what people call it")]
     body: _Body
     resistance: _Resistance
     traction: _Traction
@@ -204,7 +236,7 @@ class TrainFile(Record):
     adhesion: _Adhesion
     sensors: _Sensors
     provenance: Annotated[
-        dict[str, str], about('source of each figure, by key ("body.length_m") or table, or "assumed: why"')
+        dict[str, Prose], about('source of each figure, by key ("body.length_m") or table, or "assumed: why"')
     ]
 
 
@@ -237,14 +269,7 @@ def load_train(path: Path) -> TrainType:
 
 def read_train(path: Path) -> dict[str, Any]:
     """The tables of a train file as they are written. Raises InputError."""
-    file = str(path)
-    try:
-        with path.open("rb") as stream:
-            return tomllib.load(stream)
-    except OSError as error:
-        raise InputError(file, "", None, f"a readable train file ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(file, "", None, f"valid TOML ({error})") from error
+    return parse_table(read_text(path), str(path))
 
 
 def train_of(raw: Mapping[str, Any], file: str) -> TrainType:
@@ -259,12 +284,14 @@ def train_of(raw: Mapping[str, Any], file: str) -> TrainType:
     try:
         model = TrainFile.model_validate(tables)
     except ValidationError as error:
-        raise _input_error(file, error, written) from error
+        raise _input_error(file, error, written, raw) from error
     _check_provenance(file, raw, model.provenance)
     texts = [f"{key}: {text}" for key, text in model.provenance.items()]
     assumed = tuple(text for text in texts if text.partition(": ")[2].lower().startswith("assumed"))
     sources = tuple(text for text in texts if text not in assumed)
-    return TrainType(model.id, model.name, sources, assumed, _row(model))
+    row = _row(model)
+    check_train(file, row[0], written, lambda key: _value_at(raw, key.split(".", 1)))
+    return TrainType(model.id, model.name, sources, assumed, row)
 
 
 def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
@@ -308,24 +335,51 @@ def _scaled(value: object, factor: float, divisor: float) -> object:
     """A number or a list of numbers converted; anything else as it is, for the validator to refuse."""
     if is_list(value):
         return [_scaled(item, factor, divisor) for item in value]
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value * factor / divisor
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        # A whole number may be too large for a float: it is out of every range as it is.
+        return value * factor / divisor if abs(value) <= sys.float_info.max else value
     return value
 
 
-def _input_error(file: str, error: ValidationError, written: Mapping[str, str]) -> InputError:
-    """The first complaint of pydantic as one line about the key as the file spells it."""
+def _input_error(
+    file: str, error: ValidationError, written: Mapping[str, str], raw: Mapping[str, Any]
+) -> InputError:
+    """The first complaint of pydantic as one line about key and value as the file spells them."""
     first = error.errors()[0]
-    place = [str(part) for part in first["loc"]]
-    key = ".".join([written.get(".".join(place[:2]), ".".join(place[:2])), *place[2:]])
+    place = first["loc"]
+    head = ".".join(str(part) for part in place[:2])
+    spelt = written.get(head, head)
+    key = spelt + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place[2:])
     if first["type"] == "missing":
         return InputError(file, key, None, "this key to be present (or the same quantity in another unit)")
+    value = _value_at(raw, [*spelt.split(".", 1), *place[2:]])
     if first["type"] == "extra_forbidden":
-        return InputError(file, key, first["input"], "no such key")
+        return InputError(file, key, value, "no such key")
     message = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    value = None if is_table(first["input"]) else first["input"]
-    unit = " (after conversion to SI)" if ".".join(place[:2]) != written.get(".".join(place[:2])) else ""
-    return InputError(file, key, value, message + (unit if value is not None and len(place) > 1 else ""))
+    quantity = first.get("ctx", {}).get("quantity")
+    if first["type"] == OUT_OF_RANGE and isinstance(quantity, Quantity):
+        message = f"{_range_as_written(quantity, spelt, head)} ({quantity.name})"
+    return InputError(file, key, None if is_table(value) else value, message)
+
+
+def _value_at(raw: object, path: Sequence[str | int]) -> object:
+    """What a file has at a path of keys and indices; None where there is nothing."""
+    for step in path:
+        if is_table(raw):
+            raw = raw.get(str(step))
+        elif is_list(raw) and isinstance(step, int) and step < len(raw):
+            raw = raw[step]
+        else:
+            return None
+    return raw
+
+
+def _range_as_written(quantity: Quantity, spelt: str, si_key: str) -> str:
+    """The range of a figure in the unit that the file's key ends in."""
+    for ending, _, up, down in UNITS:
+        if spelt != si_key and spelt.endswith(ending):
+            return quantity.text_in(WRITTEN[ending], down / up)
+    return quantity.text()
 
 
 def _check_provenance(file: str, raw: Mapping[str, object], provenance: Mapping[str, str]) -> None:

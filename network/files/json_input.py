@@ -8,16 +8,18 @@ from typing import TypeVar
 import msgspec
 
 from network.errors import InputError
+from network.files.text_input import JSON_BYTES_MAX, check_nesting, read_text, too_deep
 
 _T = TypeVar("_T")
 
 
 def read_json(file: Path, kind: type[_T]) -> _T:
     """Decode a JSON file into `kind` (keys it does not name are left out). Raises InputError."""
+    text = read_text(file, JSON_BYTES_MAX)
     try:
-        return msgspec.json.decode(file.read_bytes(), type=kind)
-    except OSError as error:
-        raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from error
+        data = msgspec.json.decode(text, type=kind)
+    except RecursionError as error:
+        raise too_deep(str(file), "", "JSON") from error
     except msgspec.ValidationError as error:
         reason, _, place = str(error).partition(" - at `")
         raise InputError(
@@ -25,6 +27,8 @@ def read_json(file: Path, kind: type[_T]) -> _T:
         ) from error
     except msgspec.DecodeError as error:
         raise InputError(str(file), "", None, f"valid JSON: {error}") from error
+    check_nesting(str(file), data, "JSON")
+    return data
 
 
 def write_aside(out_file: Path, text: str) -> None:

@@ -1,4 +1,4 @@
-"""Kinds of figures that settings are made of: a range each, and what the documentation says of a key."""
+"""What the documentation says of a key, and times as a file writes them; figures are in `network.files.quantities`."""
 
 from __future__ import annotations
 
@@ -32,11 +32,6 @@ def _seconds(value: object) -> object:
     return 3600.0 * int(found[1]) + 60.0 * int(found[2]) + float(found[3] or 0)
 
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=0, le=1)]
-SharePositive = Annotated[float, Field(gt=0, le=1)]
-Probability = Share
 TimeOfDay = Annotated[
     float,
     BeforeValidator(_seconds),

@@ -77,12 +77,10 @@ def check_gradients(file: str, key: str, alignment: AlignmentTable) -> None:
 
 
 def check_curves(file: str, key: str, alignment: AlignmentTable) -> None:
-    """Curves are sorted, do not overlap, bend, and are long enough for both transitions."""
+    """Curves are sorted, do not overlap, and are long enough for both transitions."""
     check_sorted(file, f"{key}.curves", alignment.curves, alignment)
     for i, curve in enumerate(alignment.curves):
         where = f"{key}.curves[{i}]"
-        if curve.radius_m == 0:
-            raise InputError(file, f"{where}.radius_m", curve.radius_m, "a radius other than 0")
         length_m = metres(curve.to_km) - metres(curve.from_km)
         if 2 * curve.transition_m > length_m + TOLERANCE_M:
             expected = f"at most {length_m / 2:.6g}, half the curve's length"

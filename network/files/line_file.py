@@ -17,6 +17,7 @@ from network.files import line_schema as schema
 from network.files.joints import Draft, Joiner
 from network.files.line_schema import DIRECTIONS, LineFile
 from network.files.toml_input import one_of, parse_toml, read_text
+from network.graph import TooManyRoutesError, all_routes
 from network.model import (
     Alignment,
     Coverage,
@@ -84,6 +85,12 @@ def line_of(entry: LineFile, file: str) -> Line:
     check.check_overlaps(file, line, {draft.id: draft.key for draft in drafts.values()})
     check.check_ends(file, line, keys)
     check.check_reachable(file, line, keys)
+    try:
+        all_routes(line)
+    except TooManyRoutesError as error:
+        section_id = str(error)
+        expected = "a section with fewer ways from it to the next tracks"
+        raise InputError(file, f"{keys[section_id]}.id", section_id, expected) from error
     return line
 
 

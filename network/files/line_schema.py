@@ -9,27 +9,39 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
-from network.files.kinds import Positive, about
+from network.files.kinds import about
+from network.files.names import Identifier, Prose, Title
+from network.files.quantities import (
+    Bearing,
+    CantMm,
+    Coordinate,
+    GradientPermille,
+    Height,
+    Kilometrage,
+    Offset,
+    Radius,
+    SpeedKmh,
+    TagId,
+    ThrowTime,
+    Transition,
+)
 from network.files.toml_input import Record
 from network.model import Direction
 
-# Ids become SUMO ids and Zenoh key expressions, which both reserve most other characters.
-Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
 DirectionName = Literal["down", "up"]
 
 DIRECTIONS: Final[dict[str, Direction]] = {"down": Direction.DOWN, "up": Direction.UP}
-TAG_ID_MAX: Final = 0xFFFF  # section 6.1.3: 24 bits hold a tag's id and its CRC-8
 
 
 class LineTable(Record):
     """`[line]`."""
 
-    id: Annotated[Id, about("name of the line")]
-    name: Annotated[str, about("what people call it")]
-    name_ja: Annotated[str, about("the same in Japanese")] = ""
-    max_speed_kmh: Annotated[Positive, about("greatest speed anywhere")]
-    sources: Annotated[list[str], about("where its figures come from")] = Field(default_factory=list)
-    assumed: Annotated[list[str], about("what nobody has published, in sentences for the report")] = Field(
+    id: Annotated[Identifier, about("name of the line")]
+    name: Annotated[Title, about("what people call it")]
+    name_ja: Annotated[Title, about("the same in Japanese")] = ""
+    max_speed_kmh: Annotated[SpeedKmh, about("greatest speed anywhere")]
+    sources: Annotated[list[Prose], about("where its figures come from")] = Field(default_factory=list)
+    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
         default_factory=list
     )
 
@@ -37,28 +49,28 @@ class LineTable(Record):
 class RangeTable(Record):
     """Anything between two kilometrages."""
 
-    from_km: Annotated[float, about("where it begins")]
-    to_km: Annotated[float, about("where it ends")]
+    from_km: Annotated[Kilometrage, about("where it begins")]
+    to_km: Annotated[Kilometrage, about("where it ends")]
 
 
 class GradientTable(RangeTable):
     """`alignments.gradients`: positive where DOWN climbs."""
 
-    permille: Annotated[float, about("positive where down trains climb")] = Field(gt=-150, lt=150)
+    permille: Annotated[GradientPermille, about("positive where down trains climb")]
 
 
 class CurveTable(RangeTable):
     """`alignments.curves`: `radius_m` positive to the right going down."""
 
-    radius_m: Annotated[float, about("positive to the right going down")]
-    transition_m: Annotated[float, about("length of each transition")] = Field(ge=0)
-    cant_mm: Annotated[float, about("cant of the outer rail")] = Field(ge=0, le=200)
+    radius_m: Annotated[Radius, about("positive to the right going down")]
+    transition_m: Annotated[Transition, about("length of each transition")]
+    cant_mm: Annotated[CantMm, about("cant of the outer rail")]
 
 
 class LimitTable(RangeTable):
     """`alignments.limits`."""
 
-    speed_kmh: Annotated[Positive, about("limit")]
+    speed_kmh: Annotated[SpeedKmh, about("limit")]
     directions: Annotated[list[DirectionName], about("whom it binds")] = Field(
         default=["down", "up"], min_length=1
     )
@@ -67,11 +79,11 @@ class LimitTable(RangeTable):
 class AlignmentTable(RangeTable):
     """`[[alignments]]`."""
 
-    id: Annotated[Id, about("name of the axis")]
-    x_m: Annotated[float, about("where it begins, east")] = 0.0
-    y_m: Annotated[float, about("where it begins, north")] = 0.0
-    bearing_deg: Annotated[float, about("where it heads, from north")] = 0.0
-    elevation_m: Annotated[float, about("where it begins, height")] = 0.0
+    id: Annotated[Identifier, about("name of the axis")]
+    x_m: Annotated[Coordinate, about("where it begins, east")] = 0.0
+    y_m: Annotated[Coordinate, about("where it begins, north")] = 0.0
+    bearing_deg: Annotated[Bearing, about("where it heads, from north")] = 0.0
+    elevation_m: Annotated[Height, about("where it begins, height")] = 0.0
     gradients: Annotated[list[GradientTable], about("from end to end without gap")]
     curves: Annotated[list[CurveTable], about("sorted, without overlap; between them it is straight")] = (
         Field(default_factory=list)
@@ -83,34 +95,34 @@ class AlignmentTable(RangeTable):
 class SectionTable(Record):
     """`[[sections]]`: a points section has neither range nor offset, its points give them."""
 
-    id: Annotated[Id, about("name of the section (閉そく区間)")]
+    id: Annotated[Identifier, about("name of the section (閉そく区間)")]
     kind: Annotated[
         Literal["track", "points", "between", "portal"],
         about("platform track, points, between stations, or portal to another line"),
     ]
     alignment: Annotated[str | None, about("its axis; left out: the first")] = None
-    from_km: Annotated[float | None, about("where it begins; not for points")] = None
-    to_km: Annotated[float | None, about("where it ends; not for points")] = None
-    offset_m: Annotated[float, about("lateral, to the right going down")] = 0.0
+    from_km: Annotated[Kilometrage | None, about("where it begins; not for points")] = None
+    to_km: Annotated[Kilometrage | None, about("where it ends; not for points")] = None
+    offset_m: Annotated[Offset, about("lateral, to the right going down")] = 0.0
 
 
 class PointsTable(Record):
     """`[[points]]`: stem between the toe and the end the facing train comes from, legs on the other side."""
 
-    id: Annotated[Id, about("name of the points (転てつ器)")]
+    id: Annotated[Identifier, about("name of the points (転てつ器)")]
     section: Annotated[str, about("points section they lie in")]
-    terminal: Annotated[Id, about("terminal that drives them")]
+    terminal: Annotated[Identifier, about("terminal that drives them")]
     alignment: Annotated[str | None, about("its axis; left out: the first")] = None
-    from_km: Annotated[float, about("low end")]
-    toe_km: Annotated[float, about("where the legs part")]
-    to_km: Annotated[float, about("high end")]
+    from_km: Annotated[Kilometrage, about("low end")]
+    toe_km: Annotated[Kilometrage, about("where the legs part")]
+    to_km: Annotated[Kilometrage, about("high end")]
     faces: Annotated[DirectionName, about("direction of the trains that meet the toe first")]
     stem: Annotated[str, about("what lies before the toe")]
     normal: Annotated[str, about("where the normal leg leads")]
     reverse: Annotated[str, about("where the reverse leg leads")]
-    throw_time_s: Annotated[Positive, about("from end to end")]
-    diverging_limit_kmh: Annotated[Positive, about("limit on the reverse leg")]
-    offset_m: Annotated[float | None, about("of the stem; left out: that of the section before it")] = None
+    throw_time_s: Annotated[ThrowTime, about("from end to end")]
+    diverging_limit_kmh: Annotated[SpeedKmh, about("limit on the reverse leg")]
+    offset_m: Annotated[Offset | None, about("of the stem; left out: that of the section before it")] = None
     initial: Annotated[Literal["normal", "reverse"], about("how they lie at first")] = "normal"
 
 
@@ -124,12 +136,12 @@ class JointTable(Record):
 class PlatformTable(Record):
     """`stations.tracks`."""
 
-    name: Annotated[str, Field(min_length=1), about("number of the track")]
+    name: Annotated[Title, Field(min_length=1), about("number of the track")]
     section: Annotated[str, about("section it lies in")]
-    platform_from_km: Annotated[float, about("platform, low end")]
-    platform_to_km: Annotated[float, about("platform, high end")]
-    mark_down_km: Annotated[float | None, about("stopping mark for down trains")] = None
-    mark_up_km: Annotated[float | None, about("stopping mark for up trains")] = None
+    platform_from_km: Annotated[Kilometrage, about("platform, low end")]
+    platform_to_km: Annotated[Kilometrage, about("platform, high end")]
+    mark_down_km: Annotated[Kilometrage | None, about("stopping mark for down trains")] = None
+    mark_up_km: Annotated[Kilometrage | None, about("stopping mark for up trains")] = None
     directions: Annotated[
         list[DirectionName] | None, about("whose usual track it is; left out: all that have a mark")
     ] = None
@@ -138,10 +150,10 @@ class PlatformTable(Record):
 class StationTable(Record):
     """`[[stations]]`."""
 
-    id: Annotated[Id, about("name of the station")]
-    name: Annotated[str, about("what people call it")]
-    name_ja: Annotated[str, about("the same in Japanese")] = ""
-    km: Annotated[float, about("kilometrage")]
+    id: Annotated[Identifier, about("name of the station")]
+    name: Annotated[Title, about("what people call it")]
+    name_ja: Annotated[Title, about("the same in Japanese")] = ""
+    km: Annotated[Kilometrage, about("kilometrage")]
     halt: Annotated[bool, about("on a section between stations, no track of its own")] = False
     tracks: Annotated[list[PlatformTable], Field(min_length=1), about("platform tracks")]
 
@@ -149,10 +161,10 @@ class StationTable(Record):
 class TagTable(Record):
     """`[[tags]]`: in `section` when that is a single piece, else on `piece`."""
 
-    id: Annotated[int, about("what the tag (地上子) says")] = Field(ge=1, le=TAG_ID_MAX)
+    id: Annotated[TagId, about("what the tag (地上子) says")]
     section: Annotated[str | None, about("where it lies, if that is one piece")] = None
     piece: Annotated[str | None, about("where it lies, among points")] = None
-    km: Annotated[float, about("kilometrage")]
+    km: Annotated[Kilometrage, about("kilometrage")]
     purpose: Annotated[
         Literal["arrival", "control_start", "departed", "approach", "position", "portal"],
         about("what for: paper, table 3"),

@@ -22,9 +22,10 @@ from pydantic import Field
 
 from network.errors import InputError
 from network.files.edits import Asked, Change, Data, Patched, Words, differences, words_of
-from network.files.kinds import Positive, about
+from network.files.kinds import about
 from network.files.line_file import line_of
 from network.files.line_schema import LineFile
+from network.files.quantities import PositionBound
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.files.track_removal import without_track
 from network.model import Line
@@ -41,7 +42,7 @@ class TagsOut(Record):
     purpose: Annotated[
         Literal["arrival", "control_start", "departed", "approach", "position", "portal"], about("what for")
     ]
-    near_marks_m: Annotated[Positive, about("as near as this to a stopping mark")]
+    near_marks_m: Annotated[PositionBound, about("as near as this to a stopping mark")]
 
 
 class LineWords(Words):

@@ -49,6 +49,11 @@ def node_at(schema: Schema, location: Iterable[int | str]) -> tuple[Schema, tupl
 
 def range_text(node: Schema) -> str:
     """Bounds of a number in words, such as `above 0 and at most 1`; empty where there are none."""
+    if "oneOf" in node:
+        return " or ".join(range_text(choice) for choice in node["oneOf"])
+    if {"minimum", "maximum"} <= node.keys():
+        low, high = node["minimum"], node["maximum"]
+        return f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
     words: list[str] = []
     for key, word in (
         ("exclusiveMinimum", "above"),

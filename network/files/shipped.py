@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from network.errors import InputError
+from network.files.text_input import existing_file
 from network.files.toml_input import one_of
 
 
@@ -36,7 +37,7 @@ def find_file(folder: Path, what: str, name: str) -> Path:
     shipped = tuple(sorted(path.stem for path in folder.glob("*.toml")))
     given = Path(name)
     if given.suffix == ".toml":
-        if given.is_file():
+        if existing_file(given):
             return given
         raise InputError(name, "", None, f"an existing file, or a shipped {what}: {one_of(shipped)}")
     if name in shipped:

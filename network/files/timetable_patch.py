@@ -20,7 +20,8 @@ from pydantic import Field
 
 from network.errors import InputError
 from network.files.edits import Asked, Change, Data, Patched, Words, called, differences, words_of
-from network.files.kinds import Positive, TimeOfDay, about
+from network.files.kinds import TimeOfDay, about
+from network.files.quantities import Stretch
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.model import Line
@@ -34,7 +35,7 @@ class ScaleTable(Record):
 
     from_s: Annotated[TimeOfDay, Field(alias="from"), about("runs that begin from here")]
     to_s: Annotated[TimeOfDay, Field(alias="to"), about("and before this")]
-    times: Annotated[Positive, about("factor of the running time, to whole seconds")]
+    times: Annotated[Stretch, about("factor of the running time, to whole seconds")]
     trains: Annotated[list[str] | None, about("only these; left out: all")] = None
 
 

@@ -6,8 +6,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from network.files.kinds import NotNegative, about
-from network.files.line_schema import DirectionName, Id
+from network.files.kinds import about
+from network.files.line_schema import DirectionName
+from network.files.names import Identifier, Prose, Title
+from network.files.quantities import Wait
 from network.files.toml_input import Record
 
 _CLOCK = "HH:MM or HH:MM:SS, 24:00 and later after midnight"
@@ -16,14 +18,12 @@ _CLOCK = "HH:MM or HH:MM:SS, 24:00 and later after midnight"
 class HeadTable(Record):
     """`[timetable]`."""
 
-    id: Annotated[Id, about("name of the timetable")]
-    name: Annotated[str, about("what people call it")] = ""
+    id: Annotated[Identifier, about("name of the timetable")]
+    name: Annotated[Title, about("what people call it")] = ""
     line: Annotated[str, about("id of the line it belongs to")]
-    dwell_min_s: Annotated[
-        NotNegative, about("shortest stop for passengers", "assumed: a quiet platform")
-    ] = 20.0
-    sources: Annotated[list[str], about("where its times come from")] = Field(default_factory=list)
-    assumed: Annotated[list[str], about("what nobody has published, in sentences for the report")] = Field(
+    dwell_min_s: Annotated[Wait, about("shortest stop for passengers", "assumed: a quiet platform")] = 20.0
+    sources: Annotated[list[Prose], about("where its times come from")] = Field(default_factory=list)
+    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
         default_factory=list
     )
 
@@ -40,7 +40,7 @@ class CallTable(Record):
 class TrainTable(Record):
     """`[[trains]]`: a train (列車) as planned."""
 
-    number: Annotated[Id, about("train number")]
+    number: Annotated[Identifier, about("train number")]
     direction: Annotated[DirectionName, about("down or up the kilometrage")]
     revenue: Annotated[bool, about("false: an empty working")] = True
     calls: Annotated[list[CallTable], Field(min_length=1), about("where it calls, in order")]
@@ -51,7 +51,7 @@ class TrainTable(Record):
 class DiagramTable(Record):
     """`[[diagrams]]`: one train set (編成) and the trains it runs (運用)."""
 
-    stock: Annotated[Id, about("id of the set")]
+    stock: Annotated[Identifier, about("id of the set")]
     trains: Annotated[list[str], Field(min_length=1), about("train numbers, in order")]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import tomllib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -13,6 +12,9 @@ from pydantic_core import ErrorDetails
 
 from network.errors import InputError
 from network.files.schema_walk import keys_text, node_at, range_text
+from network.files.text_input import check_nesting, read_text, too_deep
+
+__all__ = ["Record", "key_path", "one_of", "parse_table", "parse_toml", "read_text", "validate"]
 
 _OUT_OF_RANGE: Final = frozenset(
     {"greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number"}
@@ -28,16 +30,6 @@ class Record(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-def read_text(path: Path) -> str:
-    """Text of a UTF-8 file. Raises InputError when it cannot be read."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(str(path), "", None, f"a readable file ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise InputError(str(path), "", None, "a text file in UTF-8") from error
-
-
 def parse_toml(text: str, file: str, model: type[ModelT]) -> ModelT:
     """Parse `text` as TOML into `model`; `file` names the source in errors. Raises the first InputError."""
     return validate(parse_table(text, file), file, model)
@@ -46,9 +38,13 @@ def parse_toml(text: str, file: str, model: type[ModelT]) -> ModelT:
 def parse_table(text: str, file: str) -> dict[str, Any]:
     """Parse `text` as TOML; `file` names the source in the InputError."""
     try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+        data = tomllib.loads(text)
+    except RecursionError as error:
+        raise too_deep(file, "", "TOML") from error
+    except ValueError as error:  # of tomllib, or of a whole number with more digits than Python reads
         raise InputError(file, "", None, f"valid TOML: {error}") from error
+    check_nesting(file, data, "TOML")
+    return data
 
 
 def validate(table: Mapping[str, Any], file: str, model: type[ModelT]) -> ModelT:
@@ -90,6 +86,11 @@ def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> Inp
     if detail["type"] == "extra_forbidden":
         known = keys_text(node_at(schema, location[:-1])[0], str(location[-1]))
         return InputError(file, key, value, f"no such key, but {known}")
+    if detail["type"] == "too_long":
+        ends = detail.get("ctx", {})
+        return InputError(
+            file, key, None, f"at most {ends.get('max_length')} entries, not {ends.get('actual_length')}"
+        )
     if detail["type"] in _OUT_OF_RANGE:
         what = "an integer" if node.get("type") == "integer" else "a number"
         what = "a finite number" if detail["type"] == "finite_number" else what

@@ -11,6 +11,7 @@ from typing import Self
 
 from pydantic import Field, PrivateAttr
 
+from network.files.quantities import ClockDrift, ClockOffset
 from simulation.faults.fault import Fault, Names, World
 from simulation.setup import STEPS_PER_S
 from simulation.world.clock import Clock
@@ -41,11 +42,11 @@ class WrongClock(ClockFault):
     """The clock shows a wrong time, and goes too fast or too slow."""
 
     kind = "clock"
-    offset_s: float = Field(
-        default=0.0, ge=-86400.0, le=86400.0, description="time by which it is ahead at once; below 0: behind"
+    offset_s: ClockOffset = Field(
+        default=0.0, description="time by which it is ahead at once; below 0: behind"
     )
-    drift_ppm: float = Field(
-        default=0.0, ge=-1e5, le=1e5, description="by which it goes too fast from then on; below 0: too slow"
+    drift_ppm: ClockDrift = Field(
+        default=0.0, description="by which it goes too fast from then on; below 0: too slow"
     )
     _since_s: float = PrivateAttr(default=0.0)
 

@@ -38,6 +38,8 @@ class Names:
     stations: tuple[str, ...] = ()
     trains: tuple[str, ...] = ()
     people: tuple[str, ...] = ()
+    routes: tuple[str, ...] = ()
+    pieces: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)

@@ -11,6 +11,7 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr
 
+from network.files.quantities import AddedDelay, Probability
 from network.files.toml_input import one_of
 from radio.air import Delivery
 from simulation.faults.fault import Fault, Names, World
@@ -110,7 +111,7 @@ class LinkFault(Fault[Telegram]):
 class ChanceLinkFault(LinkFault):
     """One that hits some telegrams and not others."""
 
-    p: float = Field(ge=0.0, le=1.0, description="probability that a telegram is hit")
+    p: Probability = Field(description="probability that a telegram is hit")
 
     def hits(self) -> bool:
         return self.chance.random() < self.p
@@ -138,7 +139,7 @@ class Delay(LinkFault):
     """All telegrams take longer."""
 
     kind = "delay"
-    seconds: float = Field(ge=0.0, le=600.0, description="time added")
+    seconds: AddedDelay = Field(description="time added")
 
     def disturbed(self, delivery: Delivery) -> Telegram:
         return (_later(delivery, self.seconds),)
@@ -157,7 +158,7 @@ class Reorder(ChanceLinkFault):
     """Telegrams are held back and overtaken."""
 
     kind = "reorder"
-    seconds: float = Field(default=1.0, ge=0.0, le=600.0, description="time held back")
+    seconds: AddedDelay = Field(default=1.0, description="time held back")
 
     def disturbed(self, delivery: Delivery) -> Telegram:
         return (_later(delivery, self.seconds),)

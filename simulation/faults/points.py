@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from pydantic import Field
 
+from network.files.quantities import Slowness
 from simulation.faults.fault import Fault, Names, World
 
 
@@ -65,7 +66,7 @@ class Slow(PointsFault):
     """The points take longer to throw."""
 
     kind = "slow"
-    factor: float = Field(ge=1.0, le=100.0, description="time of a throw over that of the line")
+    factor: Slowness = Field(description="time of a throw over that of the line")
 
     def over(self, condition: Condition) -> Condition:
         return replace(condition, throw_factor=condition.throw_factor * self.factor)

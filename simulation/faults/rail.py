@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from network.files.quantities import Share
 from simulation.faults.fault import Fault, Names, World
 
 
@@ -29,7 +30,7 @@ class Slippery(RailFault):
     """The rail is slippery: wheels slip and slide by the physics."""
 
     kind = "slippery"
-    factor: float = Field(ge=0.0, le=1.0, description="adhesion over that of the weather")
+    factor: Share = Field(description="adhesion over that of the weather")
 
     def over(self, share: float) -> float:
         return share * self.factor

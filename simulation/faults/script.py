@@ -126,9 +126,6 @@ class Property(Enum):
     NEVER_ENTERS = "never_enters"  # unit, section, between from and until
 
 
-WHOLE_RUN: Final = frozenset({Property.NO_INVARIANT_BROKEN, Property.EVERYONE_ARRIVES})
-
-
 @dataclass(frozen=True, slots=True)
 class Expectation:
     """An event by a time, or a property; exactly one of `event` and `holds` is set. `absent`: that it is not so."""

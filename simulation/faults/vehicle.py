@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from pydantic import Field
 
+from network.files.quantities import Share
 from simulation.faults.fault import Fault, Names, World
 
 
@@ -73,10 +74,8 @@ class Brake(BrakeFault):
     """The brake has not the pressure that it should have: its unit sees it, and force may be missing."""
 
     kind = "brake"
-    reserve: float = Field(
+    reserve: Share = Field(
         default=0.0,
-        ge=0.0,
-        le=1.0,
         description="what is left of the force beyond the guaranteed; 1: only the reading is wrong",
     )
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, Self
 import numpy as np
 from pydantic import Field, PrivateAttr
 
+from network.files.quantities import ReadingFactor
 from onboard.board import SensedRow
 from radio.chance import generator
 from simulation.faults.fault import Fault, Names, World
@@ -111,7 +112,7 @@ class Scale(TachometerFault):
     """Shows the speed times a factor."""
 
     kind = "scale"
-    factor: float = Field(ge=0.0, le=10.0, description="shown over real speed")
+    factor: ReadingFactor = Field(description="shown over real speed")
 
     def over(self, reading: Reading) -> Reading:
         return replace(reading, gain=reading.gain * self.factor)

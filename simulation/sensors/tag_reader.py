@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Protocol
 
 from pydantic import Field
 
+from network.files.quantities import TagId
 from onboard.board import SensedRow
 from simulation.faults.fault import Fault, Names, World
 from simulation.sensors.noise import normal, source_of
@@ -92,7 +93,7 @@ class WrongId(TagFault):
     """The tag reads as another."""
 
     kind = "wrong_id"
-    id: int = Field(ge=1, le=65535, description="the id read")
+    id: TagId = Field(description="the id read")
 
     def over(self, read_id: int | None) -> int | None:
         return None if read_id is None else self.id

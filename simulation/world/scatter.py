@@ -12,16 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
-from network.files.kinds import SharePositive, TimeOfDay, about
+from network.files.kinds import TimeOfDay, about
+from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread
 from network.files.toml_input import Record
 from radio.chance import generator
 from vehicle.records import TRAIN
 
 SIGMAS_MAX: Final = 3.0  # normal draws are cut here
-
-Sigma = Annotated[float, Field(ge=0.0, le=0.3)]
-Spread = Annotated[float, Field(ge=0.0, le=2.0)]
-Offset = Annotated[float, Field(ge=-2.0, le=2.0)]
 
 
 class Weather(Record):
@@ -29,8 +26,8 @@ class Weather(Record):
 
     from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
     to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
-    adhesion_low: Annotated[SharePositive, about("least factor of the dry rail's adhesion")]
-    adhesion_high: Annotated[SharePositive, about("greatest factor")]
+    adhesion_low: Annotated[ShareAbove0, about("least factor of the dry rail's adhesion")]
+    adhesion_high: Annotated[ShareAbove0, about("greatest factor")]
 
     @field_validator("to_s")
     @classmethod
@@ -51,11 +48,11 @@ class Individual(Record):
     """`[scatter.stock.<id>]`: what is known of one stock's real brakes; what is left out is drawn."""
 
     brake_factor: Annotated[
-        Annotated[float, Field(gt=0.0, le=2.0)] | None,
+        BrakeFactor | None,
         about("real over designed deceleration of the service brake"),
     ] = None
-    dead_time_offset_s: Annotated[Offset | None, about("real less believed dead time")] = None
-    lag_offset_s: Annotated[Offset | None, about("real less believed lag")] = None
+    dead_time_offset_s: Annotated[TimeOffset | None, about("real less believed dead time")] = None
+    lag_offset_s: Annotated[TimeOffset | None, about("real less believed lag")] = None
 
 
 class Scatter(Record):
@@ -66,10 +63,10 @@ class Scatter(Record):
         Sigma, about("of the same train from leg to leg: friction, temperature", "assumed: no spread")
     ] = 0.0
     dead_time_spread_s: Annotated[
-        Spread, about("real less believed dead time, evenly within +-", "assumed: no spread")
+        TimeSpread, about("real less believed dead time, evenly within +-", "assumed: no spread")
     ] = 0.0
     lag_spread_s: Annotated[
-        Spread, about("real less believed lag, evenly within +-", "assumed: no spread")
+        TimeSpread, about("real less believed lag, evenly within +-", "assumed: no spread")
     ] = 0.0
     weather: Annotated[
         tuple[Weather, ...], Field(strict=False), about("parts of the day with slippery rails")

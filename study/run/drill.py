@@ -14,6 +14,7 @@ from typing import Any
 import polars as pl
 
 from network.errors import InputError
+from network.files.text_input import existing_file
 from network.files.toml_input import one_of, parse_table, read_text
 from network.timetable import clock
 from simulation.faults.script import DEFAULTS, Act, Course, Failure
@@ -73,7 +74,7 @@ def find_drill(name: str) -> str:
     shipped = _folder() / f"{name}.toml"
     if name in shipped_drills():
         return str(shipped)
-    if name.endswith(".toml") and Path(name).is_file():
+    if name.endswith(".toml") and existing_file(Path(name)):
         return name
     expected = f"an existing file, or a shipped drill: {one_of(shipped_drills(), name)}"
     raise InputError(name, "", None, expected)

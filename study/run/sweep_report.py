@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from network.files.names import title_of
 from network.timetable import clock
 from simulation.faults.script import Act, Failure, Script
 from simulation.setup import STEPS_PER_S
@@ -150,7 +151,7 @@ def replay_of(scenario: Scenario, script: Script, own_id: str, title: str) -> st
     head: dict[str, object] = {
         "extends": str(Path(scenario.file).resolve()),
         "id": own_id,
-        "name": title,
+        "name": title_of(title),
         "seed": scenario.setup.seed,
         # Without these lists, those of the file that it extends would hold.
         **{key: nothing for key, items in (("fault", script.faults), ("act", script.acts)) if not items},

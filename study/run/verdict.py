@@ -84,6 +84,8 @@ def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | s
         if end_s is None:
             return f"'{expectation.until.text}' never happened"
         to_s = min(to_s, end_s)
+    if to_s < from_s:
+        return f"the time given ends at {_clock(to_s)}, before it begins"
     return from_s, to_s
 
 

@@ -18,6 +18,7 @@ from network.errors import InputError
 from network.files.edits import Asked
 from network.files.kinds import about
 from network.files.patch import LineWords, patched_line
+from network.files.text_input import existing_file
 from network.files.toml_input import Record, one_of
 from network.model import Line
 from simulation.setup import Belief
@@ -65,7 +66,7 @@ def _trains(path: Path, named: Mapping[str, str], trains: Mapping[str, TrainType
             raise InputError(str(path), key, stock_id, f"a stock id: {one_of(sorted(trains), stock_id)}")
         near = path.parent / name
         try:
-            kind = load_train(near if near.is_file() else shipped_train(name))
+            kind = load_train(near if existing_file(near) else shipped_train(name))
         except InputError as error:
             raise InputError(str(path), key, name, error.expected) from error
         believed[stock_id] = replace(kind, id=f"{kind.id}, as {stock_id} believes")

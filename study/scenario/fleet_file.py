@@ -7,16 +7,42 @@ import math
 from collections.abc import Collection, Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from network.errors import InputError
+from network.files.json_input import read_json
 from network.files.raw import is_table
-from network.files.toml_input import one_of, read_text
+from network.files.toml_input import one_of
+from network.model import Line
+from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
 from simulation.design import overrated
+from simulation.events import WORLD
 from simulation.settings import Driving, Tuning, Vision
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
+from wayside.config import MANAGER_ID
+
+PEOPLE: Final = ("controller", "staff", "crew")
+_OWN_NAME: Final = "a name that is no other party's"
+
+
+def check_parties(timetable_file: str, line_file: str, line: Line, timetable: Timetable) -> None:
+    """Stock, terminals, the block manager, the world and people have names that no two share, or InputError."""
+    taken = dict.fromkeys((MANAGER_ID, WORLD, *PEOPLE), "a party of every run")
+    for points in line.points.values():
+        if points.terminal_id in taken:
+            raise InputError(
+                line_file,
+                f"points.{points.id}.terminal",
+                points.terminal_id,
+                f"{_OWN_NAME}; {taken[points.terminal_id]} has it",
+            )
+    taken |= {points.terminal_id: "a point terminal" for points in line.points.values()}
+    for i, diagram in enumerate(timetable.diagrams):
+        if (whose := taken.get(diagram.stock_id)) is not None:
+            key = f"diagrams[{i}].stock"
+            raise InputError(timetable_file, key, diagram.stock_id, f"{_OWN_NAME}; {whose} has it")
 
 
 def check_scatter(file: str, scatter: Scatter, stock_ids: Iterable[str]) -> None:
@@ -66,10 +92,7 @@ def learned_of(path: Path, tuning: Tuning, stock_ids: Iterable[str]) -> dict[str
 
 def read_learned(path: Path) -> dict[str, Learned]:
     """What the trains of an earlier run learned, by stock id. InputError for a file that is not of that kind."""
-    try:
-        data = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(str(path), "", None, f"valid JSON ({error})") from error
+    data = read_json(path, object)
     if not is_table(data) or not all(is_table(kept) for kept in data.values()):
         raise InputError(str(path), "", None, "an object of trains, as a run with [tuning] leaves it")
     return {str(stock_id): learned_from(str(path), kept) for stock_id, kept in data.items()}

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ValidationError
 from network.errors import InputError
 from network.files.edits import Asked, Change, Data, Patched, differences
 from network.files.raw import is_table
+from network.files.text_input import existing_file
 from network.files.toml_input import key_path, parse_table, read_text, validate
 from study.scenario.scenario_file import ListWords, PatchTable, ScenarioFile, TableWords
 
@@ -96,7 +97,7 @@ def _layers(
     if not isinstance(base, str):
         raise InputError(str(path), "extends", base, "the name of a scenario")
     beside = path.parent / f"{base.removesuffix('.toml')}.toml"
-    below = beside if beside.is_file() else find(path, base)
+    below = beside if existing_file(beside) else find(path, base)
     return [*_layers(below, find, (*above, path)), (path, data)]
 
 

@@ -17,13 +17,14 @@ from network.files.edits import Change
 from network.files.line_file import validate_train_fits
 from network.files.patch import patched_line
 from network.files.shipped import find_file, shipped_line, shipped_timetable
+from network.files.text_input import existing_file
 from network.files.timetable_patch import patched_timetable
 from network.files.toml_input import one_of
 from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
 from study.scenario.belief import belief_of
-from study.scenario.fleet_file import check_grip, check_scatter, check_vision, learned_of
+from study.scenario.fleet_file import check_grip, check_parties, check_scatter, check_vision, learned_of
 from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
@@ -65,6 +66,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     line, of_line = patched_line(line_file, pile.files.get("line", ()))
     file = _named(path, "timetable", model.timetable, shipped_timetable)
     timetable, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
+    check_parties(str(file), str(line_file), line, timetable)
     trains, of_trains = _trains(path, model, timetable, pile)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
@@ -104,7 +106,7 @@ def _folder() -> Path:
 def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> Path:
     """A file named relative to the scenario's own folder, or one that is shipped; InputError names the key."""
     near = path.parent / name
-    if name.endswith(".toml") and near.is_file():
+    if name.endswith(".toml") and existing_file(near):
         return near
     try:
         return shipped(name)

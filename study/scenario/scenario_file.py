@@ -8,7 +8,9 @@ from pydantic import Field
 
 from network.files.edits import Words
 from network.files.kinds import about
+from network.files.names import Identifier, Prose, Title
 from network.files.patch import LineWords
+from network.files.quantities import Seed
 from network.files.timetable_patch import TimetableWords
 from network.files.toml_input import Record
 from onboard.unit_records import UnitParameters
@@ -27,8 +29,6 @@ from simulation.settings import (
 from simulation.world.scatter import Scatter
 from study.scenario.belief import BeliefTable
 from study.scenario.script_file import ActTable, ExpectTable, FaultTable
-
-Seed = Annotated[int, Field(ge=0)]
 
 
 class TrainsTable(Load):
@@ -87,14 +87,14 @@ class ScenarioFile(Record):
     """
 
     extends: Annotated[str | None, about("scenario whose tables hold wherever this one says nothing")] = None
-    id: Annotated[str, about("name of the run and of its directory")]
-    name: Annotated[str, about("what people call it")]
+    id: Annotated[Identifier, about("name of the run and of its directory")]
+    name: Annotated[Title, about("what people call it")]
     line: Annotated[str, about("line file, shipped or beside the scenario")]
     timetable: Annotated[str, about("timetable file, shipped or beside the scenario")]
     seed: Annotated[
         Seed, about("sets every chance of the run; --seed comes first", "assumed: any will do")
     ] = 1
-    assumed: Annotated[list[str], about("what nobody has published, in sentences for the report")] = Field(
+    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
         default_factory=list
     )
     trains: TrainsTable

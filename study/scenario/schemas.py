@@ -67,7 +67,8 @@ def other_keys(key: str) -> dict[str, float]:
 def _scaled(node: dict[str, Any], factor: float) -> dict[str, Any]:
     """A figure's node in another unit: what bounds it is scaled."""
     scaled = deepcopy(node)
-    for holder in (scaled, scaled.get("items", {})):
+    items = scaled.get("items", {})
+    for holder in (scaled, items, *scaled.get("oneOf", ()), *items.get("oneOf", ())):
         for bound in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default"):
             if isinstance(holder.get(bound), int | float):
                 holder[bound] = holder[bound] / factor

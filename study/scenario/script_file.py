@@ -7,39 +7,35 @@ expectation that could never be evaluated.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final
 
-import msgspec
 from pydantic import ConfigDict, Field
 
 from network.errors import InputError
-from network.files.raw import is_list
+from network.files.names import Title
+from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
-from network.timetable import Timetable
-from radio.noted import key_of
-from simulation.events import EVENTS, WORLD
+from network.graph import all_routes
+from network.timetable import clock
 from simulation.faults.fault import Names
 from simulation.faults.script import (
     DEFAULTS,
-    WHOLE_RUN,
-    WORDS_HELP,
     Act,
     ActKind,
     Expectation,
     Failure,
-    Matcher,
     Property,
     Script,
     Trigger,
-    matcher_of,
 )
 from simulation.faults.table import FAULTS
 from simulation.setup import Setup
+from study.scenario.event_file import matcher_in
+from study.scenario.fleet_file import PEOPLE
 from wayside.config import MANAGER_ID
 
 _CLOCK: Final = re.compile(r"(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
-PEOPLE: Final = ("controller", "staff", "crew")
 
 
 class FaultTable(Record):
@@ -50,8 +46,8 @@ class FaultTable(Record):
     kind: str
     target: str
     start: str | dict[str, Any]
-    after_s: float = Field(default=0.0, ge=0.0)
-    duration_s: float | None = Field(default=None, gt=0.0)
+    after_s: DrillTime = 0.0
+    duration_s: Duration | None = None
 
 
 class ActTable(Record):
@@ -60,33 +56,33 @@ class ActTable(Record):
     kind: str
     start: str | dict[str, Any]
     target: str = ""
-    after_s: float = Field(default=0.0, ge=0.0)
-    person: str = "controller"
+    after_s: DrillTime = 0.0
+    person: Title = "controller"
     sections: list[str] = Field(default_factory=list)
     position: str = ""
     place: str = ""
-    hold_s: float = Field(default=300.0, ge=0.0)
-    pace_s: float = Field(default=0.0, ge=0.0, le=600.0)
+    hold_s: DrillTime = 300.0
+    pace_s: Pace = 0.0
 
 
 class ExpectTable(Record):
     """`[[expect]]`: an event (words or a table), its absence, or a property."""
 
-    text: str
+    text: Title
     event: str | dict[str, Any] | None = None
     absent: bool = False
     after: str | dict[str, Any] | None = None
     until: str | dict[str, Any] | None = None
-    within_s: float | None = Field(default=None, gt=0.0)
+    within_s: Duration | None = None
     by: str | None = None
     property: str | None = None
     unit: str = ""
     section: str = ""
-    kmh: float | None = None
+    kmh: SpeedFrom0Kmh | None = None
 
 
-def names_of(setup: Setup) -> Names:
-    """Every name that a script of the scenario may use."""
+def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
+    """Every name that a script of the scenario may use; people besides the usual ones are those who act in it."""
     line, timetable = setup.line, setup.timetable
     terminals = sorted({points.terminal_id for points in line.points.values()})
     return Names(
@@ -97,7 +93,9 @@ def names_of(setup: Setup) -> Names:
         sections=tuple(line.sections),
         stations=tuple(line.stations),
         trains=tuple(timetable.trains),
-        people=PEOPLE,
+        people=tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))),
+        routes=tuple(route.id for route in all_routes(line)),
+        pieces=tuple(line.pieces),
     )
 
 
@@ -109,10 +107,9 @@ def script_of(
     expectations: Sequence[ExpectTable],
 ) -> Script:
     """The script of a scenario. InputError for anything that cannot be carried out or evaluated."""
-    names = names_of(setup)
+    names = names_of(setup, acts)
     own = tuple(
-        _expectation(file, f"expect[{i}]", table, names, setup.timetable)
-        for i, table in enumerate(expectations)
+        _expectation(file, f"expect[{i}]", table, names, setup) for i, table in enumerate(expectations)
     )
     judged = {expectation.holds for expectation in own}
     return Script(
@@ -141,6 +138,21 @@ def _fault(file: str, key: str, table: FaultTable, names: Names) -> Failure:
     return Failure(fault, trigger, table.duration_s)
 
 
+_ACT: Final = frozenset({"kind", "start", "after_s", "person"})
+_ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
+    ActKind.CONFIRM_OUTSIDE: frozenset({"target", "place"}),
+    ActKind.TAKE_BACK: frozenset({"target"}),
+    ActKind.CONFIRM_HOLDING: frozenset({"target", "sections"}),
+    ActKind.ACCEPT_PICTURE: frozenset({"pace_s"}),
+    ActKind.POWER_ON: frozenset({"target"}),
+    ActKind.REPAIR_POINTS: frozenset({"target", "position"}),
+    ActKind.ENTER_SECTION: frozenset({"target", "sections"}),
+    ActKind.REENTER_BY_HAND: frozenset({"pace_s"}),
+    ActKind.REENTER_ASSISTED: frozenset({"pace_s"}),
+    ActKind.GIVE_BACK: frozenset({"target", "hold_s"}),
+}
+
+
 def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
     kinds = [kind.value for kind in ActKind]
     if table.kind not in kinds:
@@ -155,6 +167,7 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.ENTER_SECTION: ("", *names.units),
         ActKind.GIVE_BACK: names.units,
     }
+    _check_keys(file, key, table, _ACT | _ACT_KEYS[kind], kind.value)
     known = targets.get(kind)
     if known is not None and table.target not in known:
         raise InputError(file, f"{key}.target", table.target, one_of(known, table.target))
@@ -163,8 +176,8 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
             raise InputError(
                 file, f"{key}.sections[{i}]", section, f"a section: {one_of(names.sections, section)}"
             )
-    if table.place and (kind is not ActKind.CONFIRM_OUTSIDE or table.place not in names.sections):
-        expected = f"a section, with confirm_outside: {one_of(names.sections, table.place)}"
+    if table.place and table.place not in names.sections:
+        expected = f"a section: {one_of(names.sections, table.place)}"
         raise InputError(file, f"{key}.place", table.place, expected)
     if kind is ActKind.REPAIR_POINTS and table.position not in ("normal", "reverse"):
         raise InputError(file, f"{key}.position", table.position, "normal or reverse")
@@ -185,54 +198,89 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
     )
 
 
-def _expectation(file: str, key: str, table: ExpectTable, names: Names, timetable: Timetable) -> Expectation:
+def _expectation(file: str, key: str, table: ExpectTable, names: Names, setup: Setup) -> Expectation:
     if (table.event is None) == (table.property is None):
         raise InputError(file, key, table.text, "either event or property, and not both")
-    after = None if table.after is None else _matcher(file, f"{key}.after", table.after, names)
-    until = None if table.until is None else _matcher(file, f"{key}.until", table.until, names)
-    by_s = None if table.by is None else time_of(file, f"{key}.by", table.by)
-    last_s = max(call.last_s for train in timetable.trains.values() for call in train.calls)
-    if by_s is not None and by_s > last_s + 86_400:
-        raise InputError(file, f"{key}.by", table.by, "a time within the run")
+    holds = None if table.property is None else _property(file, key, table, names)
+    after = None if table.after is None else matcher_in(file, f"{key}.after", table.after, names)
+    until = None if table.until is None else matcher_in(file, f"{key}.until", table.until, names)
+    by_s = None if table.by is None else _by(file, f"{key}.by", table.by, setup)
     if table.within_s is not None and after is None:
         raise InputError(file, f"{key}.within_s", table.within_s, "an 'after' to count from")
+    event = None
     if table.event is not None:
-        event = _matcher(file, f"{key}.event", table.event, names)
-        return Expectation(table.text, event, table.absent, after, table.within_s, by_s, until=until)
-    known = [item.value for item in Property]
-    if table.property not in known:
-        raise InputError(file, f"{key}.property", table.property, one_of(known, str(table.property)))
-    holds = Property(table.property)
-    whole = holds in WHOLE_RUN
-    if whole and (after is not None or until is not None or by_s is not None):
-        raise InputError(file, key, table.text, f"no after, until or by: {holds.value} is of the whole run")
-    if table.absent and not whole:
-        raise InputError(file, f"{key}.absent", True, "an event, or a property of the whole run")
-    if not whole and table.unit not in names.units:
-        raise InputError(file, f"{key}.unit", table.unit, f"a unit: {one_of(names.units, table.unit)}")
-    if holds is Property.SPEED_AT_MOST and (table.kmh is None or table.kmh < 0.0):
-        raise InputError(file, f"{key}.kmh", table.kmh, "a speed in km/h")
-    if holds is Property.NEVER_ENTERS and table.section not in names.sections:
-        raise InputError(
-            file, f"{key}.section", table.section, f"a section: {one_of(names.sections, table.section)}"
-        )
+        _check_keys(file, key, table, {*_WHAT, "event", "absent", *_WHEN}, "an expectation of an event")
+        # Of what must not happen a misspelt word would count as met.
+        event = matcher_in(file, f"{key}.event", table.event, names, exact=table.absent)
     return Expectation(
         table.text,
+        event,
         absent=table.absent,
         after=after,
-        until=until,
+        within_s=table.within_s,
         by_s=by_s,
         holds=holds,
         unit=table.unit,
         section=table.section,
         kmh=table.kmh or 0.0,
+        until=until,
     )
+
+
+_WHAT: Final = frozenset({"text", "property"})
+_WHEN: Final = frozenset({"after", "until", "within_s", "by"})
+_PROPERTY_KEYS: Final[Mapping[Property, frozenset[str]]] = {
+    Property.EVERYONE_ARRIVES: frozenset({"absent"}),
+    Property.NO_INVARIANT_BROKEN: frozenset({"absent"}),
+    Property.SPEED_AT_MOST: frozenset({"unit", "kmh", *_WHEN}),
+    Property.NEVER_ENTERS: frozenset({"unit", "section", *_WHEN}),
+}
+
+
+def _property(file: str, key: str, table: ExpectTable, names: Names) -> Property:
+    """The property that must hold, with all that it needs and nothing else."""
+    known = [item.value for item in Property]
+    if table.property not in known:
+        raise InputError(file, f"{key}.property", table.property, one_of(known, str(table.property)))
+    holds = Property(table.property)
+    _check_keys(file, key, table, _WHAT | _PROPERTY_KEYS[holds], holds.value)
+    if "unit" in _PROPERTY_KEYS[holds] and table.unit not in names.units:
+        raise InputError(file, f"{key}.unit", table.unit, f"a unit: {one_of(names.units, table.unit)}")
+    if holds is Property.SPEED_AT_MOST and table.kmh is None:
+        raise InputError(file, f"{key}.kmh", None, "this key, which is missing: a speed in km/h")
+    if holds is Property.NEVER_ENTERS and table.section not in names.sections:
+        expected = f"a section: {one_of(names.sections, table.section)}"
+        raise InputError(file, f"{key}.section", table.section, expected)
+    return holds
+
+
+def _check_keys(file: str, key: str, table: Record, known: Collection[str], what: str) -> None:
+    """A key that says nothing to such an entry is refused: whoever wrote it meant something by it."""
+    for name, field in type(table).model_fields.items():
+        value = getattr(table, name)
+        if (
+            name in table.model_fields_set
+            and name not in known
+            and value != field.get_default(call_default_factory=True)
+        ):
+            own = [other for other in type(table).model_fields if other in known]
+            raise InputError(file, f"{key}.{name}", value, f"no such key for {what}, but {one_of(own, name)}")
+
+
+def _by(file: str, key: str, text: str, setup: Setup) -> float:
+    """A time of the run: nothing happens before it, and much later it has ended."""
+    by_s = time_of(file, key, text)
+    calls = [call for train in setup.timetable.trains.values() for call in train.calls]
+    first_s = min(call.first_s for call in calls) - setup.operation.portal_lead_s
+    if not first_s <= by_s <= max(call.last_s for call in calls) + 86_400:
+        raise InputError(file, key, text, f"a time within the run, which begins at {clock(first_s)}")
+    return by_s
 
 
 def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: Names) -> Trigger:
     if isinstance(given, str) and _CLOCK.fullmatch(given):
         return Trigger(at_s=time_of(file, key, given), after_s=after_s)
-    return Trigger(on=_matcher(file, key, given, names), after_s=after_s)
+    return Trigger(on=matcher_in(file, key, given, names, exact=True), after_s=after_s)
 
 
 def time_of(file: str, key: str, text: str) -> float:
@@ -241,45 +289,3 @@ def time_of(file: str, key: str, text: str) -> float:
     if match is None:
         raise InputError(file, key, text, "a time HH:MM or HH:MM:SS")
     return int(match[1]) * 3600.0 + int(match[2]) * 60.0 + float(match[3] or 0.0)
-
-
-def _matcher(file: str, key: str, given: str | Mapping[str, Any], names: Names) -> Matcher:
-    matcher = matcher_of(given) if isinstance(given, str) else _table_matcher(file, key, given)
-    if matcher is None:
-        raise InputError(file, key, given, WORDS_HELP)
-    parties = (*names.units, *names.devices, WORLD, *names.people)
-    if matcher.who is not None and matcher.who not in parties:
-        raise InputError(file, f"{key}.who", matcher.who, one_of(parties, matcher.who))
-    checks = {
-        "tag_id": names.tags,
-        "points_id": names.points,
-        "section_ids": names.sections,
-        "section_id": names.sections,
-        "unit_id": names.units,
-        "train": names.trains,
-        "station": (*names.stations, *names.sections),
-    }
-    for name, value in {**matcher.data, **({"train": matcher.train} if matcher.train else {})}.items():
-        known = checks.get(name)
-        for item in value if is_list(value) else (value,):
-            if known is not None and str(item) not in known:
-                raise InputError(file, f"{key}: {key_of(name)}", item, one_of(known, str(item)))
-    return matcher
-
-
-def _table_matcher(file: str, key: str, given: Mapping[str, Any]) -> Matcher:
-    data = dict(given)
-    what = data.pop("what", None)
-    event = EVENTS.get(what) if isinstance(what, str) else None
-    if event is None:
-        raise InputError(file, f"{key}.what", what, one_of(sorted(EVENTS), str(what)))
-    who, train = data.pop("who", None), data.pop("of_train", None)
-    text = " ".join(str(part) for part in (who or train or "someone", what, *data.values()))
-    field_of = {field.encode_name: field.name for field in msgspec.structs.fields(event)}
-    for name, value in data.items():
-        if name not in field_of:
-            raise InputError(
-                file, f"{key}.{name}", value, f"data of {what}: {one_of(sorted(field_of), name)}"
-            )
-    wanted = {field_of[name]: value for name, value in data.items()}
-    return Matcher(text, (event,), who, train, wanted)

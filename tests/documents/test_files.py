@@ -10,13 +10,14 @@ from typing import Any
 
 import pytest
 
-from documents.files import _KINDS, FILE, UNIT_OF, document, tables_of
+from documents.files import FILE, KINDS, UNIT_OF, document, tables_of
 from network.errors import InputError
 from network.files.line_schema import LineFile
 from network.files.shipped import shipped_line
+from study.scenario import schemas
 from study.scenario.scenario import shipped_scenarios
 from study.scenario.scenario_file import ScenarioFile
-from study.scenario.schemas import KINDS, other_keys, schema_of
+from study.scenario.schemas import other_keys, schema_of
 from vehicle.train_file import TRAINS_FOLDER, TrainFile, _table_in_si
 
 # Faults, acts and expectations are types of their own: what their keys mean is said with each.
@@ -24,7 +25,7 @@ SCRIPT = ("[[fault]]", "[[act]]", "[[expect]]")
 
 
 def rows() -> Iterator[tuple[str, tuple[str, ...]]]:
-    for _, model, _ in _KINDS:
+    for _, model, _ in KINDS:
         for heading, _, found in tables_of(model):
             if not any(name in heading for name in SCRIPT):
                 yield from ((f"{model.__name__} {heading}", row) for row in found)
@@ -65,12 +66,12 @@ def test_every_setting_of_a_run_has_a_range() -> None:
             assert row[3], (where, row[0])
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", schemas.KINDS)
 def test_the_command_prints_a_schema(main: Callable[..., Any], kind: str) -> None:
     ended = main("schema", kind)
     assert ended.code == 0
     assert ended.figures() == json.loads(json.dumps(schema_of(kind)))
-    assert set(main("schema").figures()) == set(KINDS)
+    assert set(main("schema").figures()) == set(schemas.KINDS)
 
 
 def test_an_unknown_kind_lists_the_known_ones(main: Callable[..., Any]) -> None:

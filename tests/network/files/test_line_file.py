@@ -108,7 +108,7 @@ FAULTS = [
         changed("max_speed_kmh = 90", "max_speed_kmh = -9"),
         "line.max_speed_kmh",
         -9,
-        "above 0",
+        "1 to 575 km/h",
     ),
     (
         "nan",
@@ -122,9 +122,9 @@ FAULTS = [
         changed("speed_kmh = 63", "speed_kmh = 0"),
         "alignments[0].limits[0].speed_kmh",
         0,
-        "above 0",
+        "1 to 575 km/h",
     ),
-    ("bad id", changed('id = "sample"', 'id = "a b"'), "line.id", "a b", "match"),
+    ("bad id", changed('id = "sample"', 'id = "a b"'), "line.id", "a b", "an identifier"),
     ("kind", changed('kind = "portal"', 'kind = "door"'), "sections[0].kind", "door", "'track'"),
     (
         "gap",
@@ -154,7 +154,7 @@ FAULTS = [
         0.9,
         "at least 1.0",
     ),
-    ("radius 0", changed("= -250.0", "= 0.0"), "alignments[0].curves[1].radius_m", 0.0, "other than 0"),
+    ("radius 0", changed("= -250.0", "= 0.0"), "alignments[0].curves[1].radius_m", 0.0, "10 to 100000 m"),
     (
         "long transitions",
         changed("transition_m = 50.0", "transition_m = 201.0"),

@@ -146,7 +146,7 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
         ),
         (
             'set = { "points.A.11.throw_time_s" = -5 }',
-            'what_if.toml: patch.line.set."points.A.11.throw_time_s" is -5; expected a number above 0',
+            'what_if.toml: patch.line.set."points.A.11.throw_time_s" is -5; expected 0.1 to 120 s (throw of points)',
         ),
         (
             'set = { "alignments.main.coverage" = [{ from_km = 0.0 }] }',
@@ -170,7 +170,7 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
         (
             "add.limits = [{ from_km = 3.0, to_km = 3.1, speed_kmh = 5 },"
             " { from_km = 0.0, to_km = 0.1, speed_kmh = 0 }]",
-            "what_if.toml: patch.line.add.limits[1].speed_kmh is 0; expected a number above 0",
+            "what_if.toml: patch.line.add.limits[1].speed_kmh is 0; expected 1 to 575 km/h (speed)",
         ),
         (
             'add.tags = [{ id = 7, section = "P", km = 0.05, purpose = "portal" }]',

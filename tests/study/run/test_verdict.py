@@ -107,6 +107,18 @@ def test_a_stretch_that_never_begins_or_ends_meets_nothing() -> None:
         assert verdict(expectation) == (False, "'K1 overruns' never happened")
 
 
+@pytest.mark.parametrize(
+    "expectation",
+    [
+        Expectation("t", C, absent=True, after=B, by_s=25.0),
+        Expectation("t", holds=Property.SPEED_AT_MOST, unit="K1", kmh=15.0, after=B, by_s=25.0),
+    ],
+)
+def test_a_stretch_that_ends_before_it_begins_meets_nothing(expectation: Expectation) -> None:
+    """Nothing happens in no time: that would meet whatever must not happen."""
+    assert verdict(expectation) == (False, "the time given ends at 00:00:25.0, before it begins")
+
+
 def test_a_train_number_is_that_of_the_moment() -> None:
     result = result_of(
         (1.0, "K1", MissionBegun(train="T1", direction="down")),

@@ -55,7 +55,7 @@ REFUSED = {
     ),
     "safety in a stretch of time": (
         '[[expect]]\ntext = "t"\nproperty = "everyone_arrives"\nafter = "K1 restarts"\n',
-        "expect[0]",
+        "expect[0].after",
     ),
     "not slow": (
         '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 1.0\nabsent = true\n',
@@ -117,7 +117,7 @@ REFUSED = {
     ),
     "a section in a list that does not exist": (
         '[[expect]]\ntext = "t"\nevent = { what = "freed", sections = ["5", "99"] }\n',
-        "expect[0].event: sections",
+        "expect[0].event.sections",
     ),
     "a duration from no beginning": (
         '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nwithin_s = 5.0\n',
@@ -133,6 +133,22 @@ REFUSED = {
         "expect[0].unit",
     ),
     "no speed": ('[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\n', "expect[0].kmh"),
+    "a time before the run": (
+        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nabsent = true\nby = "03:00"\n',
+        "expect[0].by",
+    ),
+    "a section of a speed": (
+        '[[expect]]\ntext = "t"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 15.0\nsection = "5"\n',
+        "expect[0].section",
+    ),
+    "a speed of an event": (
+        '[[expect]]\ntext = "t"\nevent = "K1 restarts"\nabsent = true\nkmh = 15.0\n',
+        "expect[0].kmh",
+    ),
+    "a position given back": (
+        '[[act]]\nkind = "give_back"\ntarget = "K1"\nposition = "normal"\nstart = "10:00"\n',
+        "act[0].position",
+    ),
     "a section nobody can enter": (
         '[[expect]]\ntext = "t"\nproperty = "never_enters"\nunit = "K1"\nsection = "99"\n',
         "expect[0].section",
@@ -172,10 +188,11 @@ def test_a_script_is_read_as_it_is_meant(tmp_path: Path) -> None:
         "duration_s = 60.0\n"
         '[[fault]]\nkind = "reorder"\ntarget = "K1 -> B-W"\np = 0.5\nseconds = 2.0\nstart = "10:00:30.5"\n'
         '[[act]]\nkind = "give_back"\ntarget = "K1"\nhold_s = 90.0\n'
-        'start = { who = "K1", what = "route_held", route = "x" }\n'
+        'start = { who = "K1", what = "route_held", route = "3>8" }\n'
         '[[act]]\nkind = "confirm_outside"\ntarget = "K1"\nperson = "staff"\nplace = "PE"\nstart = "10:05"\n'
         '[[act]]\nkind = "take_back"\ntarget = "K1"\nstart = { what = "contradiction" }\n'
         '[[expect]]\ntext = "slow"\nproperty = "speed_at_most"\nunit = "K1"\nkmh = 15.0\nafter = "K1 restarts"\n'
+        "within_s = 30.0\n"
         '[[expect]]\ntext = "no grant"\nevent = { who = "block-manager", what = "granted" }\nabsent = true\n',
     ).setup.script
     cut, reorder = script.faults
@@ -190,7 +207,7 @@ def test_a_script_is_read_as_it_is_meant(tmp_path: Path) -> None:
     assert (taken_back.kind, taken_back.target, taken_back.place) == (ActKind.TAKE_BACK, "K1", "")
     slow, grant, *others = script.expectations
     assert tuple(others) == DEFAULTS
-    assert slow.holds is Property.SPEED_AT_MOST and slow.after is not None
+    assert slow.holds is Property.SPEED_AT_MOST and slow.after is not None and slow.within_s == 30.0
     assert grant.absent and grant.event is not None and grant.event.who == "block-manager"
 
 

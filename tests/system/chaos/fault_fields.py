@@ -11,6 +11,7 @@ from typing import Any, Final
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
+from network.files.quantity import Quantity
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, ONE_WAY
 from simulation.settings import Driving
@@ -43,6 +44,8 @@ def bounds_of(kind: type[Fault[Any]], name: str) -> tuple[float, float]:
                 low = float(value)  # type: ignore[arg-type]
             case Le(le=value) | Lt(lt=value):
                 high = float(value)  # type: ignore[arg-type]
+            case Quantity(spans=spans):
+                low, high = spans[0][0], spans[-1][1]
             case _:
                 pass
     return low, high

@@ -1,0 +1,82 @@
+"""What people call things: identifiers, which become names of files, of SUMO and of Zenoh, and text to be read.
+
+An identifier (ID) begins with a Latin letter or a digit and goes on with these, `.`, `_` and `-`; it is no path, ends
+in no dot, and is none of the names that Windows keeps for devices, with or without an ending. Japanese stands in the
+`name` and `name_ja` beside it: SUMO's ids and Zenoh's keys take it nowhere reliably. Text has no control characters,
+which neither XML nor a terminal shows.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from typing import Annotated, Final
+
+from pydantic import AfterValidator, WithJsonSchema
+
+IDENTIFIER_LENGTH_MAX: Final = (
+    64  # assumed: longer than any shipped id, and short enough for names made of two
+)
+TITLE_LENGTH_MAX: Final = 200
+PROSE_LENGTH_MAX: Final = 2000
+_IDENTIFIER: Final = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._-]*[A-Za-z0-9_-])?")
+# Microsoft, "Naming Files, Paths, and Namespaces": not with an ending either.
+_RESERVED: Final = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNORECASE)
+IDENTIFIER_HELP: Final = (
+    f"an identifier: at most {IDENTIFIER_LENGTH_MAX} of A-Z, a-z, 0-9, '.', '_' and '-', beginning with a letter or a"
+    " digit, not ending in '.', and no name that Windows keeps for a device"
+)
+
+
+def is_identifier(text: str) -> bool:
+    """Whether a text may be an id."""
+    short = len(text) <= IDENTIFIER_LENGTH_MAX
+    return short and _IDENTIFIER.fullmatch(text) is not None and _RESERVED.fullmatch(text) is None
+
+
+def title_of(text: str) -> str:
+    """A text as a title: one line, and no longer than a title may be."""
+    line = "".join(c for c in " ".join(text.split()) if unicodedata.category(c) not in ("Cc", "Cs"))
+    return line if len(line) <= TITLE_LENGTH_MAX else line[: TITLE_LENGTH_MAX - 1] + "…"
+
+
+def _identifier(text: str) -> str:
+    if not is_identifier(text):
+        raise ValueError(IDENTIFIER_HELP)
+    return text
+
+
+def _title(text: str) -> str:
+    if len(text) > TITLE_LENGTH_MAX or any(unicodedata.category(c) in ("Cc", "Cs") for c in text):
+        raise ValueError(
+            f"one line of at most {TITLE_LENGTH_MAX} characters, none of them a control character"
+        )
+    return text
+
+
+def _prose(text: str) -> str:
+    if len(text) > PROSE_LENGTH_MAX or any(
+        unicodedata.category(c) in ("Cc", "Cs") for c in text if c not in "\n\t"
+    ):
+        raise ValueError(f"text of at most {PROSE_LENGTH_MAX} characters, none of them a control character")
+    return text
+
+
+Identifier = Annotated[
+    str,
+    AfterValidator(_identifier),
+    WithJsonSchema(
+        {
+            "type": "string",
+            "format": "identifier",
+            "pattern": f"^{_IDENTIFIER.pattern}$",
+            "maxLength": IDENTIFIER_LENGTH_MAX,
+        }
+    ),
+]
+Title = Annotated[
+    str, AfterValidator(_title), WithJsonSchema({"type": "string", "maxLength": TITLE_LENGTH_MAX})
+]
+Prose = Annotated[
+    str, AfterValidator(_prose), WithJsonSchema({"type": "string", "maxLength": PROSE_LENGTH_MAX})
+]

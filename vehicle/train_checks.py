@@ -1,0 +1,193 @@
+"""What two figures of a train say together: a train may be nonsense of which every figure alone could be true.
+
+Each rule is a figure made of a TRAIN row by the laws that a run uses, with the range outside of which it is nonsense.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+from network.errors import InputError
+from vehicle.adhesion import adhesion_coefficient
+from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.resistance import resistance_n
+from vehicle.traction import full_force_n
+
+Record: TypeAlias = (
+    Any  # one of TRAIN: numpy knows no type of its fields, and compiled laws take it as a TrainRow
+)
+_DRY: Final = 1.0
+_EMPTY: Final = 0.0
+_FULL: Final = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A figure made of several: `key` is the one to blame, by its name in SI; `low` and `high` are in the range."""
+
+    name: str
+    key: str
+    others: tuple[str, ...]
+    unit: str
+    low: float
+    high: float
+    source: str
+    figure: Callable[[Record], float]
+
+    def text(self) -> str:
+        """The range in words."""
+        unit = f" {self.unit}" if self.unit else ""
+        if math.isinf(self.high):
+            return f"at least {self.low:g}{unit}"
+        return f"at most {self.high:g}{unit}" if self.low == 0.0 else f"{self.low:g} to {self.high:g}{unit}"
+
+
+def _grip_mps2(train: Record) -> float:
+    """What all axles can brake with on dry rail at rest, m/s^2."""
+    coefficient = float(adhesion_coefficient(train, _DRY, 0.0))
+    return GRAVITY_MPS2 * coefficient / (1.0 + float(train["rotating_mass_factor"]))
+
+
+def _grip_n(train: Record) -> float:
+    """What the driven axles of the empty train carry on dry rail at rest, N."""
+    weight_n = float(train["mass_empty_kg"]) * GRAVITY_MPS2 * float(train["motored_axle_mass_share"])
+    return weight_n * float(adhesion_coefficient(train, _DRY, 0.0))
+
+
+def _service_mps2(train: Record) -> float:
+    return float(train["brake_deceleration_mps2"].max())
+
+
+def _start_mps2(train: Record) -> float:
+    """Acceleration of the full train from a stand on the level, m/s^2."""
+    pull_n = float(full_force_n(train, _FULL, 0.0)) - float(resistance_n(train, mass_kg(train, _FULL), 0.0))
+    return pull_n / float(equivalent_mass_kg(train, _FULL))
+
+
+def _drag_n_per_kn(train: Record) -> float:
+    """Running resistance of the empty train at its greatest speed by its weight."""
+    mass = mass_kg(train, _EMPTY)
+    drag_n = float(resistance_n(train, mass, float(train["speed_max_mps"])))
+    return drag_n / (float(mass) * GRAVITY_MPS2 * 1e-3)
+
+
+RULES: Final[tuple[Rule, ...]] = (
+    Rule(
+        "load over empty mass",
+        "body.mass_load_full_kg",
+        ("body.mass_empty_kg",),
+        "",
+        0.0,
+        10.0,
+        "ore wagons carry 6 to 7 times their own mass",
+        lambda train: float(train["mass_load_full_kg"]) / float(train["mass_empty_kg"]),
+    ),
+    Rule(
+        "mass by length, full",
+        "body.mass_empty_kg",
+        ("body.mass_load_full_kg", "body.length_m"),
+        "kg/m",
+        30.0,
+        20_000.0,
+        "the heaviest train has 13 600 kg/m, the test car of Oda, 3.3.2 has 67",
+        lambda train: float(mass_kg(train, _FULL)) / float(train["length_m"]),
+    ),
+    Rule(
+        "length by car",
+        "body.length_m",
+        ("body.cars",),
+        "m",
+        1.0,
+        60.0,
+        "assumed: twice the longest passenger cars, for those that share a bogie",
+        lambda train: float(train["length_m"]) / float(train["cars"]),
+    ),
+    Rule(
+        "acceleration of the full train from a stand on the level",
+        "traction.force_max_n",
+        ("body", "resistance", "traction"),
+        "m/s^2",
+        0.005,
+        4.0,
+        "assumed: the heaviest train had about 0.03; the quickest electric cars on rails stay below 2",
+        _start_mps2,
+    ),
+    Rule(
+        "greatest force over the grip of the driven axles on dry rail, empty",
+        "traction.force_max_n",
+        ("adhesion.dry", "body.motored_axle_mass_share", "body.mass_empty_kg"),
+        "",
+        0.0,
+        3.0,
+        "assumed: what is three times too strong only spins",
+        lambda train: float(train["traction_force_max_n"]) / _grip_n(train),
+    ),
+    Rule(
+        "power over greatest force times greatest speed",
+        "traction.power_max_w",
+        ("traction.force_max_n", "body.speed_max_mps"),
+        "",
+        0.01,
+        10.0,
+        "assumed: below, it could not leave walking pace; above, the power is of no use",
+        lambda train: (
+            float(train["traction_power_max_w"])
+            / (float(train["traction_force_max_n"]) * float(train["speed_max_mps"]))
+        ),
+    ),
+    Rule(
+        "running resistance at the greatest speed by weight",
+        "body.speed_max_mps",
+        ("resistance",),
+        "N/kN",
+        0.0,
+        200.0,
+        "assumed: at 575 km/h it was about 30 to 40",
+        _drag_n_per_kn,
+    ),
+    Rule(
+        "strongest service notch over the grip of all axles on dry rail",
+        "brakes.notch_deceleration_mps2",
+        ("adhesion.dry", "body.rotating_mass_factor"),
+        "",
+        0.0,
+        1.0,
+        "a brake that slides on dry rail as designed is none",
+        lambda train: _service_mps2(train) / _grip_mps2(train),
+    ),
+    Rule(
+        "emergency brake over the grip of all axles on dry rail",
+        "emergency.deceleration_mps2",
+        ("adhesion.dry", "body.rotating_mass_factor"),
+        "",
+        0.0,
+        1.0,
+        "the same",
+        lambda train: float(train["emergency_deceleration_mps2"]) / _grip_mps2(train),
+    ),
+    Rule(
+        "emergency brake over the strongest service notch",
+        "emergency.deceleration_mps2",
+        ("brakes.notch_deceleration_mps2",),
+        "",
+        1.0,
+        math.inf,
+        "an emergency brake is no weaker",
+        lambda train: float(train["emergency_deceleration_mps2"]) / _service_mps2(train),
+    ),
+)
+
+
+def check_train(file: str, train: Record, written: Mapping[str, str], value_of: Callable[[str], Any]) -> None:
+    """Every rule, or InputError; `written` has the file's own key by that in SI, `value_of` its value."""
+    for rule in RULES:
+        figure = rule.figure(train)
+        if rule.low <= figure <= rule.high:
+            continue
+        key = written.get(rule.key, rule.key)
+        others = ", ".join(written.get(other, other) for other in rule.others)
+        expected = f"{rule.name} {rule.text()}, and with {others} it is {figure:.3g}"
+        raise InputError(file, key, value_of(key), expected)
