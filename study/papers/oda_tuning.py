@@ -25,12 +25,12 @@ from onboard.driving.tuning import (
     learn,
     search,
 )
-from onboard.unit_records import UnitParameters
 from radio.chance import generator
-from study.papers.oda_table4 import BEACONS_M, START_M, TAG_ACCURACY_M, oda_train
+from study.papers.parameter_sets import LINE, coasting
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.papers.single_stop import Rows, new_stops
-from study.papers.single_train import COASTING, Bench
+from study.papers.single_train import Bench
+from study.papers.table4_stops import BEACONS_M, START_M, oda_train
 from vehicle.train_file import TrainType
 
 TRAINS: Final = 100
@@ -38,8 +38,7 @@ TRAINS_QUICK: Final = 12
 RUNS: Final = 80
 STATIONS: Final = 15
 DAYS_PAPER: Final = 2
-GAIN_PER_S: Final = 0.6
-PATTERN_MPS2: Final = 0.60
+PATTERN_MPS2: Final = LINE.driving.stop_deceleration_mps2
 DEAD_TIMES_S: Final = (0.5, 1.5)
 LAGS_S: Final = (0.01, 0.3)
 OFFSETS_KMHPS: Final = (-0.4, 0.4)
@@ -53,7 +52,6 @@ FULL_FROM: Final = 0.9
 GRADIENT_PERMILLE: Final = 10.0
 GRADIENT_SIGMA_PERMILLE: Final = 0.5
 WHEEL_ERROR: Final = 0.003
-BOUND_GROWTH: Final = 0.01
 SPEED_NOISE_MPS: Final = 0.01
 ROUNDING: Final = 1e-9
 
@@ -146,11 +144,7 @@ def with_noise(rng: np.random.Generator, record: StopRecord) -> StopRecord:
 
 def bench_with(nominal: TrainType, hidden: Hidden, learned: Learned) -> Bench:
     """The train with a controller that goes by what it learned: dead time (prediction) and offset (bias)."""
-    driving = COASTING.model_copy(
-        update={"stop_deceleration_mps2": PATTERN_MPS2, "stop_gain_per_s": GAIN_PER_S}
-    )
-    unit = UnitParameters(tag_accuracy_m=TAG_ACCURACY_M, wheel_error_share=BOUND_GROWTH)
-    return Bench(nominal, driving, unit, real_body(nominal, hidden), learned)
+    return Bench(nominal, coasting(LINE.driving), LINE.unit, real_body(nominal, hidden), learned)
 
 
 def is_right(learned: Learned, hidden: Hidden) -> bool:
@@ -211,8 +205,7 @@ def parameters(trains: int) -> tuple[Parameter, ...]:
             "km/h/s",
             "assumed, evenly; the paper's train had 0.4 (4.2.2)",
         ),
-        Parameter("pattern deceleration", PATTERN_MPS2, "m/s^2", "assumed: a weak brake can still follow it"),
-        Parameter("proportional gain", GAIN_PER_S, "1/s", "that of oda-table4"),
+        *LINE.parameters(),
         Parameter("beacons", "400, 100, 10", "m before the mark", "3.2.3 (1)"),
         Parameter("brake, stop to stop", BRAKE_SIGMA * 100.0, "% (sigma)", "assumed"),
         Parameter("stops in rain", WET_SHARE, "share", "assumed"),
@@ -226,7 +219,6 @@ def parameters(trains: int) -> tuple[Parameter, ...]:
         Parameter("brake when full", FULL_BRAKE, "of the usual one", f"assumed, above a load of {FULL_FROM}"),
         Parameter("gradient not on the map", GRADIENT_SIGMA_PERMILLE, "permille (sigma)", "assumed"),
         Parameter("wheel's circumference", WHEEL_ERROR, "share, evenly", "assumed; distance and speed alike"),
-        Parameter("growth of the bounds", BOUND_GROWTH, "m per m", "3.2.1: +-1 %"),
         Parameter("tachometer's speed", SPEED_NOISE_MPS, "m/s (sigma)", "assumed"),
     )
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
-from study.papers.oda_table4 import oda_train
 from study.papers.oda_tuning import PATTERN_MPS2, RUNS, Hidden, is_right, reproduce, tune
 from study.papers.reproduction import Options, Reproduction, reproduction
+from study.papers.table4_stops import oda_train
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from onboard.driving.tasc import Verdict
 from study.papers.carried_train import CarriedTrain
-from study.papers.oda_table4 import PATTERN_MPS2, controller, plain_stop
+from study.papers.table4_stops import PATTERN_MPS2, controller, plain_stop
 
 GAIN_PER_S = 0.6
 
