@@ -7,11 +7,11 @@ from typing import Final
 
 import pytest
 
-from onboard.driving import stop_keeper
+from onboard.driving import stop_keeper, tuning
 from onboard.driving.tasc import WHOLE_LAW, DesignRow, Part
-from onboard.driving.tuning import Learned
+from onboard.driving.tuning import Fit, Learned, StopRecord
 from onboard.records import BehaviourRow
-from study.papers import single_train, table4_stops
+from study.papers import oda_tuning, single_train, table4_stops
 from vehicle.records import TrainRow
 
 Switch = Callable[[pytest.MonkeyPatch], None]
@@ -70,3 +70,30 @@ def gain_0(patch: pytest.MonkeyPatch) -> None:
 @switch
 def frame_error_reversed(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(table4_stops, "FRAME_S", -table4_stops.FRAME_S)
+
+
+# self-tuning --------------------------------------------------------------------------------------------------
+
+
+@switch
+def mode_replaced_by_mean(patch: pytest.MonkeyPatch) -> None:
+    def mean(counts: tuple[int, ...]) -> int:
+        return round(sum(index * count for index, count in enumerate(counts)) / sum(counts))
+
+    patch.setattr(tuning, "_mode", mean)
+
+
+@switch
+def disturbed_stops_kept(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(tuning, "disturbance", lambda *_: None)
+
+
+@switch
+def six_points_off_their_centre(patch: pytest.MonkeyPatch) -> None:
+    """The six points lie six steps of dead time and offset beside what is expected, where J is no bowl."""
+    approximate = tuning.approximate
+
+    def aside(record: StopRecord, centre: tuple[int, int]) -> Fit | None:
+        return approximate(record, (centre[0] + 6, centre[1] + 6))
+
+    patch.setattr(oda_tuning, "approximate", aside)

@@ -46,6 +46,29 @@ GUARDED: Final = (
         "frame_error_reversed",
         ("estimate ahead of the train while a sign is seen, m",),
     ),
+    Guarded(
+        "oda-tuning",
+        "mode_replaced_by_mean",
+        (
+            "of 12 trains, those that go by what is right to one step of the grid",
+            "trains whose mean lies elsewhere than their mode",
+            "root mean square distance of held-out stops from the mark, m",
+        ),
+    ),
+    Guarded(
+        "oda-tuning",
+        "disturbed_stops_kept",
+        (
+            "of 12 trains, those that go by what is right to one step of the grid",
+            "stops of full trains that were learned from",
+            "root mean square distance of held-out stops from the mark, m",
+        ),
+    ),
+    Guarded(
+        "oda-tuning",
+        "six_points_off_their_centre",
+        ("of 12 trains, those in which both methods give the same mode",),
+    ),
 )
 
 
