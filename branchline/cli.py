@@ -339,11 +339,11 @@ def reproduce(
     if as_json:
         print_json(result.as_dict(), outcome)
     else:
-        _print_reproduction(result.as_dict())
+        _print_reproduction(result.as_dict(), result.beside)
     _end(outcome)
 
 
-def _print_reproduction(result: dict[str, Any]) -> None:
+def _print_reproduction(result: dict[str, Any], beside: str) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -355,12 +355,20 @@ def _print_reproduction(result: dict[str, Any]) -> None:
         parameters.add_row(p["name"], f"{p['value']} {p['unit']}".strip(), p["origin"])
     console.print(parameters)
     rows = Table()
-    for head in ("case", "paper", "ours", "criterion", "passed"):
+    columns = ("paper", "ours", *((beside,) if beside else ()))
+    for head in ("case", *columns, "criterion", "passed"):
         rows.add_column(head)
     for row in result["rows"]:
-        cells = (row["case"], str(row["paper"]), str(row["ours"]), row["criterion"])
-        rows.add_row(*cells, "yes" if row["passed"] else "NO")
+        cells = ("" if row[column] is None else str(row[column]) for column in columns)
+        rows.add_row(row["case"], *cells, row["criterion"], "yes" if row["passed"] else "NO")
     console.print(rows)
+    if result["figures"]:
+        figures = Table(title="told, not judged", title_justify="left")
+        for head in ("figure", "value", "what it says"):
+            figures.add_column(head)
+        for figure in result["figures"]:
+            figures.add_row(figure["name"], str(figure["value"]), figure["meaning"])
+        console.print(figures)
     for remark in result["remarks"]:
         console.print(f"- {remark}")
     console.print("passed" if result["passed"] else "NOT passed")

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from onboard.driving.stopping import WAVE_STEPS, WaveRow
-from onboard.driving.tasc import DesignRow, TascRow, Verdict
+from onboard.driving.tasc import WHOLE_LAW, DesignRow, TascRow, Verdict
 from onboard.driving.tuning import Learned, StopRecord, approximate, disturbance, learn
 from onboard.notes import LearnedFromStop
 from onboard.records import BehaviourRow
@@ -29,6 +29,7 @@ JERK_MPS3: Final = 2.0  # assumed, where the train file limits no jerk
 def fill_design(design: DesignRow, train: TrainRow, behaviour: BehaviourRow, learned: Learned) -> None:
     """Set a DESIGN row from the train file, the driving parameters and what the train has learned."""
     strongest_mps2 = train.brake_deceleration_mps2[int(train.brake_notches)]
+    design.parts = int(WHOLE_LAW)
     design.pattern_mps2 = min(behaviour.stop_deceleration_mps2, strongest_mps2)
     design.pattern_least_mps2 = PATTERN_LEAST_SHARE * design.pattern_mps2
     design.brake_max_mps2 = strongest_mps2

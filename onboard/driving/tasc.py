@@ -10,7 +10,7 @@ on a DESIGN row (what was chosen or learned for this train) and a TASC row (what
 from __future__ import annotations
 
 import math
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import Annotated, Final, Protocol
 
 from vehicle.compiled import compiled
@@ -38,7 +38,24 @@ class Verdict(IntEnum):
     SIGN_BEYOND_LIMIT = 3  # the mark lies beyond the stop limit: stops at the limit instead
 
 
-POSSIBLE: Final = int(Verdict.POSSIBLE)  # compiled code reads plain integers
+class Part(IntFlag):
+    """What the law consists of beyond proportional following; a train has all, an experiment may leave some out."""
+
+    PREDICTION = 1  # decides on the state in which its command will act, not on the present one
+    REDRAWING = 2  # draws the pattern anew where a fix has moved the estimate
+    FEED_FORWARD = 4  # asks for the pattern's own deceleration, and by the gain only for what is off it
+    RESISTANCE = 8  # takes gradient and running resistance off the brake demand
+    SOFT_END = 16  # lets the pattern end in a weaker brake
+
+
+WHOLE_LAW: Final = Part.PREDICTION | Part.REDRAWING | Part.FEED_FORWARD | Part.RESISTANCE | Part.SOFT_END
+PREDICTION: Final = int(Part.PREDICTION)  # compiled code reads plain integers
+REDRAWING: Final = int(Part.REDRAWING)
+FEED_FORWARD: Final = int(Part.FEED_FORWARD)
+RESISTANCE: Final = int(Part.RESISTANCE)
+SOFT_END: Final = int(Part.SOFT_END)
+
+POSSIBLE: Final = int(Verdict.POSSIBLE)
 BRAKE_TOO_WEAK: Final = int(Verdict.BRAKE_TOO_WEAK)
 TARGET_NOT_SEEN: Final = int(Verdict.TARGET_NOT_SEEN)
 SIGN_BEYOND_LIMIT: Final = int(Verdict.SIGN_BEYOND_LIMIT)
@@ -47,6 +64,7 @@ SIGN_BEYOND_LIMIT: Final = int(Verdict.SIGN_BEYOND_LIMIT)
 class DesignRow(Protocol):
     """How one train stops at the mark: what was chosen for it, and what it has learned."""
 
+    parts: Annotated[int, "of Part: what the law consists of"]
     pattern_mps2: Annotated[float, "deceleration of the target-speed pattern (目標速度パターン)"]
     pattern_least_mps2: Annotated[
         float, "a corrected pattern is never flatter: the brake is released instead"
@@ -140,6 +158,8 @@ def pattern(design: DesignRow, pattern_mps2: float, distance_m: float) -> tuple[
     end + jerk T, so the train comes to rest with `end_mps2` alone and nothing has to be released abruptly.
     """
     end, jerk = design.end_mps2, design.end_jerk_mps3
+    if design.parts & SOFT_END == 0:
+        end = pattern_mps2
     if distance_m <= 0.0:
         return 0.0, min(end, pattern_mps2)
     rise_s = (pattern_mps2 - end) / jerk
@@ -187,6 +207,8 @@ def predicted(tasc: TascRow, design: DesignRow, speed_mps: float, own_mps2: floa
     Follows the commands under way through dead time, then through the lag with the last of them held.
     `own_mps2` is what gradient and running resistance take off the speed without any brake.
     """
+    if design.parts & PREDICTION == 0:
+        return speed_mps, 0.0
     steps = dead_time_steps(design.dead_time_s, design.step_s)
     lag_steps = round(design.lag_s / design.step_s)
     built = tasc.built_mps2
@@ -211,7 +233,8 @@ def followed(
     state, so that the demand changes no more than it must; where that is too flat, the brake is released until
     the designed pattern is met again.
     """
-    if tasc.braking == 1 and abs(moved_m) >= design.correction_least_m:
+    redraws = design.parts & REDRAWING != 0
+    if redraws and tasc.braking == 1 and abs(moved_m) >= design.correction_least_m:
         tasc.pattern_mps2 = pattern_through(design, speed_mps, distance_m)
         tasc.integral_m = 0.0
         if tasc.pattern_mps2 == 0.0:
@@ -228,10 +251,13 @@ def followed(
     target_mps, slope_mps2 = pattern(design, tasc.pattern_mps2, distance_m)
     error = speed_mps - target_mps
     change_mps2 = (error - tasc.error_mps) / design.step_s
-    wanted = slope_mps2 + design.gain_per_s * error + design.derivative_gain * change_mps2
+    wanted = slope_mps2 if design.parts & FEED_FORWARD != 0 else 0.0
+    wanted += design.gain_per_s * error + design.derivative_gain * change_mps2
     wanted += design.integral_gain_per_s2 * tasc.integral_m
     tasc.error_mps = error
-    demand = max(wanted, LEAST_BRAKE_MPS2) - own_mps2
+    demand = max(wanted, LEAST_BRAKE_MPS2)
+    if design.parts & RESISTANCE != 0:
+        demand -= own_mps2
     if 0.0 < demand < design.brake_max_mps2:  # no winding up where the brake has nothing more to give
         tasc.integral_m += error * design.step_s
     return demand

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from pydantic import Field
 
+from network.files.quantities import Motors as MotorCount
 from network.files.quantities import Share
 from simulation.faults.fault import Fault, Names, World
 
@@ -105,7 +106,7 @@ class Motors(MotorsFault):
     """Motors are cut out: those that are left pull and brake. Nothing tells the unit; without any the train rolls."""
 
     kind = "motors"
-    cut_out: int = Field(ge=1, le=64, description="so many of the train's motors, or all that it has")
+    cut_out: MotorCount = Field(description="so many of the train's motors, or all that it has")
 
     def over(self, cut_out: int) -> int:
         return cut_out + self.cut_out

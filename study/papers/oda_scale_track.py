@@ -26,7 +26,6 @@ from onboard.localisation.vision import (
     search_window,
     sight,
 )
-from onboard.unit_records import UnitParameters
 from radio.chance import generator
 from simulation.sensors.camera import (
     PAPER_CAMERA,
@@ -39,9 +38,9 @@ from simulation.sensors.camera import (
     lamplight,
     record_table,
 )
-from simulation.settings import Driving
 from simulation.setup import STEP_S
 from study.papers.carried_train import CarriedTrain
+from study.papers.parameter_sets import CUMULATIVE_ERROR, TENTH_SCALE
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.papers.single_stop import Rows, new_stops
 from study.papers.single_train import Bench
@@ -62,10 +61,8 @@ class TrackTest:
     initial_mps: float = 4.0 / 3.6
     mark_after_m: float = 4.0
     sign_beyond_m: float = 0.5
-    pattern_mps2: float = 0.25
-    gain_per_s: float = 1.0
-    tag_accuracy_m: float = 0.05
-    wheel_error_max: float = 0.01
+    tag_accuracy_m: float = TENTH_SCALE.unit.tag_accuracy_m
+    wheel_error_max: float = CUMULATIVE_ERROR
     brake_spread: float = 0.02
     lost_command_share: float = 0.02
     processing_s: float = 0.02
@@ -86,15 +83,8 @@ class Stop:
 
 def car_bench(test: TrackTest) -> Bench:
     """The car; its unit holds the speed until the stop at the mark takes over, and believes all wheels to be alike."""
-    driving = Driving(
-        law="hold_speed",
-        stop_deceleration_mps2=test.pattern_mps2,
-        stop_gain_per_s=test.gain_per_s,
-        cruise_gain_per_s=test.gain_per_s,
-    )
-    growth = test.wheel_error_max / (1.0 - test.wheel_error_max)
-    unit = UnitParameters(tag_accuracy_m=test.tag_accuracy_m, wheel_error_share=growth)
-    bench = Bench(load_train(shipped_train("oda_scale_car")), driving, unit)
+    unit = TENTH_SCALE.unit.model_copy(update={"tag_accuracy_m": test.tag_accuracy_m})
+    bench = Bench(load_train(shipped_train("oda_scale_car")), TENTH_SCALE.driving, unit)
     bench.prepared["board"]["unit"]["cruise_mps"] = test.initial_mps
     return bench
 
@@ -264,11 +254,12 @@ def _parameters(test: TrackTest) -> tuple[Parameter, ...]:
             "table", "each 0.1 m to 2.8 m before the mark", "", "3.3.3; 4 images a place as in table 2"
         ),
         Parameter("wheel diameter error", test.wheel_error_max, "share, uniform", "3.2.1: +-1 %"),
+        *TENTH_SCALE.parameters(),
         Parameter(
-            "deceleration of the pattern", test.pattern_mps2, "m/s2", "assumed: from 4 km/h within 2.8 m"
-        ),
-        Parameter(
-            "gain of the following control", test.gain_per_s, "1/s", "assumed: 0.3 over the reaction time"
+            "pattern and gain, where from",
+            "assumed",
+            "",
+            "from 4 km/h within 2.8 m; 0.3 over the reaction time",
         ),
         Parameter(
             "start before the mark", test.mark_after_m, "m", "assumed: braking begins at about 2.8 m of it"

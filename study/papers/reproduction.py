@@ -41,17 +41,29 @@ class Row:
     ours: object
     passed: bool
     criterion: str = ""
+    beside: object = None  # the same case in the second column, where there is one
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure that is told and not judged, and what it says."""
+
+    name: str
+    value: object
+    meaning: str
 
 
 @dataclass(frozen=True, slots=True)
 class Reproduction:
-    """The result of `branchline reproduce NAME`."""
+    """The result of `branchline reproduce NAME`; `beside` heads the rows' second column, empty: there is none."""
 
     name: str
     title: str
     parameters: tuple[Parameter, ...]
     rows: tuple[Row, ...]
     remarks: tuple[str, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    beside: str = ""
 
     @property
     def passed(self) -> bool:
@@ -73,11 +85,13 @@ class Reproduction:
                     "case": r.case,
                     "paper": r.paper,
                     "ours": r.ours,
+                    **({self.beside: r.beside} if self.beside else {}),
                     "passed": r.passed,
                     "criterion": r.criterion,
                 }
                 for r in self.rows
             ],
+            "figures": [{"name": f.name, "value": f.value, "meaning": f.meaning} for f in self.figures],
             "remarks": list(self.remarks),
         }
 

@@ -74,9 +74,6 @@ def new_track(train: TrainRow, behaviour: BehaviourRow, length_m: float) -> Trac
     return Track(profile, pattern, plan, np.zeros(FIXES_MAX))
 
 
-COASTING: Final = Driving(law="follow_plan")  # a bench's train coasts, by plan, until TASC brakes
-
-
 class Bench:
     """One train, what its unit believes of it and how it drives; makes as many stops as are asked for."""
 

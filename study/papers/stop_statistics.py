@@ -16,23 +16,19 @@ from numpy.typing import NDArray
 from scipy.stats import norm, qmc
 
 from network.errors import InputError
-from onboard.unit_records import UnitParameters
 from radio.chance import generator
-from study.papers.oda_table4 import START_M, oda_train
+from study.papers.parameter_sets import LINE, coasting
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 from study.papers.single_stop import Rows, new_stops
-from study.papers.single_train import COASTING, Bench
+from study.papers.single_train import Bench
+from study.papers.table4_stops import START_M, oda_train
 
 LIMITS_M: Final = (0.35, 0.5, 1.0)
 STOPS: Final = 100_000
 STOPS_QUICK: Final = 4_000
 BINS: Final = 40
-PATTERN_MPS2: Final = 0.65
-GAIN_PER_S: Final = 0.6
 COMPENSATION_SHARE: Final = 0.06
 SPEED_MPS: Final = 17.0
-TAG_ACCURACY_M: Final = 0.15
-BOUND_GROWTH: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +108,13 @@ def stops_of(values: Mapping[str, NDArray[np.float64]], lag_s: float) -> Rows:
     return rows
 
 
+def statistics_bench(lag_s: float) -> Bench:
+    """The paper's train with a brake that lags; its controller believes in just that lag."""
+    row = oda_train().row.copy()
+    row["brake_lag_s"] = lag_s
+    return Bench(replace(oda_train(), row=row), coasting(LINE.driving), LINE.unit)
+
+
 def first_order_share(values: NDArray[np.float64], errors_m: NDArray[np.float64]) -> float:
     """Share of the variance that one factor explains alone: variance of the mean error in bins of equal counts.
 
@@ -140,14 +143,7 @@ def stop_statistics(n: int, seed: int, factors: Mapping[str, Factor] = FACTORS) 
         raise InputError("stop-statistics", "factors", unknown[0], "one of " + ", ".join(FACTORS))
     values = drawn(n, seed, {**FACTORS, **factors})
     lag_s = {**FACTORS, **factors}["brake_lag"].mean
-    row = oda_train().row.copy()
-    row["brake_lag_s"] = lag_s
-    train = replace(oda_train(), row=row)
-    driving = COASTING.model_copy(
-        update={"stop_deceleration_mps2": PATTERN_MPS2, "stop_gain_per_s": GAIN_PER_S}
-    )
-    unit = UnitParameters(tag_accuracy_m=TAG_ACCURACY_M, wheel_error_share=BOUND_GROWTH)
-    outcomes, _ = Bench(train, driving, unit).run(stops_of(values, lag_s))
+    outcomes, _ = statistics_bench(lag_s).run(stops_of(values, lag_s))
     errors = np.array(outcomes["error_m"], dtype=np.float64)
     return StopStatistics(
         errors,
@@ -186,10 +182,7 @@ def reproduce(options: Options) -> Reproduction:
         Parameter("stops", n, "", "issue: at scale"),
         Parameter("train", "oda_train", "", "Oda, 3.2.3"),
         Parameter("speed at the beginning", SPEED_MPS, "m/s", "assumed"),
-        Parameter("pattern deceleration", PATTERN_MPS2, "m/s^2", "assumed: that of a cautious service"),
-        Parameter("proportional gain", GAIN_PER_S, "1/s", "that of oda-table4"),
-        Parameter("bound of a fix at a beacon", TAG_ACCURACY_M, "m", "3 sigma of beacon_error"),
-        Parameter("growth of the bounds", BOUND_GROWTH, "m per m", "3 sigma of wheel, and some more"),
+        *LINE.parameters(),
         *(
             Parameter(name, f"{factor.mean:g} +- {factor.sigma:g}", factor.unit, factor.origin)
             for name, factor in FACTORS.items()

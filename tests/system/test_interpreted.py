@@ -1,4 +1,4 @@
-"""NUMBA_DISABLE_JIT=1: the laws as Python runs them give the same run, to the byte of the journal and the bit of a position."""
+"""NUMBA_DISABLE_JIT=1: the laws as Python runs them give the same run, journal and positions to the byte."""
 
 from __future__ import annotations
 

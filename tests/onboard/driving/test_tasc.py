@@ -14,7 +14,9 @@ from onboard.driving.tasc import (
     LEAST_BRAKE_MPS2,
     TARGET_NOT_SEEN,
     TASC,
+    WHOLE_LAW,
     DesignRow,
+    Part,
     TascRow,
     Verdict,
     aim_m,
@@ -36,6 +38,7 @@ from onboard.driving.tasc import (
 def design(**changes: float) -> DesignRow:
     row = np.zeros(1, dtype=DESIGN)
     values = {
+        "parts": int(WHOLE_LAW),
         "pattern_mps2": 0.8,
         "pattern_least_mps2": 0.4,
         "brake_max_mps2": 0.93,
@@ -210,6 +213,54 @@ def test_integral_and_derivative_add_to_the_demand() -> None:
     assert demands[0] == pytest.approx(0.6 + 0.6 * 0.05)
     assert demands[1] == pytest.approx(demands[0] + 0.05)
     assert demands[2] == pytest.approx(demands[0] + 0.1 * 0.05 / 0.1)
+
+
+def without(part: Part, **changes: float) -> DesignRow:
+    return design(parts=int(WHOLE_LAW & ~part), **changes)
+
+
+def test_the_whole_law_has_every_part() -> None:
+    assert Part(sum(Part)) == WHOLE_LAW
+
+
+def test_without_prediction_it_decides_on_the_present_state() -> None:
+    assert predicted(fresh()[0], without(Part.PREDICTION), 10.0, 0.1) == (10.0, 0.0)
+    assert predicted(fresh()[0], design(), 10.0, 0.1)[0] < 10.0
+
+
+def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
+    row = without(Part.REDRAWING)
+    tasc = fresh()[0]
+    tasc["braking"] = 1
+    tasc["pattern_mps2"] = 0.8
+    speed, _ = pattern(row, 0.8, 50.0)
+    nearer_mps, _ = pattern(row, 0.8, 45.0)
+    assert followed(tasc, row, speed, 45.0, 0.0, 5.0) == pytest.approx(0.8 + 0.6 * (speed - nearer_mps))
+    assert tasc["pattern_mps2"] == 0.8
+
+
+def test_without_feed_forward_only_what_is_off_the_pattern_is_braked() -> None:
+    row, tasc = without(Part.FEED_FORWARD), fresh()[0]
+    tasc["braking"] = 1
+    tasc["pattern_mps2"] = 0.8
+    speed, _ = pattern(row, 0.8, 50.0)
+    assert followed(tasc, row, speed + 0.5, 50.0, 0.0, 0.0) == pytest.approx(0.6 * 0.5)
+
+
+def test_without_resistance_the_demand_is_all_of_the_pattern() -> None:
+    demands = []
+    for row in (design(), without(Part.RESISTANCE)):
+        tasc = fresh()[0]
+        tasc["braking"] = 1
+        tasc["pattern_mps2"] = 0.8
+        demands.append(followed(tasc, row, pattern(row, 0.8, 50.0)[0], 50.0, 0.05, 0.0))
+    assert demands == pytest.approx([0.75, 0.8])
+
+
+def test_without_the_soft_end_the_pattern_keeps_its_deceleration() -> None:
+    row = without(Part.SOFT_END)
+    assert pattern(row, 0.8, 1e-9)[1] == 0.8
+    assert pattern(row, 0.8, 100.0)[0] == pytest.approx(math.sqrt(160.0))
 
 
 def test_the_first_impossibility_stands() -> None:

@@ -1,23 +1,36 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from onboard.driving.tasc import Verdict
-from study.papers.oda_table4 import (
+from onboard.board import SENSED
+from onboard.driving.tasc import WHOLE_LAW, Part, Verdict
+from onboard.localisation.vision import frame_rate_error_m
+from simulation.sensors.scene import SCENE
+from simulation.sensors.sign_camera import SignCameraRow, fit, sign_camera
+from simulation.sensors.table import SENSORS_ROW
+from study.papers.oda_table4 import OTHER_BEACONS_M, agreeing_patterns_mps2, reproduce
+from study.papers.reproduction import Options, Reproduction, reproduction
+from study.papers.single_stop import Rows
+from study.papers.table4_parts import ABLATIONS, without
+from study.papers.table4_stops import (
     CASES,
+    FRAME_RATE_FPS,
+    FRAME_S,
+    NOT_IN_THE_PAPER,
     Case,
     best_gain_per_s,
     controller,
     impossible_stops,
     passes,
-    reproduce,
     stop_of,
 )
-from study.papers.reproduction import Options, Reproduction, reproduction
-from study.papers.single_stop import Rows
+from study.scenario.scenario import load_scenario
 
 GAIN_PER_S = 0.6
+PAPERS_MEAN_M = 0.162  # of the 20 cells within 1 m
 
 
 @pytest.fixture(scope="module")
@@ -67,10 +80,64 @@ def test_a_cell_passes_only_with_the_papers_verdict() -> None:
 
 def test_everything_passes_and_names_its_origins(result: Reproduction) -> None:
     assert result.passed, [row for row in result.rows if not row.passed]
-    assert len(result.rows) == 22 + 1 + 3
+    assert len(result.rows) == 22 + 3 + 2 + len(ABLATIONS) + 3
     assert all(parameter.origin for parameter in result.parameters)
-    assert any("opposite sign the verdicts are the same" in remark for remark in result.remarks)
     assert reproduction("oda-table4") is reproduce
+    assert len(result.figures) == len(OTHER_BEACONS_M) + 2
+
+
+def test_the_papers_own_controller_stands_beside_ours(result: Reproduction) -> None:
+    cells = result.rows[: len(CASES)]
+    assert result.as_dict()["rows"][0][result.beside] == cells[0].beside
+    by_paper = [abs(float(str(row.beside))) for row in cells]
+    assert all(passes(case, figure) for case, figure in zip(CASES, by_paper, strict=True))
+    # the paper's mean is 0.16 m; its controller without our additions comes as near to it as within a half
+    own_m = np.mean([m for case, m in zip(CASES, by_paper, strict=True) if case.paper_m < 1.0])
+    assert own_m == pytest.approx(PAPERS_MEAN_M, rel=0.5)
+
+
+def test_the_papers_own_controller_is_the_one_law_with_parts_left_out() -> None:
+    bench = controller(GAIN_PER_S, without=NOT_IN_THE_PAPER)
+    assert Part(int(bench.design.parts)) is Part.FEED_FORWARD
+    assert Part(int(controller(GAIN_PER_S).design.parts)) is WHOLE_LAW
+
+
+def test_every_part_and_the_gain_is_left_out_once() -> None:
+    left_out = [ablation.without for ablation in ABLATIONS if ablation.without]
+    assert sorted(left_out) == sorted(Part)
+    without_gain = [without(ablation, 0.6) for ablation in ABLATIONS if not ablation.without]
+    assert [float(bench.design.gain_per_s) for bench in without_gain] == [0.0]
+
+
+def test_the_inferred_pattern_rests_on_where_the_last_beacon_lies() -> None:
+    """A train counts 1 % of the way from it wrong: the nearer it lies, the less it errs, the harder it must brake."""
+    spans = [agreeing_patterns_mps2(GAIN_PER_S, beacon_m) for beacon_m in (850.0, 1000.0, 1200.0, 1400.0)]
+    middles = [np.mean(span) for span in spans]
+    assert middles == sorted(middles, reverse=True)
+    assert middles[0] - middles[-1] > 0.05
+    assert 0.78 in spans[1]
+
+
+def test_the_frame_error_has_the_direction_of_the_lines_camera() -> None:
+    """A picture is taken to be of when its frame began, so a moving sign seems nearer: the estimate runs ahead."""
+    camera: SignCameraRow = np.zeros(1, SENSORS_ROW["sign_camera"]).view(np.recarray)[0]
+    setup = load_scenario("karasuyama_vision").setup
+    fit(camera, setup, next(iter(setup.trains)))
+    scene: Any = np.zeros(1, SCENE).view(np.recarray)[0]
+    sensed: Any = np.zeros(1, SENSED).view(np.recarray)[0]
+    scene.sign_ahead_m = 30.0
+    mean_m = dict[float, float]()
+    for speed_mps in (0.0, 10.0):
+        scene.speed_mps = speed_mps
+        seen_m: list[float] = []
+        for frame in range(2000):
+            scene.step = frame * camera.every_steps
+            sign_camera(camera, None, scene, sensed)
+            seen_m.append(float(sensed.readings.sign.distance_m))
+        mean_m[speed_mps] = float(np.mean(np.array(seen_m)[np.isfinite(seen_m)]))
+    nearer_m = mean_m[0.0] - mean_m[10.0]
+    assert 0.0 < nearer_m <= frame_rate_error_m(10.0, FRAME_RATE_FPS)
+    assert pytest.approx(frame_rate_error_m(10.0, FRAME_RATE_FPS)) == FRAME_S * 10.0
 
 
 def test_the_bounds_hold_the_truth_and_no_fix_is_refused() -> None:

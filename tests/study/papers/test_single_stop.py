@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from onboard.driving.tasc import Verdict
 from onboard.unit_records import UnitParameters
 from study.papers.carried_train import CarriedTrain
-from study.papers.oda_table4 import PATTERN_MPS2, controller, oda_train, plain_stop
 from study.papers.single_train import COASTING, Bench
+from study.papers.table4_stops import PATTERN_MPS2, controller, oda_train, plain_stop
 
 GAIN_PER_S = 0.6
 
