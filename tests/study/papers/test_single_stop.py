@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 from onboard.driving.tasc import Verdict
 from onboard.unit_records import UnitParameters
+from simulation.settings import Driving
 from study.papers.carried_train import CarriedTrain
-from study.papers.single_train import COASTING, Bench
+from study.papers.parameter_sets import coasting
+from study.papers.single_train import Bench
 from study.papers.table4_stops import PATTERN_MPS2, controller, oda_train, plain_stop
 
 GAIN_PER_S = 0.6
@@ -138,7 +140,7 @@ def test_a_beacon_that_cannot_be_where_it_is_read_is_refused() -> None:
 def test_a_tachometer_counts_whole_pulses() -> None:
     """860 mm and 60 pulses a turn: what is counted lies within a pulse (45.03 mm) behind what was run."""
     train = oda_train()
-    bench = Bench(train, COASTING, UnitParameters(), pulses=True)
+    bench = Bench(train, coasting(Driving()), UnitParameters(), pulses=True)
     result, trace = bench.one(plain_stop(60.0), 2000)
     behind_m = -trace["estimate_error_m"]
     pulse_m = np.pi * 0.860 / 60

@@ -9,7 +9,8 @@ from typing import Final
 import pytest
 from typer.testing import CliRunner
 
-from branchline.cli import BROKEN, app
+from branchline.cli import app
+from study.outcome import Outcome
 from tests.study.papers.switches import SWITCHES
 
 
@@ -88,7 +89,7 @@ def test_with_everything_in_place_every_row_passes(name: str) -> None:
 def test_what_is_taken_away_is_missed(guarded: Guarded, monkeypatch: pytest.MonkeyPatch) -> None:
     SWITCHES[guarded.off](monkeypatch)
     code, failed = rows_that_fail(guarded.name)
-    assert code == BROKEN
+    assert code == Outcome.BROKEN.code
     assert set(guarded.rows) <= failed, failed
 
 
