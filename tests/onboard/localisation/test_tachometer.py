@@ -77,6 +77,15 @@ def test_a_tag_read_a_while_ago_counts_with_what_was_run_since(train: TrainRow) 
     assert fix.behind_m == fix.ahead_m == pytest.approx(ACCURACY_M + 0.02 * 20.0)
 
 
+def test_a_way_between_two_readings_may_be_a_pulse_off(train: TrainRow) -> None:
+    """Both readings are of whole pulses: 45 mm for a wheel of 860 mm and 60 pulses a turn."""
+    unit = new_unit()
+    unit.pulse_m = np.pi * 0.860 / 60
+    locate(unit, train, 1000.0, 20.0, STEP_S)
+    fix = tag_fix(unit, 983.0, 980.0, ACCURACY_M)
+    assert fix.behind_m == fix.ahead_m == pytest.approx(ACCURACY_M + 0.0450 + 0.02 * 20.0, abs=1e-4)
+
+
 @pytest.mark.parametrize(
     ("tag_m", "accepted"),
     [(1000.0, True), (1020.9, True), (1021.1, False), (979.1, True), (978.9, False)],
