@@ -6,7 +6,6 @@ With `--json` stdout carries one object, which has the outcome, and nothing else
 from __future__ import annotations
 
 import json
-import os
 import signal
 import sys
 from collections.abc import Callable
@@ -15,7 +14,7 @@ from typing import Final, cast
 
 import typer
 
-from branchline.progress import tell
+from branchline.progress import silenced, tell
 from study.outcome import Outcome, StoppedError, outcome_of, text_of
 
 STOPS: Final = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
@@ -46,13 +45,20 @@ def ended(command: Callable[[], Outcome]) -> Outcome:
         told = " ".join(error.format_message().split())[:USAGE_COLUMNS].rstrip(".")
         return _tell(Outcome.BAD_INPUT, f"command line: {told}; see branchline --help")
     except (Exception, StoppedError) as error:
+        if (stopped := _stopped(error)) is not None:
+            return _tell(outcome_of(stopped), "interrupted", label="")
         outcome = outcome_of(error)
         if outcome is Outcome.BUG:
             return _tell(Outcome.BUG, _bug(error), label="bug: ")
-        if isinstance(error, StoppedError):
-            return _tell(outcome, "interrupted", label="")
         return _tell(outcome, text_of(error))
     return outcome
+
+
+def _stopped(error: BaseException | None) -> StoppedError | None:
+    """The signal behind an error: as contexts close, one more may fail, with a terminal that is gone for one."""
+    while error is not None and not isinstance(error, StoppedError):
+        error = error.__context__
+    return error
 
 
 def judged(good: bool) -> Outcome:
@@ -71,12 +77,10 @@ def print_json(value: object, outcome: Outcome | None = None) -> None:
 def _tell(outcome: Outcome, text: str, label: str = "error: ") -> Outcome:
     """One line on stderr; one object on stdout, if one was asked for and stdout still takes it."""
     tell(f"{label}{text}")
-    try:
+    with silenced(sys.stdout):
         if JSON_OPTION in sys.argv[1:]:
             print_json({"message": text}, outcome)
         sys.stdout.flush()
-    except OSError:  # what is left in its buffer would fail once more when the interpreter ends
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return outcome
 
 

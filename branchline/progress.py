@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Generator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from typing import TextIO
 
 
 def tell(text: str) -> None:
     """A line on stderr, if anybody is left to read it: a terminal that is gone ends nothing."""
-    with suppress(OSError):
+    with silenced(sys.stderr):
         sys.stderr.write(text + "\n")
         sys.stderr.flush()
+
+
+@contextmanager
+def silenced(stream: TextIO) -> Generator[None]:
+    """Where a standard stream takes nothing more the rest goes nowhere: it would fail again as the interpreter ends."""
+    try:
+        yield
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
 
 
 @contextmanager

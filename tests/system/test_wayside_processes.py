@@ -152,6 +152,31 @@ def test_a_stopped_run_leaves_nothing_behind(
     assert list(running.temporary.iterdir()) == []
 
 
+@pytest.mark.parametrize("link", [link.value for link in Link])
+def test_a_terminal_that_is_closed_ends_it_like_any_hang_up(
+    command: tuple[str, ...], tmp_path: Path, hang_up_is: None, link: str
+) -> None:
+    """Its bar was being drawn there: what then fails to be written is not what ended the run."""
+    ours, its = os.openpty()
+    child = subprocess.Popen(
+        ["setsid", "--ctty", "--wait", *command, "run", "karasuyama_weekday", "--link", link],
+        cwd=tmp_path,
+        env={**os.environ, "TERM": "xterm"},
+        stdin=its,
+        stdout=its,
+        stderr=its,
+    )
+    os.close(its)
+    shown = b""
+    while b"05:" not in shown:
+        shown += os.read(ours, 4096)
+    devices = psutil.Process(child.pid).children(recursive=True)
+    os.close(ours)
+    assert child.wait(timeout=60) == Outcome.HUNG_UP.code
+    assert alive(devices) == []
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("hang_up_is", [signal.SIG_IGN], indirect=True, ids=["nohup"])
 def test_who_asked_for_it_is_not_hung_up(running: Running) -> None:
     hang_up(running.program)
