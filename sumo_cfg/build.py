@@ -45,10 +45,15 @@ def build_net(line: Line) -> bytes:
     return convert(write_plain(line), line.id)
 
 
-def convert(plain: PlainXml, line_id: str) -> bytes:
-    """Run netconvert on plain XML; `line_id` is for messages. Raises InputError as `build_net` does."""
+def convert(plain: PlainXml, line_id: str, scratch: Path | None = None) -> bytes:
+    """Run netconvert on plain XML; `line_id` is for messages. Raises InputError as `build_net` does.
+
+    It works in `scratch`; default: the folder for temporary files.
+    """
     program = _netconvert(line_id)
-    with tempfile.TemporaryDirectory(prefix="branchline-net-") as name:
+    if scratch is not None:
+        scratch.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="branchline-net-", dir=scratch) as name:
         folder = Path(name)
         (folder / "n.nod.xml").write_bytes(plain.nodes)
         (folder / "e.edg.xml").write_bytes(plain.edges)
@@ -88,7 +93,7 @@ def net_for(line: Line, cache_dir: Path) -> Path:
         return shipped
     cached = cache_dir / f"{line.id}-{plain.digest}.net.xml"
     if not (cached.exists() and net_digest(cached) == plain.digest):
-        _write_aside(cached, convert(plain, line.id))
+        _write_aside(cached, convert(plain, line.id, cache_dir))
     return cached
 
 

@@ -14,7 +14,6 @@ import json
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -28,6 +27,7 @@ import psutil
 
 from host.parties import Parties
 from host.party import Advance
+from host.scratch import scratch
 from network.model import Direction
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.sumo import edge_id
@@ -319,9 +319,9 @@ def run_child(way: str, scenario: str, recording: Path, net: Path) -> dict[str, 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
     """The three-way table: medians of wall time, ratios, parts and peak memory. `tell` is told what goes on."""
-    with tempfile.TemporaryDirectory(prefix="branchline-bench-") as name:
+    with scratch("branchline-bench-") as folder:
         tell(f"recording {scenario}")
-        recording = record(scenario, Path(name))
+        recording = record(scenario, folder)
         figures: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
         for number in range(rounds):
             for way in WAYS:

@@ -126,7 +126,7 @@ def reserved(out: Path) -> Generator[Reserved]:
         try:
             yield place
         except Exception as error:
-            if isinstance(error, OSError) and error.filename is None:  # of a file that was open
+            if isinstance(error, OSError) and error.errno and not error.filename:  # of an open file
                 error.filename = str(out)
             if outcome_of(error) is not Outcome.COULD_NOT_RUN or (kept := place.keep(text_of(error))) is None:
                 raise
@@ -171,7 +171,7 @@ def _beside(out: Path) -> Generator[Path]:
 
 def _unwritable(out: Path, error: OSError) -> InputError:
     expected = f"a directory that can be written ({error.strerror})"
-    return InputError("command line", "--out", str(out), expected)
+    return InputError("command line", "--out", out, expected)
 
 
 def _try_room(folder: Path) -> None:

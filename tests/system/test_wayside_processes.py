@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -256,3 +257,60 @@ def test_a_short_run_is_the_same_with_and_without_processes() -> None:
     runs = [execute(load_scenario("rtri_test_line"), link) for link in Link]
     assert runs[0].result.digest == runs[1].result.digest
     assert runs[0].result.journal.to_bytes() == runs[1].result.journal.to_bytes()
+
+
+TRAPS = (
+    "host",
+    "radio",
+    "network",
+    "study",
+    "simulation",
+    "wayside",
+    "onboard",
+    "numpy",
+    "msgspec",
+    "zenoh",
+    "typer",
+)
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    "called",
+    [
+        ("-P", "-c", "from branchline.cli import main; main()"),
+        ("-c", "from branchline.cli import main; main()"),
+    ],
+    ids=["as installed", "with the folder first"],
+)
+def test_no_module_of_the_folder_from_which_it_is_called_is_run(
+    tmp_path: Path, called: tuple[str, ...]
+) -> None:
+    """With every process of it. The second way of calling shows that the traps are traps."""
+    mark = f"from pathlib import Path\nPath({str(tmp_path / 'mark')!r}).touch()\nraise SystemExit(99)\n"
+    cwd = tmp_path / "cwd"
+    cwd.mkdir()
+    for name in TRAPS:
+        (cwd / f"{name}.py").write_text(mark, "utf-8")
+    arguments = (
+        "run",
+        "rtri_test_line",
+        "--link",
+        "zenoh",
+        "--units",
+        "processes",
+        "--out",
+        str(tmp_path / "run"),
+    )
+    done = subprocess.run(
+        [sys.executable, *called, *arguments],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if "-P" in called:
+        assert (done.returncode, (tmp_path / "mark").exists()) == (0, False), done.stderr
+    else:
+        assert (done.returncode, (tmp_path / "mark").exists()) == (99, True)

@@ -255,5 +255,5 @@ def test_only_a_run_may_be_replaced(done: Run, tmp_path: Path) -> None:
     for out in (tmp_path, tmp_path / "notes.txt"):
         with pytest.raises(InputError) as refused:
             write_run(done, out)
-        assert (refused.value.key, refused.value.value) == ("--out", str(out))
+        assert (refused.value.key, refused.value.value) == ("--out", out)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
