@@ -51,11 +51,11 @@ def least_running_time_s(
     )
     if below_limit_mps > 0.0:
         limit_mps = np.maximum(limit_mps - below_limit_mps, CRAWL_MPS)
-    climbs_m = climb_m(row, np.ascontiguousarray(profile["elevation_m"]), np.ascontiguousarray(profile["turn_rad"]))
+    climbs_m = climb_m(kind.row.view(np.recarray)[0], profile["elevation_m"], profile["turn_rad"])
     time_s, _ = predicted_run(
         row,
         load_share,
-        climbs_m,
+        np.ascontiguousarray(climbs_m),
         np.ascontiguousarray(limit_mps),
         way.from_m,
         way.to_m,

@@ -84,6 +84,7 @@ def test_a_climb_too_steep_has_no_time(track: NDArray[np.void]) -> None:
 def test_curves_and_climbs_take_time(track: NDArray[np.void]) -> None:
     """20 permille over 2 km, or a curve of 30 m over as much: the same to this train, by 600/R permille."""
     way = Way(LINE, path(), 200.0, 3600.0)
+    track["limit_mps"] = 25.0  # more than 380 kW hold on the climb
     level_s = least_running_time_s(EV, way, 0.5, BRAKE_MPS2)
     along_m = np.clip(np.arange(4001) - 1000.0, 0.0, 2000.0)
     track["turn_rad"] = along_m * 0.02 / 0.6  # a radius of 30 m: 600 / 30 is 20 permille
