@@ -56,7 +56,11 @@ def margin_part(run: Run) -> tuple[Part, ...]:
             " planned less least, in percent of the least. Left: what was left on arrival as run; automatic driving"
             " spends a margin on a lower speed, so little is left by intent.",
             grids=(_grid(run),),
-            notes=(f"The plan cannot be kept on {len(notes)} hops: " + "; ".join(notes) + ".",)
+            notes=(
+                f"The plan cannot be kept on {len(notes)} hop{'s' if len(notes) > 1 else ''}: "
+                + "; ".join(notes)
+                + ".",
+            )
             if notes
             else (),
         ),

@@ -123,7 +123,7 @@ def _lateness(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
         latest = Fact("Worst lateness", "no train arrived", bad=True)
     else:
         text = f"{late_s:.0f} s{where(facts.get('late_at'))}" if late_s > 0.0 else "none late"
-        more = f" of what ran; {missing} trains did not arrive" if missing else ""
+        more = f" of what ran; {missing} train{'s' if missing > 1 else ''} did not arrive" if missing else ""
         latest = Fact("Worst lateness", text + more, missing > 0)
     before = f"{early_s:.0f} s before plan{where(facts.get('early_at'))}" if early_s else "none before plan"
     return latest, Fact("Earliest departure", before, early_s >= 1)
@@ -252,7 +252,8 @@ def _changes_part(changes: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:
     return (
         Part(
             "What was changed",
-            f"{len(changes):,} differences from the files that the scenario names and extends.",
+            f"{len(changes):,} {'difference' if len(changes) == 1 else 'differences'} from the files that the scenario"
+            " names and extends.",
             grids=(Grid(("file", "key", "old", "new"), shown),),
             folded="" if len(shown) <= CHANGES_OPEN else "File, key, old and new value",
             notes=(f"and {rest:,} more in summary.json",) if rest else (),

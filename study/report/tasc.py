@@ -73,7 +73,10 @@ def draw_approaches(run: Run) -> Figure | None:
             axes.plot(distance_m, speed_mps * KMH_PER_MPS, color=TRACTION, lw=0.7, alpha=0.5)
             axes.plot(distance_m, target_mps * KMH_PER_MPS, color=TARGET_COLOUR, lw=0.6, ls="--", alpha=0.5)
             drawn += 1
-        axes.set_title(f"{unit}, {len(ours)} stops" + ("" if drawn == len(ours) else f", {drawn} drawn"))
+        axes.set_title(
+            f"{unit}, {len(ours)} stop{'' if len(ours) == 1 else 's'}"
+            + ("" if drawn == len(ours) else f", {drawn} drawn")
+        )
         axes.grid()
     for axes in panels[-1]:
         axes.set_xlabel("before the mark, m")

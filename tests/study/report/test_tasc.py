@@ -74,7 +74,7 @@ def test_every_stop_of_every_unit_is_drawn(make_day: Callable[[str, str], Run], 
     for axes in panels:
         unit, _, words = axes.get_title(loc="left").partition(", ")
         count = len(stops.filter(pl.col("unit") == unit))
-        assert words == f"{count} stops"
+        assert words == f"{count} stop{'' if count == 1 else 's'}"
         assert len([line for line in axes.lines if len(line.get_xdata())]) == 2 * count
 
 
