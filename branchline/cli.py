@@ -144,6 +144,11 @@ def run(
     _end(outcome)
 
 
+def _latest(late_s: float | None) -> str:
+    """The worst lateness of a run in words; None: no train arrived."""
+    return "no train arrived" if late_s is None else f"{late_s:.1f} s after the timetable"
+
+
 def _print_run(done: Run, report: Path) -> None:
     """The figures of a run for a person."""
     from rich.console import Console
@@ -159,7 +164,7 @@ def _print_run(done: Run, report: Path) -> None:
     rows = [
         ("trains", f"{summary['trains_arrived']} of {summary['trains_planned']} ran their whole journey"),
         ("empty workings", f"{summary['empty_workings_arrived']} of {summary['empty_workings_planned']}"),
-        ("latest", f"{summary['late_s_max']:.1f} s after the timetable"),
+        ("latest", _latest(summary["late_s_max"])),
         ("earliest departure", f"{summary['early_departure_s_max']:.1f} s before the timetable"),
         (
             "stops",

@@ -166,7 +166,7 @@ class Duties:
         elif not on_line:
             self._put_on_line(slot, duty, step)
         else:
-            self._books.close_energy(slot)
+            self._books.close_energy(slot, step)
             if turns:
                 self._trains.turn(slot, duty)
                 self._checkers.reversed(step / STEPS_PER_S, stock_id)
@@ -254,12 +254,12 @@ class Duties:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
             self._agenda.put(step + round(self._setup.operation.change_ends_s / STEP_S), Due.DUTY, stock_id)
         elif duty.becomes is None:
-            self._books.close_energy(slot)
+            self._books.stable(slot, step)
             self._stage[slot] = Stage.DONE
 
     def _leave(self, slot: int, step: int) -> None:
         stock_id = self._trains.stock_ids[slot]
-        self._books.close_energy(slot)
+        self._books.close_energy(slot, step)
         self._trains.remove(slot)
         self._checkers.left(stock_id)
         self._journal.write(step / STEPS_PER_S, WORLD, Left(unit_id=stock_id))

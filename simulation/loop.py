@@ -94,7 +94,7 @@ class Simulation:
         )
         self._link = link
         self.on_board = OnBoard(setup, self.trains, units)
-        self._books = Books(self.trains, lambda slot: self._duties.finished(slot))  # noqa: PLW0108 - made below
+        self._books = Books(self.trains)
         self._cabs = Cabs(self.trains, self.on_board, self.wayside, self._books, self._agenda, self.journal)
         self._duties = Duties(
             setup,
@@ -381,7 +381,7 @@ class Simulation:
         return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
 
     def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
-        self._books.close()
+        self._books.close(self._step)
         arrived = self._books.arrived
         trains = self.setup.timetable.trains.values()
         planned = tuple(t.number for t in trains if t.revenue)

@@ -47,13 +47,31 @@ class StopRecord:
     error_m: float | None = None
 
 
+class Phase(StrEnum):
+    """What a stock did while it took a part of its energy."""
+
+    RUNNING = "running"
+    AT_STOP = "at a stop"  # between the arrival and the departure of one train
+    HELD = "held"  # it stood elsewhere: before a stop limit, or in a portal
+    LAYOVER = "layover"  # it stood where one train ends and the next begins (折返し)
+    STABLED = "stabled"  # it stood after its last train (留置)
+
+
 @dataclass(frozen=True, slots=True)
 class EnergyRecord:
-    """Energy at the wire of one train, J, and its distance, m."""
+    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m.
+
+    `from_id` and `to_id` are stations, or portal sections, where the train was to stop; alike where it stood at one.
+    """
 
     stock_id: str
     number: str
     revenue: bool
+    phase: Phase
+    from_id: str
+    to_id: str
+    begin_s: float
+    end_s: float
     distance_m: float
     traction_j: float
     regenerated_j: float
@@ -82,6 +100,7 @@ class TraceSpan:
     starts_m: tuple[float, ...]
     piece_ids: tuple[str, ...]
     entries_m: tuple[float, ...]
+    load_share: float = 0.0
 
 
 @dataclass(slots=True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -196,12 +197,30 @@ class _Regeneration(Record):
         return self
 
 
+class Receiver(StrEnum):
+    """What takes the energy that the motors give back."""
+
+    BATTERY = "battery"
+    OTHER_TRAINS = "other_trains"
+    SUBSTATION = "substation"
+    RESISTORS = "resistors"
+
+
 class _Energy(Record):
     """`[energy]`: at the wire or the battery."""
 
     efficiency_traction: Annotated[Efficiency, about("rim over wire")]
     efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim")]
     auxiliary_power_w: Annotated[AuxiliaryPowerW, about("lighting, compressors, heating and cooling")]
+    regenerated_to: Annotated[
+        Receiver,
+        Field(strict=False),
+        about(
+            "what takes regenerated energy: the train's own battery, other trains on the wire, the substation, or"
+            " resistors, from which nothing comes back",
+            "assumed: other trains take all of it",
+        ),
+    ] = Receiver.OTHER_TRAINS
 
 
 class _Adhesion(Record):
@@ -244,7 +263,8 @@ class TrainFile(Record):
 class TrainType:
     """A kind of train; `row` is one TRAIN record, shape (1,), read-only: hand `row[0]` to the compiled laws.
 
-    `sources` and `assumed` hold "key: text" of the file's provenance, for reports.
+    `regenerated_to` is what takes regenerated energy. `sources` and `assumed` hold "key: text" of the file's
+    provenance, for reports.
     """
 
     id: str
@@ -252,6 +272,7 @@ class TrainType:
     sources: tuple[str, ...]
     assumed: tuple[str, ...]
     row: NDArray[np.void]
+    regenerated_to: Receiver = Receiver.OTHER_TRAINS
 
 
 def shipped_train(name: str) -> Path:
@@ -291,7 +312,7 @@ def train_of(raw: Mapping[str, Any], file: str) -> TrainType:
     sources = tuple(text for text in texts if text not in assumed)
     row = _row(model)
     check_train(file, row[0], written, lambda key: _value_at(raw, key.split(".", 1)))
-    return TrainType(model.id, model.name, sources, assumed, row)
+    return TrainType(model.id, model.name, sources, assumed, row, model.energy.regenerated_to)
 
 
 def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
@@ -398,7 +419,7 @@ def _row(model: TrainFile) -> NDArray[np.void]:
     """The checked file as one TRAIN record."""
     row = np.zeros(1, dtype=TRAIN)
     plain: dict[str, float] = {**model.body.model_dump(), **model.resistance.model_dump()}
-    plain |= {**model.energy.model_dump(), **model.sensors.model_dump()}
+    plain |= {**model.energy.model_dump(exclude={"regenerated_to"}), **model.sensors.model_dump()}
     for table, prefix in ((model.emergency, "emergency_"), (model.regeneration, "regenerative_")):
         plain |= {prefix + key: value for key, value in table.model_dump().items()}
     traction, brakes, adhesion = model.traction, model.brakes, model.adhesion

@@ -5,14 +5,15 @@ Where a train has called is judged by where it truly stands, never by what its u
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final
 
 from network.model import SectionKind
 from onboard.duty.mission import Target
 from simulation.result import EnergyRecord, StopRecord, TraceSpan
+from simulation.setup import STEPS_PER_S
+from simulation.world.energy_book import EnergyBook
 from simulation.world.roster import Duty
-from simulation.world.trains import EnergyMark, Trains
+from simulation.world.trains import Trains
 
 CALLS_SHORT_M: Final = 6.0  # stood this far before the mark, a train calls there all the same
 CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no train sets back
@@ -22,17 +23,21 @@ CALLS_BEYOND_M: Final = 40.0  # and this far beyond it, or on its track: no trai
 class Books:
     """The records of one run."""
 
-    def __init__(self, trains: Trains, finished: Callable[[int], bool]) -> None:
+    def __init__(self, trains: Trains) -> None:
         self.stops: list[StopRecord] = []
-        self.energy: list[EnergyRecord] = []
         self.spans: list[TraceSpan] = []
         self.arrived: list[str] = []  # numbers of trains at their last call
         self._trains = trains
-        self._finished = finished
+        self._energy = EnergyBook(trains)
         self._open_stop: dict[int, StopRecord | None] = {}
         self._at: dict[int, int] = {}  # slot: the target where the train truly called last
         self._called: dict[int, StopRecord] = {}  # its record
         self._moved: set[int] = set()  # slots that have moved since
+
+    @property
+    def energy(self) -> list[EnergyRecord]:
+        """What each stock took and gave, by phase."""
+        return self._energy.records
 
     def begin_train(self, slot: int, duty: Duty, step: int) -> None:
         """A stock has taken up a train: its trace begins, and its stop at the first station."""
@@ -40,8 +45,12 @@ class Books:
         starts_m = tuple(step.start_m for step in path.steps)
         entries_m = tuple(step.entry_m for step in path.steps)
         direction = int(duty.mission.direction)
-        span = TraceSpan(slot, step, duty.train.number, direction, starts_m, path.piece_ids, entries_m)
+        load_share = float(self._trains.plants[slot].load_share)
+        span = TraceSpan(
+            slot, step, duty.train.number, direction, starts_m, path.piece_ids, entries_m, load_share
+        )
         self.spans.append(span)
+        self._energy.begin(slot, duty, step)
         self._at[slot] = 0
         self._called.pop(slot, None)
         first = duty.mission.targets[0]
@@ -68,6 +77,7 @@ class Books:
         if self._trains.plants[slot].speed_mps <= 0.0:
             return
         self._moved.add(slot)
+        self._energy.moves(slot, round(now_s * STEPS_PER_S))
         stop = self._open_stop.get(slot)
         if stop is not None:
             stop.departure_s = now_s
@@ -78,6 +88,10 @@ class Books:
         duty = self._trains.duties[slot]
         if duty is None or self._trains.plants[slot].speed_mps > 0.0:
             return
+        self._look_where_it_stands(slot, duty, now_s)
+        self._energy.stands(slot, round(now_s * STEPS_PER_S), self._at.get(slot, 0))
+
+    def _look_where_it_stands(self, slot: int, duty: Duty, now_s: float) -> None:
         targets = duty.mission.targets
         at = self._at.get(slot, 0)
         if slot in self._moved and slot in self._called and self._drew_up(slot, duty, at):
@@ -161,33 +175,17 @@ class Books:
         self.stops.append(record)
         return record
 
-    def close_energy(self, slot: int) -> None:
-        """Book what the present train used."""
-        duty, mark = self._trains.duties[slot], self._trains.energy_marks[slot]
-        if duty is None:
-            return
-        plant = self._trains.plants[slot]
-        now = EnergyMark(
-            float(plant.energy_traction_j),
-            float(plant.energy_regenerated_j),
-            float(plant.energy_auxiliary_j),
-            float(plant.travelled_m),
-        )
-        self.energy.append(
-            EnergyRecord(
-                self._trains.stock_ids[slot],
-                duty.train.number,
-                duty.train.revenue,
-                now.travelled_m - mark.travelled_m,
-                now.traction_j - mark.traction_j,
-                now.regenerated_j - mark.regenerated_j,
-                now.auxiliary_j - mark.auxiliary_j,
-            )
-        )
-        self._trains.energy_marks[slot] = now
+    def close_energy(self, slot: int, step: int) -> None:
+        """Book what the present train used, to its end."""
+        self._energy.close(slot, step)
 
-    def close(self) -> None:
+    def stable(self, slot: int, step: int) -> None:
+        """The stock's last train is over, and it stays on the line."""
+        duty = self._trains.duties[slot]
+        if duty is not None:
+            self._energy.stable(slot, duty, step)
+
+    def close(self, step: int) -> None:
         """The run is over: trains still on their way used energy too."""
         for slot in self._trains.active():
-            if not self._finished(slot):
-                self.close_energy(slot)
+            self._energy.close(slot, step)

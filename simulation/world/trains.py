@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -56,16 +55,6 @@ class CarrierDisagrees(RuntimeError):  # noqa: N818 - names what happened
     """The carrier put a train elsewhere than its speeds say: nothing after this would be true."""
 
 
-@dataclass(slots=True)
-class EnergyMark:
-    """Energy counters (J) and distance (m) of a stock when its present train began."""
-
-    traction_j: float = 0.0
-    regenerated_j: float = 0.0
-    auxiliary_j: float = 0.0
-    travelled_m: float = 0.0
-
-
 class Trains:
     """All stocks; arrays are indexed by slot, one slot a stock in the order of the diagrams."""
 
@@ -100,7 +89,6 @@ class Trains:
         self.pool = PathPool(setup.line, setup.believed_line)
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
-        self.energy_marks = [EnergyMark() for _ in range(n)]
         self.premises = Premises(self.tachometers, self.units)
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self.rail_is: Callable[[int, float], None] = lambda _slot, _share: None  # who is told of the adhesion
@@ -272,12 +260,6 @@ class Trains:
         spread = self.setup.load.load_share_spread
         plant.load_share = float(
             np.clip(self.setup.load.load_share_mean + chance.uniform(-spread, spread), 0.0, 1.0)
-        )
-        self.energy_marks[slot] = EnergyMark(
-            float(plant.energy_traction_j),
-            float(plant.energy_regenerated_j),
-            float(plant.energy_auxiliary_j),
-            float(plant.travelled_m),
         )
 
     def begin_leg(self, slot: int, now_s: float) -> None:

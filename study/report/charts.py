@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +16,12 @@ from matplotlib.figure import Figure
 from network.model import Direction
 from study.report.data import Run
 from study.report.graph import station_label
-from study.report.style import AUXILIARY, INK, PALE, RED, REGENERATED, RULE, TRACTION, WIDTH_IN
+from study.report.style import AUXILIARY, INK, PALE, RED, REGENERATED, RULE, STANDING, TRACTION, WIDTH_IN
+
+_BARS_IN_A_ROW: Final = 64
+_CELL_PT: Final = 6.5
+_PANEL_SHARE: Final = 0.44  # of the width, for the columns of one direction
+_DIGIT_EM: Final = 0.66  # width of a character, share of its size, at most
 
 # Fixed, so that the delays of two runs compare by eye.
 _EARLY_S, _LATE_S = -60.0, 300.0
@@ -24,43 +31,54 @@ _DELAY_COLOURS: Final = LinearSegmentedColormap.from_list(
 
 
 def draw_energy(run: Run) -> Figure | None:
-    """Energy at the wire by train, kWh: traction and auxiliary up, regenerated down. None: no rows."""
+    """Energy by train, kWh: traction and auxiliary up, regenerated down, in rows of equal length. None: no rows."""
     order = {train: i for i, train in enumerate(run.trains)}
     rows = sorted(
         run.tables.energy.iter_rows(named=True), key=lambda row: order.get(row["train"], len(order))
     )
     if not rows:
         return None
-    figure = Figure(figsize=(WIDTH_IN, 3.2), layout="constrained")
-    axes = figure.subplots()
+    bands = math.ceil(len(rows) / _BARS_IN_A_ROW)
+    each = math.ceil(len(rows) / bands)
+    figure = Figure(figsize=(WIDTH_IN, 0.4 + 2.8 * bands), layout="constrained")
+    panels = figure.subplots(bands, 1, squeeze=False, sharey=True)[:, 0]
+    for band, axes in enumerate(panels):
+        _draw_bars(axes, rows[band * each : (band + 1) * each], each)
+    up_kwh = max([1e-3, *(row["traction_kwh"] + row["auxiliary_kwh"] for row in rows)])
+    down_kwh = max(row["regenerated_kwh"] for row in rows)
+    panels[0].set_ylim(-max(down_kwh * 1.15, 0.05 * up_kwh), up_kwh * 1.22)
+    panels[0].legend(loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    return figure
+
+
+def _draw_bars(axes: Axes, rows: list[dict[str, Any]], room: int) -> None:
+    """One row of bars with the net kWh per train-km of each; `room` is how many a full row has."""
     at = np.arange(len(rows))
-    traction, auxiliary, regenerated = (
-        np.array([row[f"{name}_kwh"] for row in rows]) for name in ("traction", "auxiliary", "regenerated")
+    traction, auxiliary, standing, regenerated = (
+        np.array([row[f"{name}_kwh"] for row in rows])
+        for name in ("traction", "auxiliary", "standing", "regenerated")
     )
     width = 0.72
     axes.bar(at, traction, width, color=TRACTION, label="traction")
-    axes.bar(at, auxiliary, width, bottom=traction, color=AUXILIARY, label="auxiliary")
+    axes.bar(at, auxiliary - standing, width, bottom=traction, color=AUXILIARY, label="auxiliary, running")
+    below = traction + auxiliary - standing
+    axes.bar(at, standing, width, bottom=below, color=STANDING, label="auxiliary, standing")
     axes.bar(at, -regenerated, width, color=REGENERATED, label="regenerated")
-    top_kwh = max(float((traction + auxiliary).max()), 1e-3)
-    upright = len(rows) > 24
+    upright = room > 24
     for i, row in enumerate(rows):
-        net_kwh = traction[i] + auxiliary[i] - regenerated[i]
-        text = f"{net_kwh / row['distance_km']:.2f}" if row["distance_km"] > 0 else "–"
-        axes.text(
-            i, traction[i] + auxiliary[i] + 0.02 * top_kwh, text,
+        text = f"{row['net_kwh'] / row['distance_km']:.2f}" if row["distance_km"] > 0 else "–"
+        axes.annotate(
+            text, (i, traction[i] + auxiliary[i]), xytext=(0, 2), textcoords="offset points",
             ha="center", va="bottom", fontsize=6.5, rotation=90 if upright else 0,
         )  # fmt: skip
     axes.axhline(0, color=PALE, lw=0.6)
     axes.set_xticks(at, [row["train"] if row["revenue"] else f"({row['train']})" for row in rows])
     axes.tick_params(axis="x", length=0, labelrotation=90 if upright else 0, labelsize=7)
-    middle, half = (len(rows) - 1) / 2, max(len(rows) / 2 + 0.3, 5.0)
+    middle, half = (room - 1) / 2, max(room / 2 + 0.3, 5.0)
     axes.set_xlim(middle - half, middle + half)
-    axes.set_ylim(-max(float(regenerated.max()) * 1.15, 0.05 * top_kwh), top_kwh * 1.22)
-    axes.set_ylabel("energy at the wire, kWh")
-    axes.legend(loc="lower right", ncols=3, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    axes.set_ylabel("energy, kWh")
     axes.grid(axis="y")
     axes.spines[:].set_color(RULE)
-    return figure
 
 
 def draw_stop_errors(run: Run, summary: Mapping[str, Any]) -> Figure | None:
@@ -105,8 +123,27 @@ def _draw_strips(axes: Axes, run: Run, stops: pl.DataFrame) -> None:
     axes.spines[:].set_color(RULE)
 
 
+@dataclass(frozen=True, slots=True)
+class Lateness:
+    """Lateness at one call, s: on arrival and on departure; None where it had no plan or did not come."""
+
+    arrival_s: float | None
+    departure_s: float | None
+
+    @property
+    def worse_s(self) -> float | None:
+        """The greater of the two."""
+        return max((s for s in (self.arrival_s, self.departure_s) if s is not None), default=None)
+
+    def text(self) -> str:
+        """+5/+12: arrival, then departure."""
+        if self.worse_s is None:
+            return ""
+        return f"{_in_words(self.arrival_s)}/{_in_words(self.departure_s)}"
+
+
 def draw_delays(run: Run) -> Figure | None:
-    """Lateness in s, a row a train and a column a station; the first call shows the departure."""
+    """Lateness in s, a row a train and a column a station: arrival/departure, in the colour of the worse of both."""
     groups = [
         (direction, [t for t in run.trains if run.directions[t] == direction]) for direction in Direction
     ]
@@ -114,8 +151,8 @@ def draw_delays(run: Run) -> Figure | None:
     if not groups:
         return None
     late = {
-        (train, station): late_arrival_s if late_arrival_s is not None else late_departure_s
-        for train, station, late_arrival_s, late_departure_s in run.tables.stops.select(
+        (train, station): Lateness(arrival_s, departure_s)
+        for train, station, arrival_s, departure_s in run.tables.stops.select(
             "train", "station", "late_arrival_s", "late_departure_s"
         ).iter_rows()
     }
@@ -134,15 +171,14 @@ def _draw_heat_map(
     run: Run,
     direction: Direction,
     trains: list[str],
-    late: Mapping[tuple[str, str], float | None],
+    late: Mapping[tuple[str, str], Lateness],
 ) -> None:
     stations = list(run.stations) if direction is Direction.DOWN else list(reversed(run.stations))
-    values_s = np.full((len(trains), len(stations)), np.nan)
-    for row, train in enumerate(trains):
-        for column, station in enumerate(stations):
-            value_s = late.get((train, station.id))
-            if value_s is not None:
-                values_s[row, column] = value_s
+    never = Lateness(None, None)
+    cells = [[late.get((train, station.id), never) for station in stations] for train in trains]
+    values_s = np.array(
+        [[np.nan if cell.worse_s is None else cell.worse_s for cell in row] for row in cells]
+    ).reshape(len(trains), len(stations))
     edges_x, edges_y = np.arange(len(stations) + 1) - 0.5, np.arange(len(trains) + 1) - 0.5
     axes.pcolormesh(
         edges_x,
@@ -153,10 +189,16 @@ def _draw_heat_map(
         ec=RULE,
         lw=0.4,
     )
-    for (row, column), value_s in np.ndenumerate(values_s):
-        if np.isfinite(value_s):
-            colour = "white" if value_s > 0.8 * _LATE_S else RED if value_s < _EARLY_S else INK
-            axes.text(column, row, _lateness(value_s), ha="center", va="center", fontsize=6.5, color=colour)
+    longest = max([1, *(len(cell.text()) for row in cells for cell in row)])
+    column_pt = 72.0 * WIDTH_IN * _PANEL_SHARE / len(stations)
+    size_pt = min(_CELL_PT, column_pt / (longest * _DIGIT_EM))
+    for row, several in enumerate(cells):
+        for column, cell in enumerate(several):
+            if cell.worse_s is None:
+                continue
+            too_early = cell.departure_s is not None and round(cell.departure_s) < 0
+            colour = "white" if cell.worse_s > 0.8 * _LATE_S else RED if too_early else INK
+            axes.text(column, row, cell.text(), ha="center", va="center", fontsize=size_pt, color=colour)
     axes.set_ylim(len(trains) - 0.5, -0.5)
     axes.set_yticks(range(len(trains)), trains, fontsize=6.5)
     axes.set_xticks(range(len(stations)), [station.name for station in stations], fontsize=6.5)
@@ -165,11 +207,15 @@ def _draw_heat_map(
         axes.tick_params(axis="x", labelrotation=25)
         for label in axes.get_xticklabels():
             label.set_horizontalalignment("left")
+            label.set_rotation_mode("anchor")
     axes.set_title(f"{direction.name.lower()} trains", pad=4)
     axes.spines[:].set_color(RULE)
 
 
-def _lateness(value_s: float) -> str:
-    """+42 in s; from ten minutes on in whole minutes."""
+def _in_words(value_s: float | None) -> str:
+    """+42 in s; from ten minutes on in whole minutes; nothing where there is nothing."""
+    if value_s is None:
+        return ""
     rounded = round(value_s)
-    return f"{rounded / 60:+.0f} min" if abs(rounded) >= 600 else "0" if rounded == 0 else f"{rounded:+d}"
+    text = f"{rounded / 60:+.0f} min" if abs(rounded) >= 600 else "0" if rounded == 0 else f"{rounded:+d}"
+    return text.replace("-", "−")

@@ -10,12 +10,14 @@ import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from network.model import Station
 from network.timetable import TimetableTrain
 from study.report.data import Run
 from study.report.drill import Mark, draw_strip, mark_graph, strip_height_in
+from study.report.labels import Box, Number, place_numbers
 from study.report.style import (
     DIRECTION_COLOUR,
     INK,
@@ -37,6 +39,7 @@ Floats = NDArray[np.float64]
 _PANEL_IN: Final = 3.7
 _TURN_S_MAX: Final = 3 * 3600  # a set that stands longer than this is stabled, not turning round
 _NUMBER_ROOM_SHARE: Final = 0.008  # a run seen for less of the panel than this carries no number
+_NUMBER_PT: Final = 6.5
 _LABEL_GAP_MIN: Final = 0.055  # least distance of station labels, share of the panel's height
 
 
@@ -51,8 +54,10 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
     figure = Figure(figsize=(WIDTH_IN, sum(heights_in) + 0.2), layout="constrained")
     panels = iter(figure.subplots(len(heights_in), 1, squeeze=False, height_ratios=heights_in)[:, 0])
     tips: dict[str, str] = {}
+    graphs: list[Axes] = []
     for index, (band, part) in enumerate(zip(bands, shown, strict=True)):
         axes = next(panels)
+        graphs.append(axes)
         _frame(axes, run, band, grid)
         mark_graph(axes, part, band)
         if part:
@@ -64,6 +69,9 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
             if _draw_run(axes, run, number, course, band, gid):
                 tips[gid] = f"{number}, unit {unit}"
         _draw_turns(axes, run, band)
+    figure.draw_without_rendering()  # lays the panels out: numbers are placed on the screen
+    for axes, band in zip(graphs, bands, strict=True):
+        _draw_numbers(axes, run, band)
     return figure, tips
 
 
@@ -101,9 +109,7 @@ def station_label(station: Station) -> str:
 def _draw_plan(axes: Axes, run: Run, train: TimetableTrain, band: TimeBand) -> None:
     if not band.meets(train.calls[0].first_s, train.calls[-1].last_s):
         return
-    t_s = np.array([t for call in train.calls for t in (call.first_s, call.last_s)], dtype=np.float64)
-    at_m = np.repeat([run.line.stations[call.station_id].position_m for call in train.calls], 2)
-    colour = DIRECTION_COLOUR[train.direction]
+    t_s, at_m = _planned_course(run, train)
     axes.plot(
         t_s,
         at_m,
@@ -112,7 +118,6 @@ def _draw_plan(axes: Axes, run: Run, train: TimetableTrain, band: TimeBand) -> N
         ls="-" if train.revenue else (0, (5, 3)),
         zorder=3.5,
     )
-    _draw_number(axes, run, train.number, colour, t_s, at_m, band)
 
 
 def _draw_run(axes: Axes, run: Run, number: str, course: pl.DataFrame, band: TimeBand, gid: str) -> bool:
@@ -125,8 +130,6 @@ def _draw_run(axes: Axes, run: Run, number: str, course: pl.DataFrame, band: Tim
     braked = course["intervention"].to_numpy() != 0
     began = np.flatnonzero(braked & ~np.concatenate(([False], braked[:-1])))
     axes.plot(t_s[began], at_m[began], ls="", marker="x", ms=5, mew=1.2, color=RED, zorder=4)
-    if number not in run.timetable.trains:
-        _draw_number(axes, run, number, colour, t_s, at_m, band)
     return True
 
 
@@ -142,34 +145,51 @@ def _draw_turns(axes: Axes, run: Run, band: TimeBand) -> None:
         last[unit] = float(course["t_s"][-1]), float(course["kilometrage_m"][-1])
 
 
-def _draw_number(
-    axes: Axes, run: Run, number: str, colour: str, t_s: Floats, at_m: Floats, band: TimeBand
-) -> None:
-    """The train's number along its longest run between calls within the panel; none where none is seen."""
-    inside = [
-        (min(t1, band.to_s) - max(t0, band.from_s), t0, t1, y0, y1)
-        for (t0, y0), (t1, y1) in pairwise(zip(t_s, at_m, strict=True))
-        if y0 != y1
-    ]
-    if not inside or max(inside)[0] <= _NUMBER_ROOM_SHARE * (band.to_s - band.from_s):
-        return
-    _, t0, t1, y0, y1 = max(inside)
-    slope = (y1 - y0) / (t1 - t0)
-    # Trains meet at stations: the number stands on the side away from the train met at the lower end.
-    meets_below = any(not s.is_halt and abs(s.position_m - max(y0, y1)) < 1.0 for s in run.stations)
-    middle_s = (max(t0, band.from_s) + min(t1, band.to_s)) / 2
-    axes.text(
-        middle_s,
-        y0 + slope * (middle_s - t0),
-        number,
-        color=colour,
-        fontsize=6.5,
-        rotation=float(np.degrees(np.arctan(slope))),
-        rotation_mode="anchor",
-        transform_rotates_text=True,
-        ha="center",
-        va="top" if meets_below else "bottom",
-        clip_on=True,
-        zorder=5,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3},
-    )
+def _draw_numbers(axes: Axes, run: Run, band: TimeBand) -> None:
+    """Each train's number beside its plan, or its run where it has no plan; none for what is hardly seen here."""
+    numbers: list[Number] = []
+    for number in run.trains:
+        planned = run.timetable.trains.get(number)
+        t_s, at_m = _planned_course(run, planned) if planned else _run_course(run, number)
+        seen = [
+            (max(t0, band.from_s), min(t1, band.to_s), t0, t1, y0, y1)
+            for (t0, y0), (t1, y1) in pairwise(zip(t_s, at_m, strict=True))
+            if y0 != y1 and band.meets(t0, t1)
+        ]
+        room_s = max((to_s - from_s for from_s, to_s, *_ in seen), default=0.0)
+        if room_s <= _NUMBER_ROOM_SHARE * (band.to_s - band.from_s):
+            continue
+        corners = [
+            (at_s, y0 + (y1 - y0) * (at_s - t0) / (t1 - t0))
+            for from_s, to_s, t0, t1, y0, y1 in seen
+            for at_s in (from_s, to_s)
+        ]
+        course = np.array(corners, dtype=np.float64)
+        colour = DIRECTION_COLOUR[run.directions[number]]
+        numbers.append(Number(number, colour, course[:, 0], course[:, 1]))
+    taken = [_screen_box(text) for text in axes.texts if text.get_transform() is axes.get_xaxis_transform()]
+    courses = [np.asarray(line.get_xydata()) for line in axes.lines]
+    lines = [course for course in courses if len(course) > 2]  # the others are the grid
+    place_numbers(axes, numbers, lines, taken, _NUMBER_PT)
+
+
+def _screen_box(text: Text) -> Box:
+    """Where a level text stands on the screen."""
+    extent = text.get_window_extent()
+    x, y = (extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2
+    return Box(x, y, extent.width / 2, extent.height / 2, 0.0)
+
+
+def _planned_course(run: Run, train: TimetableTrain) -> tuple[Floats, Floats]:
+    """Times (s) and kilometrages (m) of a train's calls as planned, two corners a call."""
+    t_s = np.array([t for call in train.calls for t in (call.first_s, call.last_s)], dtype=np.float64)
+    return t_s, np.repeat([run.line.stations[call.station_id].position_m for call in train.calls], 2)
+
+
+def _run_course(run: Run, number: str) -> tuple[Floats, Floats]:
+    """The same of a train without a plan, as it ran: its ends and where it stood."""
+    course = next(course for (_, train), course in run.courses.items() if train == number)
+    t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
+    still = course["speed_mps"].to_numpy() <= 0.0
+    still[[0, -1]] = True
+    return t_s[still], at_m[still]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,12 +17,15 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from network.files.raw import is_table
 from network.model import Line
 from network.timetable import Timetable
-from study.report.charts import draw_delays, draw_energy, draw_stop_errors
+from study.report.charts import draw_delays, draw_stop_errors
 from study.report.curve import chosen_trains, draw_run_curve
 from study.report.data import Run
 from study.report.drill import DrillShown, MarkKind, expectation_rows, item_rows
+from study.report.energy import energy_fact, energy_parts, place_name
 from study.report.graph import draw_train_graph
+from study.report.margins import margin_fact, margin_part
 from study.report.occupancy import draw_occupancy
+from study.report.parts import Fact, Grid, Part
 from study.report.style import clock, drawing, svg_of
 from study.report.tasc import Tuned, draw_approaches, draw_response, learned_rows, most_telling
 from study.run.summary import TELEGRAM_COUNTS, summarise
@@ -39,36 +41,6 @@ DRILL_HELP: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Fact:
-    """One line of the headline; `bad` is set in red."""
-
-    name: str
-    value: str
-    bad: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """A table of text: numbers stand to the right from column `numbers_from` on."""
-
-    header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    numbers_from: int = 99
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A part of the report: what it shows, how to read it, its figures, its tables (folded when long)."""
-
-    title: str
-    caption: str
-    figures: tuple[str, ...] = ()
-    grids: tuple[Grid, ...] = ()
-    folded: str = ""
-    notes: tuple[str, ...] = field(default=())
-
-
 def write_report(
     directory: Path,
     line: Line,
@@ -82,8 +54,9 @@ def write_report(
 
     `summary` holds what the tables cannot tell, each key optional: "scenario", "day", "seed", "digest",
     "parties" (names), "violations" (invariants broken: text, or objects with t_s, checker and text),
-    "broken_expectations" (text), "changes" (objects with file, key, old and new), "ended_because" (text),
-    "unfinished" (texts: what was missing then) and "outside_design" (texts). Figures of
+    "invariants_broken" (how many, with those that a train has not arrived), "broken" (text: what else makes it a
+    failure), "broken_expectations" (text: what a drill expected), "changes" (objects with file, key, old and new),
+    "ended_because" (text), "unfinished" (texts: what was missing then) and "outside_design" (texts). Figures of
     `study.run.summary.summarise` found in it are used as they are.
     `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of.
     Raises OSError when the file cannot be written.
@@ -102,7 +75,7 @@ def write_report(
     page = environment.get_template("report.html.j2").render(
         line=line,
         subtitle=_subtitle(timetable, facts),
-        headline=(*_drill_facts(drill), *_headline(facts)),
+        headline=(*_drill_facts(drill), *_headline(run, facts)),
         broken=_broken(facts),
         parts=parts,
         assumed=(*line.assumed, *timetable.assumed),
@@ -118,35 +91,53 @@ def _subtitle(timetable: Timetable, facts: Mapping[str, Any]) -> str:
     return " · ".join(str(word) for word in dict.fromkeys(words) if word)
 
 
-def _headline(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+def _headline(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     """The figures a planner looks for first."""
     planned, arrived = facts["trains_planned"], facts["trains_arrived"]
-    energy, telegrams = facts["energy_kwh"], facts["telegrams"]
-    net_kwh = energy["traction"] + energy["auxiliary"] - energy["regenerated"]
-    violations = len(facts.get("violations", ()))
-    early_s = float(facts["early_departure_s_max"])
+    telegrams = facts["telegrams"]
     return (
         Fact("Trains arrived", f"{arrived} of {planned} planned", arrived < planned),
-        Fact("Invariants broken", str(violations) if violations else "none", violations > 0),
+        _invariants(facts),
         *_ending(facts),
-        Fact("Worst lateness", f"{facts['late_s_max']:.0f} s"),
-        Fact(
-            "Earliest departure",
-            f"{early_s:.0f} s before plan" if early_s else "none before plan",
-            early_s >= 1,
-        ),
+        *_lateness(run, facts),
+        *margin_fact(run, facts),
         Fact("Stops", _stops(facts)),
-        Fact(
-            "Energy at the wire",
-            f"{net_kwh:.1f} kWh net: traction {energy['traction']:.1f}, auxiliary {energy['auxiliary']:.1f}, "
-            f"regenerated {energy['regenerated']:.1f}",
-        ),
+        energy_fact(facts, run.tables.energy),
         Fact("Telegrams", ", ".join(f"{telegrams[name]:,} {name}" for name in TELEGRAM_COUNTS)),
         Fact("Parties", ", ".join(str(party) for party in facts.get("parties", ())) or "not recorded"),
         Fact("Seed", str(facts.get("seed", "not recorded"))),
         Fact("Journal digest", str(facts.get("digest", "not recorded"))),
         Fact("Motion digest", str(facts.get("motion_digest", "not recorded"))),
     )
+
+
+def _lateness(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
+    """The latest arrival or departure and the earliest departure, each with its place in the table of delays."""
+
+    def where(at: Mapping[str, Any] | None) -> str:
+        return "" if at is None else f", {at['what']} of {at['train']} at {place_name(run, at['station'])}"
+
+    late_s, early_s = facts["late_s_max"], float(facts["early_departure_s_max"])
+    missing = facts["trains_planned"] - facts["trains_arrived"]
+    if late_s is None:
+        latest = Fact("Worst lateness", "no train arrived", bad=True)
+    else:
+        text = f"{late_s:.0f} s{where(facts.get('late_at'))}" if late_s > 0.0 else "none late"
+        more = f" of what ran; {missing} train{'s' if missing > 1 else ''} did not arrive" if missing else ""
+        latest = Fact("Worst lateness", text + more, missing > 0)
+    before = f"{early_s:.0f} s before plan{where(facts.get('early_at'))}" if early_s else "none before plan"
+    return latest, Fact("Earliest departure", before, early_s >= 1)
+
+
+def _invariants(facts: Mapping[str, Any]) -> Fact:
+    """How many rules were broken; that a train has not arrived is one, and said apart."""
+    named = len(facts.get("violations", ()))
+    all_of_them = max(int(facts.get("invariants_broken", named)), named)
+    missing = all_of_them - named
+    if not all_of_them:
+        return Fact("Invariants broken", "none")
+    apart = f", {missing} of them that a train has not arrived" if missing else ""
+    return Fact("Invariants broken", f"{all_of_them}{apart}", bad=True)
 
 
 def _ending(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
@@ -181,7 +172,7 @@ def _stops(facts: Mapping[str, Any]) -> str:
 
 
 def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
-    """Broken invariants, what happened outside the design, and broken expectations, as lines of text."""
+    """Broken invariants, what else failed, what happened outside the design, unmet expectations, as lines of text."""
     lines: list[str] = []
     for item in facts.get("violations", ()):
         if is_table(item):
@@ -189,6 +180,7 @@ def _broken(facts: Mapping[str, Any]) -> tuple[str, ...]:
             lines.append(f"{at}{item.get('checker', '')}: {item.get('text', '')}")
         else:
             lines.append(str(item))
+    lines += [str(text) for text in facts.get("broken", ())]
     lines += [f"Outside the design: {text}" for text in facts.get("outside_design", ())]
     return (*lines, *(f"Expected: {text}" for text in facts.get("broken_expectations", ())))
 
@@ -224,19 +216,22 @@ def _parts(
             (occupancy,),
         )
     )
+    parts.extend(energy_parts(run, facts))
+    parts.extend(margin_part(run))
     for title, caption, figure in (
-        (
-            "Energy by train",
-            "Figures above the bars: net kWh per train-km. Numbers in brackets carry no passengers.",
-            draw_energy(run),
-        ),
         ("Stop errors", "Bars by station are means.", draw_stop_errors(run, facts)),
         (
             "Stopping",
-            "The last 400 m of every stop at a mark: what the train ran and what its target-speed pattern asked for.",
+            "The last 400 m of every stop at a mark, by unit: what the train ran and what its target-speed pattern"
+            " asked for.",
             draw_approaches(run),
         ),
-        ("Delays", "Seconds after plan on arrival, and on departure where a train begins.", draw_delays(run)),
+        (
+            "Delays",
+            "Seconds after plan, arrival/departure (minus: before it), in the colour of the worse of both. To arrive"
+            " early is no fault where whole minutes are planned; a departure before its time is red.",
+            draw_delays(run),
+        ),
     ):
         svg = () if figure is None else (svg_of(figure, title.split()[0].lower()),)
         parts.append(Part(title, caption if svg else "Nothing to show: the run has none.", svg))
@@ -257,7 +252,8 @@ def _changes_part(changes: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:
     return (
         Part(
             "What was changed",
-            f"{len(changes):,} differences from the files that the scenario names and extends.",
+            f"{len(changes):,} {'difference' if len(changes) == 1 else 'differences'} from the files that the scenario"
+            " names and extends.",
             grids=(Grid(("file", "key", "old", "new"), shown),),
             folded="" if len(shown) <= CHANGES_OPEN else "File, key, old and new value",
             notes=(f"and {rest:,} more in summary.json",) if rest else (),

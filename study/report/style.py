@@ -33,7 +33,7 @@ RULE: Final = "#d9d9d9"
 RED: Final = "#b3261e"
 DIRECTION_COLOUR: Final[Mapping[int, str]] = {Direction.DOWN: "#1f4e79", Direction.UP: "#b4531a"}
 PLAN_COLOUR: Final[Mapping[int, str]] = {Direction.DOWN: "#0b2540", Direction.UP: "#5c2605"}
-TRACTION, REGENERATED, AUXILIARY = "#3b6ea5", "#5b8c5a", "#b5b5b5"
+TRACTION, REGENERATED, AUXILIARY, STANDING = "#3b6ea5", "#5b8c5a", "#b5b5b5", "#dedede"
 # Unit colours that stay apart in print and for colour-blind readers (after Okabe and Ito).
 UNIT_COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#a0568a", "#8c6d1f", "#4b4b4b", "#56b4e9", "#c48a00")
 

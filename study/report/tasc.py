@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Final
 
 import numpy as np
@@ -39,7 +41,7 @@ KMH_PER_MPS: Final = 3.6
 KMHPS_PER_MPS2: Final = 3.6
 LAST_M: Final = 400.0
 APPROACH_S: Final = 120.0
-UNITS_SHOWN: Final = 4
+UNITS_IN_A_ROW: Final = 4
 TARGET_COLOUR: Final = "#d55e00"
 
 
@@ -52,28 +54,40 @@ class Tuned:
 
 
 def draw_approaches(run: Run) -> Figure | None:
-    """Target and actual speed over the last 400 m before the mark, all stops of up to four units. None: no stops."""
+    """Target and actual speed over the last 400 m before the mark, every stop of every unit. None: no stops."""
     stops = run.tables.stops.filter(pl.col("stop_error_m").is_not_null() & pl.col("arrival_s").is_not_null())
-    units = sorted(stops["unit"].unique())[:UNITS_SHOWN]
+    units = sorted(stops["unit"].unique())
     if not units:
         return None
-    figure = Figure(figsize=(WIDTH_IN, 3.4), layout="constrained")
-    panels = figure.subplots(1, len(units), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, unit in zip(panels, units, strict=True):
-        count = 0
-        for distance_m, speed_mps, target_mps in _approaches(run, stops.filter(pl.col("unit") == unit)):
+    rows = math.ceil(len(units) / UNITS_IN_A_ROW)
+    columns = math.ceil(len(units) / rows)
+    figure = Figure(figsize=(WIDTH_IN, 3.0 * rows + 0.4), layout="constrained")
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for axes, unit in zip_longest(panels.flat, units):
+        if unit is None:
+            axes.set_axis_off()
+            continue
+        ours = stops.filter(pl.col("unit") == unit)
+        drawn = 0
+        for distance_m, speed_mps, target_mps in _approaches(run, ours):
             axes.plot(distance_m, speed_mps * KMH_PER_MPS, color=TRACTION, lw=0.7, alpha=0.5)
             axes.plot(distance_m, target_mps * KMH_PER_MPS, color=TARGET_COLOUR, lw=0.6, ls="--", alpha=0.5)
-            count += 1
-        axes.set_title(f"{unit}, {count} stops")
-        axes.set_xlabel("before the mark, m")
+            drawn += 1
+        axes.set_title(
+            f"{unit}, {len(ours)} stop{'' if len(ours) == 1 else 's'}"
+            + ("" if drawn == len(ours) else f", {drawn} drawn")
+        )
         axes.grid()
-    panels[0].set_xlim(LAST_M, -10.0)
-    panels[0].set_ylim(bottom=0.0)
-    panels[0].set_ylabel("speed, km/h")
-    panels[0].plot([], [], color=TRACTION, lw=1.2, label="actual")
-    panels[0].plot([], [], color=TARGET_COLOUR, lw=1.2, ls="--", label="target")
-    panels[0].legend(loc="lower left")
+    for axes in panels[-1]:
+        axes.set_xlabel("before the mark, m")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("speed, km/h")
+    first = panels[0, 0]
+    first.set_xlim(LAST_M, -10.0)
+    first.set_ylim(bottom=0.0)
+    first.plot([], [], color=TRACTION, lw=1.2, label="actual")
+    first.plot([], [], color=TARGET_COLOUR, lw=1.2, ls="--", label="target")
+    first.legend(loc="lower left")
     return figure
 
 

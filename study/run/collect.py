@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import msgspec
@@ -19,10 +19,13 @@ from simulation import events
 from simulation.events import EventType
 from simulation.result import RunResult, StopRecord, TraceSpan
 from simulation.setup import STEPS_PER_S
+from study.measures.running_times import PlannedLeg
+from study.run.energy import Make, energy_tables
+from study.run.margins import margins_of
+from study.run.spans import rows_by_span
 from study.run.tables import RunTables, make_table
 from wayside import said
 
-JOULE_PER_KWH: Final = 3.6e6
 # events that a person should hear of, and the kind under which the report has them
 TOLD: Final[Mapping[EventType, str]] = {
     notes.Intervention: "intervention",
@@ -52,33 +55,23 @@ TOLD: Final[Mapping[EventType, str]] = {
 _LEVELS: Final = {0: "ended", 1: "service brake", 2: "emergency brake"}
 
 
-def tables_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> RunTables:
-    """All tables of a run; `lengths_m` gives the train length of each stock id."""
-    spans = [(span, rows) for span, rows in _by_span(result) if rows.size]
+def tables_of(
+    result: RunResult, line: Line, fleet: Mapping[str, Make], legs: Sequence[PlannedLeg] = ()
+) -> RunTables:
+    """All tables of a run but the comparisons; `fleet` says of each stock id what it is, `legs` what was planned."""
+    spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
+    lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
+    stops = _stops(result.stops)
     return RunTables(
         trajectory=_trajectory(result, spans),
-        stops=_stops(result.stops),
+        stops=stops,
         blocks=_blocks(result, spans, line, lengths_m),
         telegrams=_telegrams(result),
-        energy=_energy(result),
+        **energy_tables(result.energy, fleet),
+        margins=margins_of(legs, stops),
+        comparisons=make_table("comparisons"),
         events=_events(result),
     )
-
-
-def _by_span(result: RunResult) -> Iterator[tuple[TraceSpan, NDArray[np.void]]]:
-    """Trace rows of each train: those of its slot from its first step to the next train of the same slot."""
-    last: dict[int, TraceSpan] = {}
-    until: dict[int, int] = {}
-    for index, span in enumerate(result.spans):
-        before = last.get(span.slot)
-        if before is not None:
-            until[result.spans.index(before)] = span.from_step
-        last[span.slot] = result.spans[index]
-    for index, span in enumerate(result.spans):
-        mine = (result.trace["slot"] == span.slot) & (result.trace["step"] > span.from_step)
-        if index in until:
-            mine &= result.trace["step"] <= until[index]
-        yield span, result.trace[mine]
 
 
 def _trajectory(result: RunResult, spans: list[tuple[TraceSpan, NDArray[np.void]]]) -> pl.DataFrame:
@@ -280,27 +273,6 @@ def _telegrams(result: RunResult) -> pl.DataFrame:
     if not rows:
         return make_table("telegrams")
     return make_table("telegrams", {name: [row[name] for row in rows] for name in rows[0]})
-
-
-def _energy(result: RunResult) -> pl.DataFrame:
-    merged: dict[str, list[Any]] = {}
-    for record in result.energy:
-        figures = (record.distance_m, record.traction_j, record.regenerated_j, record.auxiliary_j)
-        known = merged.setdefault(record.number, [record.stock_id, record.revenue, 0.0, 0.0, 0.0, 0.0])
-        for index, figure in enumerate(figures):
-            known[index + 2] += figure
-    return make_table(
-        "energy",
-        {
-            "unit": [row[0] for row in merged.values()],
-            "train": list(merged),
-            "revenue": [row[1] for row in merged.values()],
-            "distance_km": [row[2] / 1000.0 for row in merged.values()],
-            "traction_kwh": [row[3] / JOULE_PER_KWH for row in merged.values()],
-            "regenerated_kwh": [row[4] / JOULE_PER_KWH for row in merged.values()],
-            "auxiliary_kwh": [row[5] / JOULE_PER_KWH for row in merged.values()],
-        },
-    )
 
 
 def _events(result: RunResult) -> pl.DataFrame:

@@ -170,7 +170,9 @@ def text_of(item: Failure | Act) -> str:
 
 def score_text(scores: Scores) -> str:
     """The scores in a sentence."""
-    late = f"Latest {scores.late_s_max:.0f} s after plan."
+    late = "No train arrived."
+    if scores.late_s_max is not None:
+        late = f"Latest {scores.late_s_max:.0f} s after plan."
     if scores.normal_after_s is None or scores.healed_s is None:
         return f"{late} Time back to normal: none, because {scores.why}."
     return (

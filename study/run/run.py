@@ -7,7 +7,7 @@ import secrets
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any, Final
@@ -25,15 +25,19 @@ from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
 from simulation.journal import Journal
+from simulation.judge.checkers import Checker
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.measures.running_times import planned_legs
+from study.measures.second_opinion import comparisons_of
 from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.report.tasc import Tuned
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
 from study.run.directory import JOURNAL_FILE, LEARNED_FILE, Reserved, reserved
+from study.run.energy import Make
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.summary import summarise
 from study.run.tables import RunTables
@@ -127,8 +131,10 @@ def execute(
                 break
             setup = setup.next_day(result.learned)
         wall_s = time.perf_counter() - started
-    lengths_m = {stock: float(train.row[0]["length_m"]) for stock, train in setup.trains.items()}
-    tables = tables_of(result, setup.line, lengths_m)
+    fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
+    booked = tables_of(result, setup.line, fleet, planned_legs(setup))
+    opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
+    tables = replace(booked, comparisons=opinions)
     broken = broken_by(result, setup)
     summary = {
         "scenario": scenario.id,
@@ -208,8 +214,8 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
     facts = summary | {
         "scenario": run.scenario.name,
         "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
-        "violations": run.summary["violations"],
-        "broken_expectations": [*run.broken, *(() if drill is None else drill.unmet())],
+        **_broken_facts(run),
+        "broken_expectations": [] if drill is None else list(drill.unmet()),
         "assumed": list(run.scenario.assumed),
     }
     waves = run.result.learned_from
@@ -217,6 +223,16 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
         unit: Tuned(learned, waves[unit]) for unit, learned in run.result.learned.items() if unit in waves
     }
     write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill)
+
+
+def _broken_facts(run: Run) -> dict[str, Any]:
+    """What the report lists as broken: rules with their times, then the rest; trains that did not arrive once."""
+    rules = [v for v in run.result.violations if v.checker != Checker.EVERYONE_ARRIVES]
+    told = {f"{v.checker}: {v.text}" for v in rules}
+    return {
+        "violations": [{"t_s": v.t_s, "checker": v.checker, "text": v.text} for v in rules],
+        "broken": [text for text in run.broken if text not in told],
+    }
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:

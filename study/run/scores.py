@@ -14,9 +14,13 @@ ON_TIME_S: Final = 60.0  # a departure no later than this after plan is on time
 
 @dataclass(frozen=True, slots=True)
 class Scores:
-    """Figures of one drill. `normal_after_s` None: it was never normal again, or nothing was disturbed; `why` says."""
+    """Figures of one drill.
 
-    late_s_max: float
+    `late_s_max` None: no train arrived. `normal_after_s` None: it was never normal again, or nothing was disturbed;
+    `why` says.
+    """
+
+    late_s_max: float | None
     healed_s: float | None
     normal_after_s: float | None
     why: str = ""
@@ -41,7 +45,7 @@ def healed_at_s(courses: tuple[Course, ...]) -> float | None:
 
 
 def score(
-    courses: tuple[Course, ...], stops: pl.DataFrame, late_s_max: float, *, all_arrived: bool
+    courses: tuple[Course, ...], stops: pl.DataFrame, late_s_max: float | None, *, all_arrived: bool
 ) -> Scores:
     """Scores from what happened and the table of stops.
 

@@ -7,40 +7,86 @@ from typing import Any, Final, cast
 import polars as pl
 
 from network.timetable import Timetable
+from study.run.margins import smallest
 from study.run.tables import RunTables
 
 TELEGRAM_COUNTS: Final = ("sent", "delivered", "lost", "dropped")
+ENERGIES: Final = ("traction", "regenerated", "auxiliary")
 
 
 def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
     """Figures of a run for `summary.json`; None where there is nothing to compute one from.
 
     - trains_planned, trains_arrived: revenue trains of the timetable, and those at their last call.
-    - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late.
-    - early_departure_s_max: most seconds any train left before plan, 0 when none did.
+    - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late; late_at is where. None
+      when trains were planned and none arrived: how late they are nobody knows.
+    - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
     - stops and stop_error_m_mean, _sigma (of the sample, n - 1), _max_abs: over stops with a known error.
-    - energy_kwh {traction, regenerated, auxiliary}; telegrams {sent, delivered, lost, dropped}.
+    - energy_kwh {traction, regenerated, auxiliary} of trains and layovers; energy: `energy_summary`.
+    - margins: `study.run.margins.smallest`; comparisons: rows of that table.
+    - telegrams {sent, delivered, lost, dropped}.
     """
     stops = tables.stops
     error_m = stops["stop_error_m"].drop_nulls()
-    energy, telegrams = tables.energy, tables.telegrams
+    telegrams = tables.telegrams
+    planned = sum(train.revenue for train in timetable.trains.values())
+    arrived = len(arrived_trains(stops, timetable))
+    late, early = worst_late(stops), worst_early(stops)
+    none_came = planned > 0 and arrived == 0
     return {
-        "trains_planned": sum(train.revenue for train in timetable.trains.values()),
-        "trains_arrived": len(arrived_trains(stops, timetable)),
-        "late_s_max": _most_s(
-            stops["arrival_s"] - stops["planned_arrival_s"],
-            stops["departure_s"] - stops["planned_departure_s"],
-        ),
-        "early_departure_s_max": _most_s(stops["planned_departure_s"] - stops["departure_s"]),
+        "trains_planned": planned,
+        "trains_arrived": arrived,
+        "late_s_max": None if none_came else 0.0 if late is None else late["late_s"],
+        "late_at": None if none_came else late,
+        "early_departure_s_max": 0.0 if early is None else -early["late_s"],
+        "early_at": early,
         "stops": len(error_m),
         "stop_error_m_mean": _number(error_m.mean()),
         "stop_error_m_sigma": _number(error_m.std()) if len(error_m) > 1 else None,
         "stop_error_m_max_abs": _number(error_m.abs().max()),
         "energy_kwh": {
-            name: float(energy[f"{name}_kwh"].sum()) for name in ("traction", "regenerated", "auxiliary")
+            name: float(tables.energy[f"{name}_kwh"].sum()) + float(tables.layovers[f"{name}_kwh"].sum())
+            for name in ENERGIES
         },
+        "energy": energy_summary(tables),
+        "margins": smallest(tables.margins),
+        "comparisons": tables.comparisons.to_dicts(),
         "telegrams": {name: int(telegrams[name].sum()) for name in TELEGRAM_COUNTS},
     }
+
+
+def energy_summary(tables: RunTables) -> dict[str, Any]:
+    """The day's energy, kWh: of trains running, of trains standing, of layovers and of all, and per km.
+
+    `regenerated_to` says which receiver took how much; per km are trains alone (`trains`) and with layovers (`all`).
+    """
+    energy, layovers = tables.energy, tables.layovers
+    standing = float(energy["standing_kwh"].sum())
+    trains = {name: float(energy[f"{name}_kwh"].sum()) for name in (*ENERGIES, "net")}
+    stays = {name: float(layovers[f"{name}_kwh"].sum()) for name in (*ENERGIES, "net")}
+    train_km = float(energy["distance_km"].sum())
+    car_km = float((energy["distance_km"] * energy["cars"]).sum())
+    whole = trains["net"] + stays["net"]
+    taken = energy.group_by("regenerated_to").agg(pl.col("regenerated_kwh").sum()).sort("regenerated_to")
+    return {
+        "regenerated_to": dict(taken.iter_rows()),
+        "running": {
+            **trains,
+            "auxiliary": trains["auxiliary"] - standing,
+            "net": trains["net"] - standing,
+        },
+        "standing": {"traction": 0.0, "regenerated": 0.0, "auxiliary": standing, "net": standing},
+        "layovers": stays,
+        "all": {name: trains[name] + stays[name] for name in trains},
+        "train_km": train_km,
+        "car_km": car_km,
+        "net_kwh_per_train_km": _per({"trains": trains["net"], "all": whole}, train_km),
+        "net_kwh_per_car_km": _per({"trains": trains["net"], "all": whole}, car_km),
+    }
+
+
+def _per(kwh: dict[str, float], km: float) -> dict[str, float | None]:
+    return {name: value / km if km > 0.0 else None for name, value in kwh.items()}
 
 
 def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:
@@ -52,10 +98,28 @@ def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:
     return {number for number, station in reached if (number, station) in last_calls}
 
 
-def _most_s(*differences: pl.Series) -> float:
-    """Greatest of several differences in s, at least 0; a stop without plan or fact does not count."""
-    values = (_number(difference.max()) for difference in differences)
-    return max([0.0, *(value for value in values if value is not None)])
+def worst_late(stops: pl.DataFrame) -> dict[str, Any] | None:
+    """The latest arrival or departure of all, if after plan: train, station, what it was, late_s. None: none was."""
+    told = (
+        _lateness(stops).filter(pl.col("late_s") > 0.0).sort("late_s", descending=True, maintain_order=True)
+    )
+    return None if told.is_empty() else told.row(0, named=True)
+
+
+def worst_early(stops: pl.DataFrame) -> dict[str, Any] | None:
+    """The earliest departure of all, if before plan, as `worst_late` has it. None: none was."""
+    left = pl.col("what") == "departure"
+    told = _lateness(stops).filter(left, pl.col("late_s") < 0.0).sort("late_s", maintain_order=True)
+    return None if told.is_empty() else told.row(0, named=True)
+
+
+def _lateness(stops: pl.DataFrame) -> pl.DataFrame:
+    """Every arrival and departure that had a plan and came; what the table of delays shows."""
+    parts = [
+        stops.select("train", "station", pl.lit(what).alias("what"), pl.col(f"late_{what}_s").alias("late_s"))
+        for what in ("arrival", "departure")
+    ]
+    return pl.concat(parts).filter(pl.col("late_s").is_not_null())
 
 
 def _number(value: object) -> float | None:

@@ -73,15 +73,72 @@ TELEGRAMS: Final[Schema] = {
     "dropped": pl.Int64,
     "bytes": pl.Int64,
 }
-# One row a train.
+# One row a train, from where it begins to move to where it ends; layovers have a table of their own.
 ENERGY: Final[Schema] = {
     "unit": pl.String,
     "train": pl.String,
     "revenue": pl.Boolean,
+    "cars": pl.Int64,
+    "regenerated_to": pl.String,  # vehicle.train_file.Receiver
     "distance_km": pl.Float64,
+    "running_s": pl.Float64,
+    "standing_s": pl.Float64,
     "traction_kwh": pl.Float64,
     "regenerated_kwh": pl.Float64,
     "auxiliary_kwh": pl.Float64,
+    "standing_kwh": pl.Float64,  # of the auxiliary: at stops, before stop limits, in portals
+    "net_kwh": pl.Float64,  # traction and auxiliary, less what came back
+}
+# One row a train and leg: from a place where it stops to the next, with the stop there. Places: stations, portals.
+ENERGY_LEGS: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "revenue": pl.Boolean,
+    "from_station": pl.String,
+    "to_station": pl.String,
+    **{
+        name: dtype
+        for name, dtype in ENERGY.items()
+        if name not in ("unit", "train", "revenue", "regenerated_to")
+    },
+}
+# One row a stay where one train of a stock ends and the next begins.
+LAYOVERS: Final[Schema] = {
+    "unit": pl.String,
+    "station": pl.String,
+    "after_train": pl.String,
+    "before_train": pl.String,
+    "from_s": pl.Float64,
+    "to_s": pl.Float64,
+    "traction_kwh": pl.Float64,
+    "regenerated_kwh": pl.Float64,
+    "auxiliary_kwh": pl.Float64,
+    "net_kwh": pl.Float64,
+}
+# One row a train and hop of the timetable: the margin as planned, and what was left of it on arrival.
+MARGINS: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "revenue": pl.Boolean,
+    "from_station": pl.String,
+    "to_station": pl.String,
+    "planned_s": pl.Float64,  # from departure to the latest arrival that keeps arrival and next departure
+    "least_s": pl.Float64,  # least running time at the limits of the line
+    "attainable_s": pl.Float64,  # the same as far below the limits as trains are driven
+    "margin_s": pl.Float64,  # planned - least
+    "margin_percent": pl.Float64,  # of the least running time
+    "run_s": pl.Float64,
+    "left_s": pl.Float64,  # from the true arrival to that latest one
+}
+# Our figures beside others': one row a figure.
+COMPARISONS: Final[Schema] = {
+    "figure": pl.String,
+    "unit": pl.String,
+    "ours": pl.Float64,
+    "theirs": pl.Float64,
+    "difference_percent": pl.Float64,  # of theirs
+    "source": pl.String,
+    "comparable": pl.String,
 }
 # Interventions, refusals, faults: what a person should hear of.
 EVENTS: Final[Schema] = {
@@ -96,6 +153,10 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "blocks": BLOCKS,
     "telegrams": TELEGRAMS,
     "energy": ENERGY,
+    "energy_legs": ENERGY_LEGS,
+    "layovers": LAYOVERS,
+    "margins": MARGINS,
+    "comparisons": COMPARISONS,
     "events": EVENTS,
 }
 
@@ -128,6 +189,10 @@ class RunTables:
     blocks: pl.DataFrame
     telegrams: pl.DataFrame
     energy: pl.DataFrame
+    energy_legs: pl.DataFrame
+    layovers: pl.DataFrame
+    margins: pl.DataFrame
+    comparisons: pl.DataFrame
     events: pl.DataFrame
 
     def __post_init__(self) -> None:

@@ -61,7 +61,7 @@ class Yard:
         checkers: Any = SimpleNamespace(
             entered=lambda *_: None, left=lambda *_: None, observe=lambda *_: None, reversed=lambda *_: None
         )
-        self.books = Books(self.trains, lambda slot: self.duties.finished(slot))  # noqa: PLW0108
+        self.books = Books(self.trains)
         self.cabs = Cabs(self.trains, self.on_board, wayside, self.books, self.agenda, self.journal)
         lengths = dict.fromkeys(self.trains.stock_ids, 40.0)
         drawn = draw_up(setup.line, setup.timetable, lengths, LEAD_S)

@@ -144,13 +144,31 @@ def test_the_summary_follows_from_the_tables(simulated: Day) -> None:
     late = [*tables.stops["late_arrival_s"].drop_nulls(), *tables.stops["late_departure_s"].drop_nulls()]
     assert figures["late_s_max"] == pytest.approx(max(0.0, *late), abs=0.051)
     for name, total in figures["energy_kwh"].items():
-        assert total == pytest.approx(tables.energy[f"{name}_kwh"].sum())
+        booked = (tables.energy, tables.layovers)
+        assert total == pytest.approx(sum(table[f"{name}_kwh"].sum() for table in booked))
         assert total > 0.0
     assert figures["energy_kwh"]["regenerated"] < figures["energy_kwh"]["traction"]
     assert figures["telegrams"]["sent"] == tables.telegrams["sent"].sum()
     # 20.4 km from Hoshakuji to Karasuyama, the published length of the line, and up to 1 km from or to a portal
     for distance_km in tables.energy.filter(tables.energy["revenue"])["distance_km"]:
         assert 20.1 < distance_km < 21.5
+
+
+def test_no_train_runs_faster_than_the_least_running_time(simulated: Day) -> None:
+    """Its load may be less than the mean that is reckoned with: 3 s, or 2 %, at most."""
+    margins = simulated.tables().margins
+    assert len(margins) == len(margins.filter(margins["run_s"].is_not_null())) > 180
+    for row in margins.iter_rows(named=True):
+        assert row["run_s"] >= min(row["least_s"] - 3.0, 0.98 * row["least_s"]), row
+        assert row["attainable_s"] >= row["least_s"], row
+
+
+def test_another_way_to_work_out_the_day_s_traction_agrees(simulated: Day) -> None:
+    rows = {row["figure"]: row for row in simulated.figures["comparisons"]}
+    assert abs(rows["traction of the day as booked"]["difference_percent"]) < 2.0
+    sources = " ".join(row["source"] for row in rows.values())
+    for source in ("Toyo Keizai online, article 50307", "livedoor news 16541981", "Sankei, 26 October 2015"):
+        assert source in sources
 
 
 def test_a_section_has_one_holder_at_every_time(simulated: Day) -> None:
@@ -182,7 +200,8 @@ def test_the_journal_is_one_readable_object_a_line(simulated: Day) -> None:
 
 def test_the_run_directory_is_whole_and_its_report_opens_offline(simulated: Day) -> None:
     names = {path.name for path in simulated.folder.iterdir()}
-    tables = {"trajectory", "stops", "blocks", "telegrams", "energy", "events"}
+    tables = {"trajectory", "stops", "blocks", "telegrams", "events"}
+    tables |= {"energy", "energy_legs", "layovers", "margins", "comparisons"}
     assert names == {"summary.json", "journal.jsonl", "report.html", *(f"{t}.parquet" for t in tables)}
     html = (simulated.folder / "report.html").read_text("utf-8")
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!#|data:)""", html)

@@ -10,6 +10,7 @@ from network.model import Direction
 from network.timetable import Call, Stabled, TimetableTrain
 from onboard.duty.mission import plan_mission
 from simulation.carriers.plain_track import PlainTrack
+from simulation.result import Phase
 from simulation.setup import STEP_S, Setup
 from simulation.world.books import CALLS_BEYOND_M, Books
 from simulation.world.roster import Duty, draw_up
@@ -29,7 +30,7 @@ class Desk:
     def __init__(self, setup: Setup, duty: Duty) -> None:
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
         self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
-        self.books = Books(self.trains, lambda _slot: False)
+        self.books = Books(self.trains)
         self.trains.place(0, duty)
         self.books.begin_train(0, duty, 0)
 
@@ -136,11 +137,47 @@ def test_where_a_train_stands_is_what_its_crew_enters_after_a_power_cut(desk: De
 
 def test_energy_is_booked_to_the_train_that_used_it(desk: Desk, duty: Duty) -> None:
     desk.trains.plants[0].energy_traction_j = 5e6
-    desk.books.close_energy(0)
+    desk.books.close_energy(0, 10)
+    desk.trains.plants[0].energy_traction_j = 6e6  # between two trains: nobody's
+    desk.books.begin_train(0, replace(duty, train=replace(duty.train, number="T3")), 20)
     desk.trains.plants[0].energy_traction_j = 7e6
-    desk.trains.duties[0] = replace(duty, train=replace(duty.train, number="T3"))
-    desk.books.close_energy(0)
-    assert [(e.number, e.traction_j) for e in desk.books.energy] == [("T1", 5e6), ("T3", 2e6)]
+    desk.books.close_energy(0, 30)
+    assert [(e.number, e.traction_j) for e in desk.books.energy] == [("T1", 5e6), ("T3", 1e6)]
+
+
+def test_the_step_in_which_a_train_begins_to_move_is_running(desk: Desk) -> None:
+    """It stood for 100 steps before; its auxiliaries of the 101st, and the first traction, belong to the run."""
+    power_w, plant = float(desk.trains.bodies[0].auxiliary_power_w), desk.trains.plants[0]
+    plant.energy_auxiliary_j = power_w * 101 * STEP_S
+    plant.energy_traction_j, plant.speed_mps = 40.0, 0.01
+    desk.books.look_for_departure(0, 10.1)
+    desk.books.close_energy(0, 101)
+    stood, ran = desk.books.energy
+    assert (stood.phase, stood.auxiliary_j, stood.end_s) == (
+        Phase.LAYOVER,
+        pytest.approx(power_w * 10.0),
+        10.0,
+    )
+    assert (stood.traction_j, ran.traction_j) == (0.0, 40.0)
+    assert (ran.phase, ran.auxiliary_j) == (Phase.RUNNING, pytest.approx(power_w * STEP_S))
+
+
+def test_a_leg_ends_where_the_train_truly_calls(desk: Desk) -> None:
+    plant = desk.trains.plants[0]
+    for position_m, now_s in ((MARK_B_M - 200.0, 50.0), (MARK_B_M, 90.0)):
+        plant.speed_mps = 5.0
+        desk.books.look_for_departure(0, now_s - 10.0)
+        plant.speed_mps = 0.0
+        desk.stand_at(position_m, now_s)
+    desk.books.close_energy(0, 1000)
+    told = [(e.phase, e.from_id, e.to_id) for e in desk.books.energy]
+    assert told == [
+        (Phase.LAYOVER, "A", "A"),
+        (Phase.RUNNING, "A", "B"),
+        (Phase.HELD, "A", "B"),  # it stood 200 m before the mark
+        (Phase.RUNNING, "A", "B"),
+        (Phase.LAYOVER, "B", "B"),
+    ]
 
 
 def test_a_train_that_draws_up_to_its_mark_calls_once(desk: Desk) -> None:

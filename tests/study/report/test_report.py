@@ -13,8 +13,9 @@ from typing import Any
 import matplotlib as mpl
 import polars as pl
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
 from network.model import Direction
 from study.report.charts import draw_delays, draw_energy
@@ -24,6 +25,7 @@ from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy, sections_in_order
 from study.report.report import CHANGES_SHOWN, EVENTS_SHOWN, _changes_part, write_report
 from study.report.style import BAND_S_MAX, clock, drawing, spread, svg_of, time_bands, time_grid
+from study.run.summary import summarise
 from study.run.tables import SCHEMAS, RunTables, make_table
 
 FACTS: dict[str, Any] = {
@@ -110,8 +112,8 @@ def test_page_names_every_train_and_station(page: str, parsed: Page, weekday: Ru
 def test_parts_come_in_the_order_a_planner_reads(page: str) -> None:
     titles = [re.sub(r":.*", "", title) for title in re.findall(r"<h2>(.*?)</h2>", page)]
     assert titles[:-1] == [
-        "Train graph", "Run curve", "Run curve", "Section occupancy", "Energy by train", "Stop errors", "Stopping",
-        "Delays", "Trains", "Telegrams", "Events",
+        "Train graph", "Run curve", "Run curve", "Section occupancy", "Energy by train", "Energy by leg",
+        "Energy in layovers", "Margins", "Stop errors", "Stopping", "Delays", "Trains", "Telegrams", "Events",
     ]  # fmt: skip
     assert titles[-1] == "Assumptions"
 
@@ -252,8 +254,10 @@ def test_energy_label_is_net_kwh_per_km(weekday: Run) -> None:
     energy = make_table(
         "energy",
         {
-            "unit": ["V1"], "train": ["321M"], "revenue": [True], "distance_km": [20.0],
-            "traction_kwh": [50.0], "regenerated_kwh": [14.0], "auxiliary_kwh": [9.0],
+            "unit": ["V1"], "train": ["321M"], "revenue": [True], "cars": [2], "regenerated_to": ["battery"],
+            "distance_km": [20.0], "running_s": [1800.0], "standing_s": [300.0],
+            "traction_kwh": [50.0], "regenerated_kwh": [14.0], "auxiliary_kwh": [9.0], "standing_kwh": [2.0],
+            "net_kwh": [45.0],
         },
     )  # fmt: skip
     tables = RunTables(**{**{n: make_table(n) for n in SCHEMAS}, "energy": energy})
@@ -261,10 +265,10 @@ def test_energy_label_is_net_kwh_per_km(weekday: Run) -> None:
         figure = draw_energy(Run(weekday.line, weekday.timetable, tables))
     assert figure is not None
     assert [text.get_text() for text in figure.axes[0].texts] == ["2.25"]  # (50 + 9 - 14) / 20
-    assert sorted(bar.get_height() for bar in figure.axes[0].patches) == [-14.0, 9.0, 50.0]
+    assert sorted(bar.get_height() for bar in figure.axes[0].patches) == [-14.0, 2.0, 7.0, 50.0]
 
 
-def test_delays_are_arrivals_and_the_first_departure(make_day: Callable[[str, str], Run]) -> None:
+def test_delays_are_arrivals_and_departures(make_day: Callable[[str, str], Run]) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
     stops = day.tables.stops.with_columns(
         late_departure_s=pl.when(pl.col("station") == "A").then(7.4),
@@ -274,7 +278,82 @@ def test_delays_are_arrivals_and_the_first_departure(make_day: Callable[[str, st
     with drawing():
         figure = draw_delays(Run(day.line, day.timetable, tables))
     assert figure is not None
-    assert [text.get_text() for text in figure.axes[0].texts] == ["+7", "-12"]
+    assert [text.get_text() for text in figure.axes[0].texts] == ["/+7", "−12/"]
+
+
+def cells(figure: Figure) -> list[int]:
+    """Every figure in seconds in the table of delays."""
+    texts = [text.get_text().replace("−", "-") for axes in figure.axes for text in axes.texts]
+    return [int(part) for text in texts for part in text.split("/") if part]
+
+
+@given(late=st.lists(st.tuples(st.integers(-90, 500), st.integers(-90, 500)), min_size=9, max_size=9))
+@settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_worst_and_earliest_are_found_in_the_table_of_delays(
+    make_day: Callable[[str, str], Run], late: list[tuple[int, int]]
+) -> None:
+    """Arrivals and departures drawn at random: the headline's figures are the extremes of what the table shows."""
+    day = make_day("rtri_test_line", "rtri_crossing")
+    known = day.tables.stops
+    drawn = late[: len(known)]
+    stops = known.with_columns(
+        late_arrival_s=pl.when(pl.col("late_arrival_s").is_not_null()).then(
+            pl.Series([float(a) for a, _ in drawn])
+        ),
+        late_departure_s=pl.when(pl.col("late_departure_s").is_not_null()).then(
+            pl.Series([float(d) for _, d in drawn])
+        ),
+    )
+    tables = RunTables(**{**{n: getattr(day.tables, n) for n in SCHEMAS}, "stops": stops})
+    with drawing():
+        figure = draw_delays(Run(day.line, day.timetable, tables))
+    assert figure is not None
+    shown, summary = cells(figure), summarise(tables, day.timetable)
+    assert summary["late_s_max"] == max(0, *shown)
+    assert -summary["early_departure_s_max"] in (0.0, *shown)
+
+
+def test_the_worst_lateness_is_a_departure_and_stands_in_the_table(tmp_path: Path, weekday: Run) -> None:
+    """A train that came to Ogane on time and left 77 s late."""
+    here = (pl.col("train") == "321M") & (pl.col("station") == "OGN")
+    calm = weekday.tables.stops.with_columns(late_arrival_s=pl.lit(0.0), late_departure_s=pl.lit(0.0))
+    stops = calm.with_columns(late_departure_s=pl.when(here).then(77.0).otherwise(pl.col("late_departure_s")))
+    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in SCHEMAS}, "stops": stops})
+    page = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")
+    assert "<dt>Worst lateness</dt><dd>77 s, departure of 321M at Ogane</dd>" in page
+    assert "<!-- 0/+77 -->" in page
+
+
+def test_no_train_arrived_is_said_so(tmp_path: Path, weekday: Run) -> None:
+    """Every train left its first station a second late, and none came anywhere."""
+    gone = {name: pl.lit(None, dtype=pl.Float64) for name in ("arrival_s", "late_arrival_s", "stop_error_m")}
+    stops = weekday.tables.stops.with_columns(late_departure_s=pl.lit(1.0), **gone)
+    tables = RunTables(**{**{n: getattr(weekday.tables, n) for n in SCHEMAS}, "stops": stops})
+    assert summarise(tables, weekday.timetable)["late_s_max"] is None
+    page = write_report(tmp_path, weekday.line, weekday.timetable, tables, {}).read_text(encoding="utf-8")
+    assert '<dt>Worst lateness</dt><dd class="bad">no train arrived</dd>' in page
+    one_more = pl.when(pl.col("train") == "321M").then(pl.col("planned_arrival_s"))
+    some = RunTables(
+        **{**{n: getattr(tables, n) for n in SCHEMAS}, "stops": stops.with_columns(arrival_s=one_more)}
+    )
+    page = write_report(tmp_path, weekday.line, weekday.timetable, some, {}).read_text(encoding="utf-8")
+    assert "of what ran; 26 trains did not arrive</dd>" in page
+
+
+def test_trains_that_did_not_arrive_are_told_once_and_apart_from_rules(tmp_path: Path, weekday: Run) -> None:
+    facts = {**FACTS, "invariants_broken": 5, "violations": [], "broken": ["5 trains did not arrive: 1, 2"]}
+    tables = weekday.tables
+    page = write_report(tmp_path, weekday.line, weekday.timetable, tables, facts).read_text(encoding="utf-8")
+    assert "5, 5 of them that a train has not arrived" in page
+    assert page.count("5 trains did not arrive") == 1
+    assert "Expected: 5 trains" not in page
+
+
+def test_the_report_says_what_takes_regenerated_energy(page: str) -> None:
+    text = " ".join(re.sub(r"<svg.*?</svg>|<[^>]+>", " ", page, flags=re.DOTALL).split())
+    assert "regenerated energy is taken by kWh the train&#39;s own battery" in text
+    assert "kWh net at the battery" in text
+    assert "Smallest margin +40 s (+25 %)" in text
 
 
 def test_clock_goes_on_after_midnight() -> None:

@@ -20,10 +20,12 @@ from onboard.notes import Intervention, Moving
 from radio.noted import TelegramDropped
 from simulation.events import MANAGER, WORLD, Collision, Left
 from simulation.journal import Journal
-from simulation.result import Ending, EnergyRecord, RunResult, StopRecord, TraceSpan
+from simulation.result import Ending, RunResult, StopRecord, TraceSpan
 from simulation.world.records import TRACE
 from study.run.collect import tables_of
+from study.run.energy import Make
 from study.run.tables import RunTables
+from vehicle.train_file import Receiver
 from wayside.said import Accepted, Freed, Granted, Refused
 
 LINE = load_line(shipped_line("rtri_test_line"))
@@ -64,7 +66,6 @@ def result(
     trace: Sequence[tuple[float, ...]] = (),
     journal: Journal | None = None,
     stops: Sequence[StopRecord] = (),
-    energy: Sequence[EnergyRecord] = (),
     telegrams: dict[tuple[str, str, str], Counter[str]] | None = None,
 ) -> RunResult:
     return RunResult(
@@ -79,7 +80,7 @@ def result(
         empty_planned=(),
         empty_arrived=(),
         stops=list(stops),
-        energy=list(energy),
+        energy=[],
         waiting=[],
         violations=(),
         collisions=(),
@@ -92,7 +93,7 @@ def result(
 
 
 def tables(made: RunResult, line: Line = LINE) -> RunTables:
-    return tables_of(made, line, {"K1": LENGTH_M, "K2": LENGTH_M})
+    return tables_of(made, line, dict.fromkeys(("K1", "K2"), Make(LENGTH_M, 2, Receiver.BATTERY)))
 
 
 def grant(journal: Journal, t_s: float, unit: str, *sections: str, token: int = 1) -> None:
@@ -228,20 +229,6 @@ def test_lateness_is_fact_less_plan_where_there_are_both(
     for name in ("late_arrival_s", "late_departure_s"):
         assert row[name] == (None if expected is None else pytest.approx(expected, abs=1e-6))
     assert (row["stop_error_m"], row["arrival_s"]) == (0.25, fact_s)
-
-
-def test_energy_of_a_train_is_the_sum_of_its_parts() -> None:
-    """1 kWh is 3.6 MJ."""
-    parts = [
-        EnergyRecord("K1", "T1", True, 1500.0, 7.2e6, 3.6e6, 1.8e6),
-        EnergyRecord("K1", "E2", False, 100.0, 3.6e6, 0.0, 0.36e6),
-        EnergyRecord("K1", "T1", True, 500.0, 3.6e6, 0.0, 1.8e6),
-    ]
-    made = tables(result(energy=parts)).energy
-    assert made.rows() == [
-        ("K1", "T1", True, 2.0, pytest.approx(3.0), pytest.approx(1.0), pytest.approx(1.0)),
-        ("K1", "E2", False, 0.1, pytest.approx(1.0), 0.0, pytest.approx(0.1)),
-    ]
 
 
 def test_telegrams_count_what_the_air_lost_and_the_receiver_dropped() -> None:

@@ -38,7 +38,10 @@ from study.run.run import (
 from study.run.tables import RunTables
 from study.scenario.scenario import load_scenario
 
-TABLES = ("trajectory", "stops", "blocks", "telegrams", "energy", "events")
+TABLES = (
+    *("trajectory", "stops", "blocks", "telegrams", "events"),
+    *("energy", "energy_legs", "layovers", "margins", "comparisons"),
+)
 WRITTEN = {"summary.json", "journal.jsonl", "report.html", *(f"{name}.parquet" for name in TABLES)}
 
 

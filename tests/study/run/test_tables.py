@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -65,8 +66,18 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     energy = make_table(
         "energy",
         {
-            "unit": ["U", "U"], "train": ["1", "3"], "revenue": [True, True], "distance_km": [2.0, 1.0],
+            "unit": ["U", "U"], "train": ["1", "3"], "revenue": [True, True], "cars": [2, 2],
+            "regenerated_to": ["battery", "battery"], "distance_km": [2.0, 1.0],
+            "running_s": [200.0, 100.0], "standing_s": [60.0, 30.0],
             "traction_kwh": [10.0, 4.5], "regenerated_kwh": [3.0, 1.0], "auxiliary_kwh": [2.0, 0.25],
+            "standing_kwh": [0.5, 0.05], "net_kwh": [9.0, 3.75],
+        },
+    )  # fmt: skip
+    layovers = make_table(
+        "layovers",
+        {
+            "unit": ["U"], "station": ["C"], "after_train": ["1"], "before_train": ["3"], "from_s": [0.0],
+            "to_s": [60.0], "traction_kwh": [0.0], "regenerated_kwh": [0.0], "auxiliary_kwh": [0.75], "net_kwh": [0.75],
         },
     )  # fmt: skip
     telegrams = make_table(
@@ -76,25 +87,41 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
             "delivered": [7, 5], "lost": [2, 0], "dropped": [1, 0], "bytes": [100, 50],
         },
     )  # fmt: skip
-    tables = RunTables(**{**empty(), "stops": small_stops(), "energy": energy, "telegrams": telegrams})
+    parts = {"stops": small_stops(), "energy": energy, "layovers": layovers, "telegrams": telegrams}
+    tables = RunTables(**{**empty(), **parts})
     summary = summarise(tables, timetable())
     assert (summary["trains_planned"], summary["trains_arrived"]) == (2, 1)
     assert arrived_trains(tables.stops, timetable()) == {"1"}
     assert summary["late_s_max"] == 65.0
+    assert summary["late_at"] == {"train": "3", "station": "B", "what": "arrival", "late_s": 65.0}
     assert summary["early_departure_s_max"] == 5.0
+    assert summary["early_at"] == {"train": "1", "station": "A", "what": "departure", "late_s": -5.0}
     assert summary["stops"] == 4
     # Errors 0.1, -0.3, 0.5, 0.1: mean 0.1, deviations 0, -0.4, 0.4, 0: sigma = sqrt(0.32 / 3).
     assert summary["stop_error_m_mean"] == pytest.approx(0.1)
     assert summary["stop_error_m_sigma"] == pytest.approx((0.32 / 3) ** 0.5)
     assert summary["stop_error_m_max_abs"] == 0.5
-    assert summary["energy_kwh"] == {"traction": 14.5, "regenerated": 4.0, "auxiliary": 2.25}
+    assert summary["energy_kwh"] == {"traction": 14.5, "regenerated": 4.0, "auxiliary": 3.0}
+    told = summary["energy"]
+    assert told["running"] == pytest.approx(
+        {"traction": 14.5, "regenerated": 4.0, "auxiliary": 1.7, "net": 12.2}
+    )
+    assert told["standing"]["net"] == told["standing"]["auxiliary"] == pytest.approx(0.55)
+    assert told["all"] == pytest.approx({"traction": 14.5, "regenerated": 4.0, "auxiliary": 3.0, "net": 13.5})
+    assert (told["train_km"], told["car_km"]) == (3.0, 6.0)
+    assert told["net_kwh_per_train_km"] == pytest.approx({"trains": 4.25, "all": 4.5})
+    assert told["net_kwh_per_car_km"] == pytest.approx({"trains": 2.125, "all": 2.25})
+    assert told["regenerated_to"] == {"battery": 4.0}
     assert summary["telegrams"] == {"sent": 15, "delivered": 12, "lost": 2, "dropped": 1}
 
 
 def test_summary_of_an_empty_run_claims_nothing() -> None:
     summary = summarise(RunTables(**empty()), timetable())
     assert summary["trains_arrived"] == 0
-    assert summary["late_s_max"] == summary["early_departure_s_max"] == 0.0
+    assert summary["late_s_max"] is summary["late_at"] is None
+    assert summary["early_departure_s_max"] == 0.0
+    assert summary["energy"]["net_kwh_per_car_km"] == {"trains": None, "all": None}
+    assert summary["margins"] is None
     assert summary["stop_error_m_mean"] is summary["stop_error_m_sigma"] is None
     assert summary["stop_error_m_max_abs"] is None
     assert summary["energy_kwh"]["traction"] == 0.0
@@ -102,11 +129,22 @@ def test_summary_of_an_empty_run_claims_nothing() -> None:
 
 @given(late_s=st.lists(st.floats(-900, 900), min_size=1, max_size=8))
 def test_lateness_is_the_worst_and_never_negative(late_s: list[float]) -> None:
+    arrived = small_stops().filter(pl.col("train") == "1", pl.col("station") == "C")
     stops = small_stops().head(1)
-    stops = pl.concat([stops.with_columns(departure_s=pl.lit(600.0 + late)) for late in late_s])
-    summary = summarise(RunTables(**{**empty(), "stops": stops}), timetable())
+    stops = pl.concat([stops.with_columns(late_departure_s=pl.lit(late)) for late in late_s])
+    on_time = arrived.with_columns(late_arrival_s=pl.lit(0.0))
+    summary = summarise(RunTables(**{**empty(), "stops": pl.concat([stops, on_time])}), timetable())
     assert summary["late_s_max"] == pytest.approx(max(0.0, *late_s, 0.0), abs=1e-9)
     assert summary["early_departure_s_max"] == pytest.approx(max(0.0, -min(late_s)), abs=1e-9)
+
+
+def test_how_late_trains_are_that_never_arrive_nobody_knows() -> None:
+    """Train 3 alone left A 2 s late and stood for good at B: that is no lateness of 65 s, and none of 0."""
+    stops = small_stops().filter(pl.col("train") == "3")
+    summary = summarise(RunTables(**{**empty(), "stops": stops}), timetable())
+    assert (summary["trains_planned"], summary["trains_arrived"]) == (2, 0)
+    assert summary["late_s_max"] is None
+    assert json.loads(json.dumps(summary))["late_at"] is None
 
 
 def test_round_trip_through_parquet(tmp_path: Path, weekday: Run) -> None:

@@ -1,0 +1,139 @@
+"""What energy each stock took and gave, cut wherever it began to move or came to a stand (電力量).
+
+Every joule that a plant counts on the line is in exactly one record: of a run between two places where the train was to
+stop, of a stand there, of a stand elsewhere, of a layover, or of stock stabled after its last train.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from onboard.duty.mission import Target
+from simulation.result import EnergyRecord, Phase
+from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.world.roster import Duty
+from simulation.world.trains import Trains
+
+
+@dataclass(frozen=True, slots=True)
+class Counters:
+    """What a plant has counted since it was made: J at the wire or battery, and m."""
+
+    traction_j: float
+    regenerated_j: float
+    auxiliary_j: float
+    travelled_m: float
+
+
+@dataclass(slots=True)
+class Account:
+    """The open record of one stock, and those of the leg that it is on: its end is known on arrival alone."""
+
+    duty: Duty
+    phase: Phase
+    at: int  # index of the target from which it left, or at which it stands
+    since_step: int
+    since: Counters
+    leg: list[EnergyRecord] = field(default_factory=list[EnergyRecord])
+
+
+def place_of(target: Target) -> str:
+    """A station, or the portal section by which a train enters or leaves."""
+    return target.station_id or target.section_id
+
+
+class EnergyBook:
+    """The energy records of one run, in the order in which they ended."""
+
+    def __init__(self, trains: Trains) -> None:
+        self.records: list[EnergyRecord] = []
+        self._trains = trains
+        self._accounts: dict[int, Account] = {}
+
+    def begin(self, slot: int, duty: Duty, step: int) -> None:
+        """A stock has taken up a train and stands at its first target."""
+        phase = Phase.HELD if duty.mission.targets[0].station_id is None else Phase.LAYOVER
+        self._accounts[slot] = Account(duty, phase, 0, step, self._counters(slot))
+
+    def moves(self, slot: int, step: int) -> None:
+        """A stock has moved in this step."""
+        account = self._accounts.get(slot)
+        if account is None or account.phase in (Phase.RUNNING, Phase.STABLED):
+            return
+        # No force does work on a train that stands: the step in which it began to move belongs to the run.
+        since = account.since
+        step_j = float(self._trains.bodies[slot].auxiliary_power_w) * STEP_S
+        auxiliary_j = max(self._counters(slot).auxiliary_j - step_j, since.auxiliary_j)
+        stood = replace(since, auxiliary_j=auxiliary_j)
+        self._cut(slot, account, max(step - 1, account.since_step), stood)
+        account.phase = Phase.RUNNING
+
+    def stands(self, slot: int, step: int, at: int) -> None:
+        """A stock has come to a stand; `at` is the index of the target at which it last called, perhaps here."""
+        account = self._accounts.get(slot)
+        if account is None or account.phase is Phase.STABLED:
+            return
+        arrived = at != account.at
+        if not arrived and account.phase is not Phase.RUNNING:
+            return
+        self._cut(slot, account, step, self._counters(slot))
+        targets = account.duty.mission.targets
+        if not arrived:
+            account.phase = Phase.HELD
+            return
+        self._arrive(account, at)
+        ends = Phase.LAYOVER if at == len(targets) - 1 else Phase.AT_STOP
+        account.phase = Phase.HELD if targets[at].station_id is None else ends
+
+    def close(self, slot: int, step: int) -> None:
+        """The stock's present train has ended, or the run."""
+        account = self._accounts.pop(slot, None)
+        if account is None:
+            return
+        self._cut(slot, account, step, self._counters(slot))
+        self._arrive(account, min(account.at + 1, len(account.duty.mission.targets) - 1))
+
+    def stable(self, slot: int, duty: Duty, step: int) -> None:
+        """The stock stands after its last train; what is still switched on is counted apart."""
+        self.close(slot, step)
+        at = len(duty.mission.targets) - 1
+        self._accounts[slot] = Account(duty, Phase.STABLED, at, step, self._counters(slot))
+
+    def _cut(self, slot: int, account: Account, step: int, now: Counters) -> None:
+        """End the open record; the next begins where it ends."""
+        duty, since = account.duty, account.since
+        targets = duty.mission.targets
+        here = place_of(targets[account.at])
+        on_leg = account.phase in (Phase.RUNNING, Phase.HELD)
+        record = EnergyRecord(
+            self._trains.stock_ids[slot],
+            duty.train.number,
+            duty.train.revenue,
+            account.phase,
+            here,
+            place_of(targets[min(account.at + 1, len(targets) - 1)]) if on_leg else here,
+            account.since_step / STEPS_PER_S,
+            step / STEPS_PER_S,
+            now.travelled_m - since.travelled_m,
+            now.traction_j - since.traction_j,
+            now.regenerated_j - since.regenerated_j,
+            now.auxiliary_j - since.auxiliary_j,
+        )
+        (account.leg if on_leg else self.records).append(record)
+        account.since_step, account.since = step, now
+
+    def _arrive(self, account: Account, at: int) -> None:
+        """The leg ends at a target: perhaps beyond the next one, where the train has not called."""
+        to_id = place_of(account.duty.mission.targets[at])
+        self.records += [replace(record, to_id=to_id) for record in account.leg]
+        account.leg.clear()
+        account.at = at
+
+    def _counters(self, slot: int) -> Counters:
+        plant = self._trains.plants[slot]
+        return Counters(
+            float(plant.energy_traction_j),
+            float(plant.energy_regenerated_j),
+            float(plant.energy_auxiliary_j),
+            float(plant.travelled_m),
+        )

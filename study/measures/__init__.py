@@ -1,0 +1,1 @@
+"""What is worked out beside a run's own books: running times and margins, and second opinions on energy."""

@@ -1,0 +1,136 @@
+"""Least running times (最小運転時分) from stand to stand, beside what a timetable plans."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from network.model import Line
+from network.path import Path
+from network.profile import profile_of
+from onboard.driving.pattern import limit_for_length
+from onboard.duty.mission import Target
+from simulation.setup import Setup
+from simulation.world.roster import Duty, draw_up
+from vehicle.resistance import climb_m
+from vehicle.running_time import predicted_run
+from vehicle.train_file import TrainType
+
+STEP_S: Final = 0.1
+CRAWL_MPS: Final = 1.0  # no margin below a limit makes a train slower than this
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A run from a stand to a stand: the line, a path on it, and path coordinates of the front, m."""
+
+    line: Line
+    path: Path
+    from_m: float
+    to_m: float
+
+
+def least_running_time_s(
+    kind: TrainType, way: Way, load_share: float, deceleration_mps2: float, below_limit_mps: float = 0.0
+) -> float:
+    """Shortest time, s, in which a train of a kind runs from one stand to the next.
+
+    Full power up to the lowest limit under any part of the train, or `below_limit_mps` below it, and one constant
+    deceleration towards lower limits and the stop; gradients and curves as `vehicle.running_time` counts them.
+    Infinite where the train cannot climb.
+    """
+    row = kind.row[0]
+    profile = profile_of(way.line, way.path)
+    limit_mps = np.minimum(
+        limit_for_length(profile["limit_mps"], float(row["length_m"])), row["speed_max_mps"]
+    )
+    if below_limit_mps > 0.0:
+        limit_mps = np.maximum(limit_mps - below_limit_mps, CRAWL_MPS)
+    climbs_m = climb_m(kind.row.view(np.recarray)[0], profile["elevation_m"], profile["turn_rad"])
+    time_s, _ = predicted_run(
+        row,
+        load_share,
+        np.ascontiguousarray(climbs_m),
+        np.ascontiguousarray(limit_mps),
+        way.from_m,
+        way.to_m,
+        math.inf,
+        deceleration_mps2,
+        STEP_S,
+    )
+    return float(time_s)
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedLeg:
+    """One hop of one train as planned, s. `attainable_s` keeps the distance to limits that driving keeps."""
+
+    stock_id: str
+    number: str
+    revenue: bool
+    from_id: str
+    to_id: str
+    leaves_s: float
+    due_s: float
+    least_s: float
+    attainable_s: float
+
+    @property
+    def planned_s(self) -> float:
+        """From the departure to the latest arrival that keeps the next departure."""
+        return self.due_s - self.leaves_s
+
+
+def planned_legs(setup: Setup) -> tuple[PlannedLeg, ...]:
+    """Every hop of the timetable that has a time at both ends, by stock and in order of travel.
+
+    Trains carry the scenario's mean load and brake as the unit's pattern to a stop does.
+    """
+    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
+    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]] = {}
+    return tuple(leg for duties in drawn.values() for duty in duties for leg in _legs_of(setup, duty, known))
+
+
+def _legs_of(
+    setup: Setup, duty: Duty, known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]]
+) -> Iterator[PlannedLeg]:
+    """Hops of one duty; a kind of train needs the same time for the same way again."""
+    kind, mission = setup.trains[duty.stock_id], duty.mission
+    for here, there in pairwise(target for target in mission.targets if target.station_id is not None):
+        due_s = _due_s(there, setup.timetable.dwell_min_s)
+        if here.departure_s is None or due_s is None:
+            continue
+        key = (kind.id, mission.path.piece_ids, here.mark_m, there.mark_m)
+        if key not in known:
+            way = Way(setup.line, mission.path, here.mark_m, there.mark_m)
+            load, driving = setup.load.load_share_mean, setup.driving
+            known[key] = (
+                least_running_time_s(kind, way, load, driving.stop_deceleration_mps2),
+                least_running_time_s(
+                    kind, way, load, driving.stop_deceleration_mps2, driving.driving_margin_mps
+                ),
+            )
+        yield PlannedLeg(
+            duty.stock_id,
+            mission.number,
+            mission.revenue,
+            here.station_id or "",
+            there.station_id or "",
+            here.departure_s,
+            due_s,
+            *known[key],
+        )
+
+
+def _due_s(there: Target, dwell_min_s: float) -> float | None:
+    """The latest arrival, s: that of the plan, and early enough for the least dwell before the departure."""
+    if there.departure_s is None:
+        return there.arrival_s
+    ready_s = there.departure_s - dwell_min_s
+    return ready_s if there.arrival_s is None else min(there.arrival_s, ready_s)

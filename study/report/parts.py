@@ -1,0 +1,42 @@
+"""What the page is made of: facts of the headline, tables of text, and parts with a title."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One line of the headline; `bad` is set in red."""
+
+    name: str
+    value: str
+    bad: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table of text: numbers stand to the right from column `numbers_from` on, up to `numbers_to`."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numbers_from: int = 99
+    numbers_to: int = 99
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of the report: what it shows, how to read it, its figures, its tables (folded when long)."""
+
+    title: str
+    caption: str
+    figures: tuple[str, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    folded: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+
+def signed(value: float, digits: int = 0, unit: str = "") -> str:
+    """A number with its sign, as it is set: +3 s, −12 s."""
+    text = f"{value:+,.{digits}f}"
+    return f"{text} {unit}".rstrip().replace("-", "−")

@@ -1,0 +1,24 @@
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import polars as pl
+import pytest
+
+from study.run.tables import SCHEMAS, make_table
+
+Row = tuple[str, str, float | None, float | None]
+
+
+@pytest.fixture
+def make_stops() -> Callable[[Sequence[Row]], pl.DataFrame]:
+    """A table of stops from (train, station, arrival, departure); the rest is empty."""
+
+    def make(rows: Sequence[Row]) -> pl.DataFrame:
+        known = [
+            {"train": t, "station": s, "arrival_s": a, "departure_s": d, "revenue": True}
+            for t, s, a, d in rows
+        ]
+        return make_table("stops", {name: [row.get(name) for row in known] for name in SCHEMAS["stops"]})
+
+    return make
