@@ -294,14 +294,8 @@ class Day:
 def day_of(case: str, light: Light, seed: int, false_share: float = 0.0) -> Day:
     """The day of `LIGHT_SCENARIO` in that light from morning to night, its signs in plain sight."""
     scenario = load_scenario(LIGHT_SCENARIO, seed)
-    vision = scenario.setup.vision.model_copy(
-        update={"light": light, "hours": (), "false_share": false_share}
-    )
-    run = execute(
-        replace(scenario, setup=replace(scenario.setup, vision=vision)),
-        Link.SIMULATED,
-        carrier=CarrierKind.PLAIN,
-    )
+    setup = replace(scenario.setup, vision=Vision(light=light, false_share=false_share))
+    run = execute(replace(scenario, setup=setup), Link.SIMULATED, carrier=CarrierKind.PLAIN)
     errors = np.array([stop.error_m for stop in run.result.stops if stop.error_m is not None])
     outside = tuple(violation.text for violation in run.result.outside_design)
     return Day(case, line_sightings()[light], errors, (*run.broken, *outside))
