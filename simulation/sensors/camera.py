@@ -397,7 +397,8 @@ class Renderer:
             image, np.array([row, column, long_px, lean, rng.uniform(0.05, 0.25, count)]).T, air.sky_low
         )
         count, row, column = scattered(air.drops_per_mpx)
-        add_drops(image, np.array([row, column, rng.gamma(4.0, 2.0, count)]).T, air.sky_low)
+        radius_px: Floats = 2.0 * rng.standard_gamma(4.0, count)
+        add_drops(image, np.array([row, column, radius_px]).T, air.sky_low)
         image *= np.float32(1.0 - air.veil_share)
         image += np.float32(air.veil_share * air.sky_low)
 

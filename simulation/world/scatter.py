@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
 from network.files.kinds import TimeOfDay, about
-from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread
+from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread, WheelFactor
 from network.files.toml_input import Record
 from radio.chance import generator
 from vehicle.records import TRAIN
