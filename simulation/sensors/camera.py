@@ -387,15 +387,15 @@ class Renderer:
         area_mpx = (size[0] + 2.0 * margin) * (size[1] + 2.0 * margin) * 1e-6
 
         def scattered(per_mpx: float) -> tuple[int, Floats, Floats]:
-            count = int(rng.poisson(per_mpx * area_mpx))
+            count = int(rng.poisson(per_mpx * area_mpx, 1)[0])
             rows = rng.uniform(-margin, size[0] + margin, count)
             return count, rows, rng.uniform(-margin, size[1] + margin, count)
 
         count, row, column = scattered(air.streaks_per_mpx)
-        lean, long_px = rng.normal(0.0, 0.1, count), rng.uniform(15.0, 60.0, count)
-        add_streaks(
-            image, np.array([row, column, long_px, lean, rng.uniform(0.05, 0.25, count)]).T, air.sky_low
-        )
+        lean: Floats = rng.normal(0.0, 0.1, count)
+        long_px: Floats = rng.uniform(15.0, 60.0, count)
+        cover: Floats = rng.uniform(0.05, 0.25, count)
+        add_streaks(image, np.array([row, column, long_px, lean, cover]).T, air.sky_low)
         count, row, column = scattered(air.drops_per_mpx)
         radius_px: Floats = 2.0 * rng.standard_gamma(4.0, count)
         add_drops(image, np.array([row, column, radius_px]).T, air.sky_low)
