@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
-from network.files.kinds import about
+from network.files.kinds import TimeOfDay, about
 from network.files.quantities import (
     BitErrorFactor,
     Days,
     Deceleration,
+    Distance,
     FrameRate,
     Gain,
     Reaction,
@@ -28,6 +29,7 @@ from network.files.quantities import (
     WheelError,
 )
 from network.files.toml_input import Record
+from simulation.sensors.open_air import Light
 from wayside.config import ReentryMode
 
 
@@ -133,6 +135,21 @@ class Tuning(Record):
     ] = None
 
 
+class LightHours(Record):
+    """`vision.hours`: light and weather of a part of the day."""
+
+    from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
+    to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
+    light: Annotated[Light, Field(strict=False), about("light and weather in it")]
+
+    @field_validator("to_s")
+    @classmethod
+    def _later(cls, to_s: float, info: ValidationInfo) -> float:
+        if to_s <= info.data.get("from_s", -1.0):
+            raise ValueError("a time after that of from")
+        return to_s
+
+
 class Vision(Record):
     """`[vision]`: stop signs, and a camera on each train that looks for them; without the table there are none."""
 
@@ -147,6 +164,30 @@ class Vision(Record):
             "assumed: half of the camera's",
         ),
     ] = 5.0
+    light: Annotated[
+        Light,
+        Field(strict=False),
+        about(
+            "light and weather at the signs: what cameras see follows images rendered in it",
+            "Oda, 3.1 (1): a lit underground line",
+        ),
+    ] = Light.LIT_TUNNEL
+    hours: Annotated[
+        tuple[LightHours, ...],
+        Field(strict=False, max_length=8),
+        about("parts of the day with another light; the first that holds counts"),
+    ] = ()
+    hidden_beyond_m: Annotated[
+        Distance,
+        about("curves and buildings hide signs that are further off", "assumed: nothing does"),
+    ] = 1000.0
+    false_share: Annotated[
+        Share,
+        about(
+            "of the frames that show something else as the sign, anywhere in range",
+            "assumed: none beyond those rendered",
+        ),
+    ] = 0.0
 
     @property
     def wanted(self) -> bool:

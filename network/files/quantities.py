@@ -211,6 +211,9 @@ SIGMA: Final = Quantity("standard deviation of a factor", "", ((0.0, 0.3),), "th
 BRAKE_FACTOR: Final = Quantity(
     "factor of a brake", "", ((0.05, 2.0),), "assumed: pads that are nearly gone, or twice as good"
 )
+WHEEL_FACTOR: Final = Quantity(
+    "factor of a wheel", "", ((0.9, 1.1),), "a new wheel of 860 mm against one worn to 780 mm, either way"
+)
 SLOWNESS: Final = Quantity("factor of a throw", "", ((1.0, 100.0),), "assumed: a hundred times as slow")
 READING_FACTOR: Final = Quantity("factor of a reading", "", ((0.0, 10.0),), "assumed: ten times too much")
 BIT_ERROR_FACTOR: Final = Quantity(
@@ -294,6 +297,7 @@ Probability = Annotated[float, PROBABILITY]
 SpreadShare = Annotated[float, SPREAD_SHARE]
 Sigma = Annotated[float, SIGMA]
 BrakeFactor = Annotated[float, BRAKE_FACTOR]
+WheelFactor = Annotated[float, WHEEL_FACTOR]
 Slowness = Annotated[float, SLOWNESS]
 ReadingFactor = Annotated[float, READING_FACTOR]
 BitErrorFactor = Annotated[float, BIT_ERROR_FACTOR]

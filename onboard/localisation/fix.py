@@ -7,7 +7,8 @@ the fix as it is.
 A reader of `onboard.localisation.table` gives its fix to `taken` in the compiled tick, event-driven ones give theirs
 to `take`; both `cut`. The new estimate lies between the two, weighted by the squares of what each may be wrong by,
 inside what is left. After a tag the bounds rest on that alone: it lies where it lies, while what the tachometer has
-shown since the tag before may be false without anybody having noticed.
+shown since the tag before may be false without anybody having noticed. A sensor that may be deceived (a camera) only
+has the estimate `leant`: it moves inside the bounds, which stay where they are, so nothing that is safe rests on it.
 """
 
 from __future__ import annotations
@@ -96,6 +97,28 @@ def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> flo
 def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
     """A fix from a reader of the table, by the rule; what came of it."""
     return TAKEN if cut(row, position_m, behind_m, ahead_m) <= 0.0 else REFUSED
+
+
+@compiled
+def leant(row: UnitRow, slack_m: float, position_m: float, within_m: float) -> float:
+    """Move the estimate towards a fix about `position_m` and leave both ends of the bounds where they are.
+
+    `slack_m` and `within_m` say what estimate and fix may be wrong by, m; returns the estimate's afterwards. The two
+    intervals must meet: who calls has asked `missed_m`, and whether they do.
+    """
+    before_m = row.position_m
+    rear_m = max(before_m - slack_m, position_m - within_m)
+    front_m = min(before_m + slack_m, position_m + within_m)
+    both_m2 = slack_m * slack_m + within_m * within_m
+    weight = slack_m * slack_m / both_m2 if both_m2 > 0.0 else STRONGEST_WEIGHT
+    estimate_m = min(max(before_m + weight * (position_m - before_m), rear_m), front_m)
+    least_m, most_m = before_m - row.bound_behind_m, before_m + row.bound_ahead_m
+    estimate_m = min(max(estimate_m, least_m), most_m)
+    row.position_m = estimate_m
+    row.bound_behind_m = estimate_m - least_m
+    row.bound_ahead_m = most_m - estimate_m
+    row.fix_correction_m += estimate_m - before_m
+    return float(max(front_m - estimate_m, estimate_m - rear_m, 0.0))
 
 
 def missed_by_m(row: UnitRow, fix: Fix) -> float:

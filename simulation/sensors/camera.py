@@ -1,29 +1,38 @@
 """The driver's camera and what it sees of the approach: a model, a renderer, and an error model that replaces it.
 
-The camera looks level along a straight track in a box tunnel (Oda studies underground lines, section 3.1) with
-the sign beside the track. Rows are exposed one after the other (rolling shutter), so a moving train sees lower
-rows from further on. Distances run from the train's front; the lens stands `setback_m` behind it.
+The camera looks level along a straight track with the sign beside it: in a lit box tunnel (Oda studies underground
+lines, section 3.1), or in the open air (`open_air`). Rows are exposed one after the other (rolling shutter), so a
+moving train sees lower rows from further on. Distances run from the train's front; the lens stands `setback_m`
+behind it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from onboard.localisation.vision import Image, SightTable, Window, largest_cluster, sight
+from onboard.localisation.vision import Image, Window
 from radio.chance import generator
-from simulation.sensors.camera_pixels import draw_board, draw_tunnel, expose
-
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
+from simulation.sensors.camera_pixels import BLUE, RED, draw_board, draw_tunnel, expose
+from simulation.sensors.camera_surroundings import (
+    TEXTURE_CELLS,
+    Floats,
+    Singles,
+    ceiling_texture,
+    floor_texture,
+    grass_texture,
+    skyline,
+    wall_texture,
+)
+from simulation.sensors.camera_weather import add_drops, add_glare, add_streaks, draw_open
+from simulation.sensors.open_air import OPEN_AIR, Exposure, Light, OpenAir, exposure
 
 NOISE_BANK: Final = 1 << 22
-TEXTURE_CELLS: Final = 600
+TUNNEL_AIR: Final = 0.35  # what mist in a tunnel shows
+METER_EVERY_PX: Final = 8  # of the rows and columns on which the exposure is metered
 NO_MOTION: Final = 0.0
 CREEP_MPS: Final = 1e-6  # moving, so vibrating, but not far enough to blur
 
@@ -44,6 +53,7 @@ class CameraModel:
     noise_grey: float  # standard deviation of a pixel, grey levels of 255
     edge_px: float  # width of a sharp edge in the image: the lens's blur
     vibration_rad: float  # standard deviation of pitch from frame to frame while moving
+    trial_rad: float = 0.0  # and from one trial to another of a train that stands
     length_scale: float = 1.0
 
     @property
@@ -66,9 +76,18 @@ class CameraModel:
         """The whole image."""
         return Window(0, 0, self.width_px, self.height_px)
 
-    def exposed_after_s(self, row_px: float) -> float:
+    @property
+    def row_s(self) -> float:
+        """From one row's exposure to the next one's, s."""
+        return self.readout_s / self.height_px
+
+    def axis_of(self, pitch_rad: float) -> tuple[float, float]:
+        """Row and column of the track's vanishing point while the camera pitches up by `pitch_rad`."""
+        return self.axis_px[0] + self.focal_px * math.tan(pitch_rad), self.axis_px[1]
+
+    def exposed_after_s(self, row_px: float, exposure_s: float | None = None) -> float:
         """Middle of a row's exposure after the start of the frame, s."""
-        return self.readout_s * row_px / self.height_px + self.exposure_s / 2.0
+        return self.row_s * row_px + (self.exposure_s if exposure_s is None else exposure_s) / 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +106,8 @@ class Sign:
 
 # Oda, 3.2.2, but for: setback, and the sign's height, fitted to table 2 (a level pinhole meets all six rows
 # within 0.6 px); readout, exposure, noise, edge, vibration: assumed, an ordinary CMOS camera under tube lamps.
+# The pitch between trials "apart in time" is fitted to the scatter of table 2: 0.41 px, of which writing half pixels
+# makes 0.14.
 PAPER_CAMERA: Final = CameraModel(
     width_px=1280,
     height_px=960,
@@ -100,6 +121,7 @@ PAPER_CAMERA: Final = CameraModel(
     noise_grey=4.0,
     edge_px=1.5,
     vibration_rad=3e-4,
+    trial_rad=4.2e-4,
     length_scale=0.1,
 )
 PAPER_SIGN: Final = Sign(
@@ -175,7 +197,7 @@ class Scene:
     sign: Sign | None = None
     sign_m: float = 0.0
     boards: tuple[Board, ...] = ()
-    lighting: Lighting = field(default_factory=Lighting)
+    lighting: Lighting | OpenAir = field(default_factory=Lighting)
 
     def board_rows(self) -> Floats:
         """Boards, the sign's post and the sign, the farthest first."""
@@ -200,9 +222,24 @@ class Shot:
     pitch_rad: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """How boards are seen: contrast lost per metre, towards what, width of an edge, exposure."""
+
+    extinction_per_m: float
+    air: float
+    edge_px: float
+    exposure_s: float
+
+
 def lamplight(rng: np.random.Generator) -> Lighting:
     """Lamps as they are met: level within 15 %, flicker of 3 % at any phase (assumed)."""
     return Lighting(level=float(rng.uniform(0.85, 1.15)), phase_rad=float(rng.uniform(0.0, 2.0 * math.pi)))
+
+
+def light_of(light: Light, rng: np.random.Generator) -> Lighting | OpenAir:
+    """Lamps, or light and weather, of one picture as they are met."""
+    return lamplight(rng) if light is Light.LIT_TUNNEL else OPEN_AIR[light]
 
 
 class Renderer:
@@ -214,28 +251,61 @@ class Renderer:
         self._ceiling_m: Final = 7.0 * camera.length_scale
         self._cell_m: Final = 2.0 * self._half_width_m / TEXTURE_CELLS
         rng = generator(seed, "camera", "surroundings")
-        self._floor: Final = _floor_texture(rng, self._cell_m / camera.length_scale)
-        self._wall: Final = _wall_texture(rng)
-        self._ceiling: Final = _ceiling_texture(rng)
+        self._floor: Final = floor_texture(rng, self._cell_m / camera.length_scale)
+        self._wall: Final = wall_texture(rng)
+        self._ceiling: Final = ceiling_texture(rng)
+        outside = generator(seed, "camera", "open air")
+        self._grass: Final = grass_texture(outside)
+        self._skyline: Final = skyline(outside)
+        self._exposures: Final[dict[OpenAir, Exposure]] = {}
         noise = generator(seed, "camera", "noise").standard_normal(NOISE_BANK, dtype=np.float32)
         self._noise: Final[Singles] = noise
 
     def render(
         self, scene: Scene, shot: Shot, rng: np.random.Generator, window: Window | None = None
     ) -> Image:
-        """The BGR image (rows, columns, 3), or only a window of it. `rng` draws this shot's noise."""
+        """The BGR image (rows, columns, 3), or only a window of it. `rng` draws this shot's noise and weather."""
         camera, light = self.camera, scene.lighting
-        left, top, right, bottom = window or camera.whole
-        rows_s = np.arange(top, bottom, dtype=np.float64) * (camera.readout_s / camera.height_px)
-        lens_m: Floats = shot.front_m - camera.setback_m + shot.speed_mps * rows_s
-        axis_row = camera.axis_px[0] + camera.focal_px * math.tan(shot.pitch_rad)
-        axis_column = camera.axis_px[1]
-        air = 0.35
-        image = np.empty((bottom - top, right - left, 3), dtype=np.float32)
+        view = window or camera.whole
+        if isinstance(light, OpenAir):
+            exposed = self.exposure(light)
+            image = self._outside(scene, light, shot, rng, view, exposed.time_s)
+            factor = np.full(image.shape[0], exposed.scale)
+            read_grey, shot_grey = exposed.read_grey, exposed.shot_grey
+        else:
+            image = self._inside(scene, light, shot, view)
+            rows_s = np.arange(view.top, view.bottom, dtype=np.float64) * camera.row_s
+            flicker = np.cos(2.0 * math.pi * light.flicker_hz * rows_s + light.phase_rad)
+            factor = light.level * (1.0 + light.flicker_share * flicker)
+            read_grey, shot_grey = camera.noise_grey, 0.0
+        out = np.empty(image.shape, dtype=np.uint8)
+        expose(image, factor, self._noise, int(rng.integers(NOISE_BANK)), read_grey, shot_grey, out)
+        return out
+
+    def exposure(self, air: OpenAir) -> Exposure:
+        """What the exposure control comes to in this light: metered once, on the picture's lower half."""
+        if air not in self._exposures:
+            camera, rng = self.camera, generator(0, "camera", "metering")
+            half = Window(0, camera.height_px // 2, camera.width_px, camera.height_px)
+            image = self._outside(Scene(lighting=air), air, Shot(0.0), rng, half, 0.0)
+            metered = float(image[::METER_EVERY_PX, ::METER_EVERY_PX].mean())
+            self._exposures[air] = exposure(air, metered)
+        return self._exposures[air]
+
+    def exposure_s(self, light: Lighting | OpenAir) -> float:
+        """How long a row is exposed, s."""
+        return self.exposure(light).time_s if isinstance(light, OpenAir) else self.camera.exposure_s
+
+    def _inside(self, scene: Scene, light: Lighting, shot: Shot, view: Window) -> Singles:
+        """The tunnel and what stands in it, in full light."""
+        camera = self.camera
+        axis_row, axis_column = camera.axis_of(shot.pitch_rad)
+        image = np.empty((view.bottom - view.top, view.right - view.left, 3), dtype=np.float32)
+        lens_m = self._lens_m(shot, view)
         draw_tunnel(
             image,
-            left,
-            top,
+            view.left,
+            view.top,
             lens_m,
             camera.focal_px,
             axis_row,
@@ -248,196 +318,120 @@ class Renderer:
             self._ceiling,
             self._cell_m,
             light.extinction_per_m,
-            air,
+            TUNNEL_AIR,
         )
-        for board in scene.board_rows():
-            draw_board(
+        seen = _Seen(light.extinction_per_m, TUNNEL_AIR, camera.edge_px, camera.exposure_s)
+        self._draw_boards(image, scene.board_rows(), shot, view, lens_m, (axis_row, axis_column), seen)
+        return image
+
+    def _outside(
+        self,
+        scene: Scene,
+        air: OpenAir,
+        shot: Shot,
+        rng: np.random.Generator,
+        view: Window,
+        exposure_s: float,
+    ) -> Singles:
+        """The open line, its weather and what stands beside it, in white faces."""
+        camera = self.camera
+        axis_row, axis_column = camera.axis_of(shot.pitch_rad)
+        if air.film_rad > 0.0:
+            axis_row += camera.focal_px * float(rng.normal(0.0, air.film_rad))
+            axis_column += camera.focal_px * float(rng.normal(0.0, air.film_rad))
+        image = np.empty((view.bottom - view.top, view.right - view.left, 3), dtype=np.float32)
+        lens_m = self._lens_m(shot, view)
+        draw_open(
+            image,
+            view.left,
+            view.top,
+            lens_m,
+            camera.focal_px,
+            axis_row,
+            axis_column,
+            camera.lens_height_m,
+            self._half_width_m,
+            self._floor,
+            self._grass,
+            self._cell_m,
+            air.ground_share,
+            air.sky_low,
+            air.sky_high,
+            self._skyline,
+            air.extinction_per_m,
+        )
+        boards = scene.board_rows()
+        boards[:, BLUE : RED + 1] *= float(np.exp(rng.normal(0.0, air.face_spread)))
+        seen = _Seen(air.extinction_per_m, air.sky_low, camera.edge_px + air.film_px, exposure_s)
+        self._draw_boards(image, boards, shot, view, lens_m, (axis_row, axis_column), seen)
+        if air.sun is not None:
+            sun = air.sun
+            add_glare(
                 image,
-                left,
-                top,
-                lens_m,
-                shot.speed_mps * camera.exposure_s,
+                view.left,
+                view.top,
                 camera.focal_px,
                 axis_row,
                 axis_column,
+                sun.elevation_rad,
+                sun.azimuth_rad,
+                air.glare_deg2,
+            )
+        if air.drops_per_mpx > 0.0:
+            self._wet(image, air, rng)
+        return image
+
+    def _wet(self, image: Singles, air: OpenAir, rng: np.random.Generator) -> None:
+        """Rain: drops that fall, drops on the pane, and what the wet pane scatters."""
+        size, margin = image.shape[:2], 20.0
+        area_mpx = (size[0] + 2.0 * margin) * (size[1] + 2.0 * margin) * 1e-6
+
+        def scattered(per_mpx: float) -> tuple[int, Floats, Floats]:
+            count = int(rng.poisson(per_mpx * area_mpx, 1)[0])
+            rows = rng.uniform(-margin, size[0] + margin, count)
+            return count, rows, rng.uniform(-margin, size[1] + margin, count)
+
+        count, row, column = scattered(air.streaks_per_mpx)
+        lean: Floats = rng.normal(0.0, 0.1, count)
+        long_px: Floats = rng.uniform(15.0, 60.0, count)
+        cover: Floats = rng.uniform(0.05, 0.25, count)
+        add_streaks(image, np.array([row, column, long_px, lean, cover]).T, air.sky_low)
+        count, row, column = scattered(air.drops_per_mpx)
+        radius_px: Floats = 2.0 * rng.standard_gamma(4.0, count)
+        add_drops(image, np.array([row, column, radius_px]).T, air.sky_low)
+        image *= np.float32(1.0 - air.veil_share)
+        image += np.float32(air.veil_share * air.sky_low)
+
+    def _lens_m(self, shot: Shot, view: Window) -> Floats:
+        """The lens's place along the track when each row of the window begins to be exposed."""
+        rows_s = np.arange(view.top, view.bottom, dtype=np.float64) * self.camera.row_s
+        lens_m: Floats = shot.front_m - self.camera.setback_m + shot.speed_mps * rows_s
+        return lens_m
+
+    def _draw_boards(
+        self,
+        image: Singles,
+        boards: Floats,
+        shot: Shot,
+        view: Window,
+        lens_m: Floats,
+        axis_px: tuple[float, float],
+        seen: _Seen,
+    ) -> None:
+        """Everything that stands beside the track, the farthest first."""
+        camera = self.camera
+        for board in boards:
+            draw_board(
+                image,
+                view.left,
+                view.top,
+                lens_m,
+                shot.speed_mps * seen.exposure_s,
+                camera.focal_px,
+                *axis_px,
                 camera.lens_height_m,
                 board,
-                camera.edge_px,
-                light.extinction_per_m,
-                air,
+                seen.edge_px,
+                seen.extinction_per_m,
+                seen.air,
             )
-        out = np.empty(image.shape, dtype=np.uint8)
-        flicker = np.cos(2.0 * math.pi * light.flicker_hz * rows_s + light.phase_rad)
-        factor = light.level * (1.0 + light.flicker_share * flicker)
-        expose(image, factor, self._noise, int(rng.integers(NOISE_BANK)), camera.noise_grey, out)
-        return out
-
-
-def _with_mean(texture: Floats) -> Singles:
-    """A texture with its mean along the track as an extra last row."""
-    return np.concatenate([texture, texture.mean(axis=0, keepdims=True)]).clip(0.0, 1.0).astype(np.float32)
-
-
-def _floor_texture(rng: np.random.Generator, cell_m: float) -> Singles:
-    """Ballast, sleepers each 0.6 m, rails of 1067 mm gauge on the middle, concrete beside (full-size metres)."""
-    n = TEXTURE_CELLS
-    along = (np.arange(n) * cell_m)[:, None]
-    across = np.abs((np.arange(n) + 0.5) * cell_m - n * cell_m / 2.0)[None, :]
-    grain = rng.normal(0.0, 0.07, (n, n))
-    texture = 0.36 + np.stack([grain * 0.9, grain, grain * 1.1], axis=-1)
-    concrete = np.broadcast_to(across > 1.7, (n, n))
-    texture[concrete] = (0.47, 0.49, 0.50) + 0.15 * grain[concrete][:, None]
-    sleeper = (along % 0.6 < 0.22) & (across < 1.0)
-    texture[sleeper] = (0.20, 0.25, 0.30) + 0.3 * grain[sleeper][:, None]
-    rail = np.broadcast_to(np.abs(across - 1.067 / 2.0) < 0.04, (n, n))
-    texture[rail] = (0.62, 0.62, 0.61)
-    return _with_mean(texture)
-
-
-def _wall_texture(rng: np.random.Generator) -> Singles:
-    """Concrete panels with seams and a dark cable duct."""
-    n = TEXTURE_CELLS
-    texture = np.full((n, n, 3), (0.50, 0.54, 0.57)) + rng.normal(0.0, 0.015, (n, n, 1))
-    texture[:: n // 4] *= 0.7
-    texture[:, n // 8 : n // 8 + 6] = (0.22, 0.22, 0.24)
-    return _with_mean(texture)
-
-
-def _ceiling_texture(rng: np.random.Generator) -> Singles:
-    """Concrete with two rows of tube lamps."""
-    n = TEXTURE_CELLS
-    texture = np.full((n, n, 3), (0.40, 0.42, 0.44)) + rng.normal(0.0, 0.015, (n, n, 1))
-    for side in (n // 3, 2 * n // 3):
-        texture[: n // 4, side - 8 : side + 8] = 1.0
-        texture[n // 2 : 3 * n // 4, side - 8 : side + 8] = 1.0
-    return _with_mean(texture)
-
-
-def record_table(
-    renderer: Renderer,
-    sign: Sign,
-    distances_m: Sequence[float],
-    seed: int,
-    repeats: int = 4,
-    window: Window | None = None,
-) -> SightTable:
-    """The table from row to distance as the paper records it (3.3.3): the train put at known places, images taken.
-
-    Distances rise; raises ValueError naming the distance from which the sign is not found.
-    """
-    rows: list[Floats] = []
-    row_axis, column_axis = renderer.camera.axis_px
-    view = window or renderer.camera.whole
-    for distance in distances_m:
-        rng = generator(seed, "camera", "table", f"{distance:.6f}")
-        seen: list[tuple[float, float, float]] = []
-        for _ in range(repeats):
-            scene = Scene(sign, sign_m=distance, lighting=lamplight(rng))
-            image = renderer.render(scene, Shot(0.0), rng, view)
-            cluster = largest_cluster(image, view.left, view.top)
-            if cluster is not None:
-                seen.append((cluster.row_px - row_axis, cluster.column_px - column_axis, cluster.area_px))
-        if not seen:
-            raise ValueError(f"the sign is not found at {distance:g} m")
-        rows.append(np.mean(seen, axis=0))
-    offset, column, area = np.array(rows).T
-    return SightTable(np.array(distances_m, dtype=np.float64), offset, column, area)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SightingModel:
-    """Sampled errors that stand for camera and pipeline in line runs; fitted to the renderer by distance (m).
-
-    `sigma_m` is that of a standing train, `moving_sigma_m` has the vibration too; `exposed_after_s` adds the way
-    run until the sign's row is exposed, which shortens the distance seen.
-    """
-
-    distance_m: Floats
-    probability: Floats
-    bias_m: Floats
-    sigma_m: Floats
-    moving_sigma_m: Floats
-    exposed_after_s: Floats
-
-    @property
-    def range_m(self) -> float:
-        """Detection range: the farthest distance (m) at which at least every second image shows the sign."""
-        seen = self.distance_m[self.probability >= 0.5]
-        return float(seen[-1]) if seen.size else 0.0
-
-    def sample(self, distance_m: float, speed_mps: float, rng: np.random.Generator) -> float | None:
-        """Distance (m) that one frame gives of a sign `distance_m` before the front; None: not seen."""
-        chance, error = float(rng.random()), float(rng.standard_normal())
-        if not self.distance_m[0] <= distance_m <= self.distance_m[-1]:
-            return None
-        if chance >= np.interp(distance_m, self.distance_m, self.probability):
-            return None
-        spread = self.moving_sigma_m if speed_mps > 0.0 else self.sigma_m
-        bias, sigma, after_s = (
-            float(np.interp(distance_m, self.distance_m, column))
-            for column in (self.bias_m, spread, self.exposed_after_s)
-        )
-        return distance_m + bias + sigma * error - speed_mps * after_s
-
-
-def sighted_distances(
-    renderer: Renderer,
-    sign: Sign,
-    table: SightTable,
-    distance_m: float,
-    speed_mps: float,
-    count: int,
-    rng: np.random.Generator,
-) -> Floats:
-    """What the pipeline makes of `count` images at one distance; only those in which it found the sign, m."""
-    camera = renderer.camera
-    row = min(camera.axis_px[0] + sign.offset_px(camera, distance_m), camera.height_px - 1.0)
-    column = camera.axis_px[1] + camera.focal_px * sign.right_m / (distance_m + camera.setback_m)
-    around = int(24 + camera.focal_px * sign.diameter_m / (distance_m + camera.setback_m))
-    window = Window(
-        max(int(column) - around, 0),
-        max(int(row) - around, 0),
-        min(int(column) + around, camera.width_px),
-        min(int(row) + around, camera.height_px),
-    )
-    found: list[float] = []
-    for _ in range(count):
-        # within a pixel's worth of distance any place is as likely, or rounding to pixels would hide
-        jitter_m = float(rng.uniform(-0.5, 0.5)) * table.slope_m_per_px(distance_m)
-        pitch = float(rng.normal(0.0, camera.vibration_rad)) if speed_mps > 0.0 else 0.0
-        scene = Scene(sign, sign_m=distance_m + jitter_m, lighting=lamplight(rng))
-        image = renderer.render(scene, Shot(0.0, speed_mps, pitch), rng, window)
-        sighting = sight(image, table, camera.axis_px, window.left, window.top)
-        if sighting is not None:
-            found.append(sighting.distance_m - jitter_m)
-    return np.array(found)
-
-
-def fit_sighting_model(
-    renderer: Renderer, sign: Sign, table: SightTable, seed: int, count: int = 100, every: int = 1
-) -> SightingModel:
-    """Measure probability, bias and spread with `count` rendered images at every `every`-th entry of the table.
-
-    As many again, at a creep, measure what vibration adds.
-    """
-    camera = renderer.camera
-    distances = table.distance_m[1:-1:every]
-    columns: list[tuple[float, float, float, float, float]] = []
-    for distance in distances:
-        rng = generator(seed, "camera", "sighting model", f"{distance:.6f}")
-        at_rest, creeping = (
-            sighted_distances(renderer, sign, table, float(distance), speed_mps, count, rng) - distance
-            for speed_mps in (NO_MOTION, CREEP_MPS)
-        )
-        seen = np.concatenate([at_rest, creeping])
-        row = camera.axis_px[0] + sign.offset_px(camera, float(distance))
-        columns.append(
-            (
-                seen.size / (2 * count),
-                float(seen.mean()) if seen.size else 0.0,
-                float(at_rest.std(ddof=1)) if at_rest.size > 1 else 0.0,
-                float(creeping.std(ddof=1)) if creeping.size > 1 else 0.0,
-                camera.exposed_after_s(row),
-            )
-        )
-    return SightingModel(np.array(distances), *np.array(columns).T)

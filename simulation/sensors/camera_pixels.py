@@ -174,14 +174,27 @@ def draw_board(
 
 @compiled
 def expose(
-    image: Singles, light: Floats, noise: Singles, noise_from: int, noise_grey: float, out: NDArray[np.uint8]
+    image: Singles,
+    light: Floats,
+    noise: Singles,
+    noise_from: int,
+    read_grey: float,
+    shot_grey: float,
+    out: NDArray[np.uint8],
 ) -> None:
-    """Light (one factor a row), sensor noise (standard deviation in grey levels) and 8 bits, into `out`."""
+    """Light (one factor a row), sensor noise and 8 bits, into `out`.
+
+    The variance of a pixel (grey levels, squared) is `read_grey`^2 and `shot_grey` times its grey.
+    """
     used = noise_from
     last = noise.size - 1  # a power of two less one
     for r in range(image.shape[0]):
         for k in range(image.shape[1]):
             for c in range(3):
-                grey = 255.0 * image[r, k, c] * light[r] + noise_grey * noise[used & last]
+                grey = 255.0 * image[r, k, c] * light[r]
+                sigma = read_grey
+                if shot_grey > 0.0:
+                    sigma = math.sqrt(read_grey * read_grey + shot_grey * max(grey, 0.0))
+                grey += sigma * noise[used & last]
                 used += 1
                 out[r, k, c] = np.uint8(min(max(grey + 0.5, 0.0), 255.0))

@@ -1,7 +1,6 @@
 """The camera that looks for stop signs (停止位置目標), in line runs: sampled frames instead of rendered ones.
 
-The figures of the error model were fitted to the renderer (`simulation.sensors.camera.fit_sighting_model`, 60 images a
-place at rest and as many vibrating); a test compares them with it.
+What a frame shows follows the figures that were fitted to the renderer for the light of the hour (`line_sightings`).
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ import numpy as np
 
 from onboard.board import SensedRow
 from onboard.localisation.sighting import SIGN_BEYOND_MARK_M
+from simulation.sensors.line_sightings import COLUMNS, LIGHTS, PLACES_M, line_sightings
 from simulation.sensors.noise import normal, source_of, uniform
 from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled
@@ -19,51 +19,68 @@ from vehicle.compiled import compiled
 if TYPE_CHECKING:
     from simulation.setup import Setup
 
-# distance m, share seen, bias m, sigma m at rest, sigma m moving, exposed after s: LINE_CAMERA and LINE_SIGN
-LINE_SIGHTINGS: Final = (
-    (9.0, 1.0, 0.002, 0.001, 0.015, 0.0187),
-    (12.0, 1.0, -0.002, 0.001, 0.026, 0.0168),
-    (15.0, 1.0, 0.001, 0.003, 0.044, 0.0156),
-    (21.0, 1.0, -0.003, 0.006, 0.073, 0.0142),
-    (30.0, 1.0, 0.014, 0.015, 0.148, 0.0131),
-    (39.0, 1.0, 0.046, 0.019, 0.299, 0.0126),
-    (48.0, 1.0, 0.032, 0.048, 0.423, 0.0122),
-    (60.0, 1.0, 0.002, 0.129, 0.619, 0.0119),
-    (69.0, 1.0, -0.079, 0.117, 0.759, 0.0117),
-    (78.0, 1.0, 0.040, 0.352, 0.834, 0.0116),
-    (87.0, 0.983, 0.156, 0.322, 1.290, 0.0115),
-)
-SEEN_FROM_M: Final = LINE_SIGHTINGS[-1][0]
-PLACES: Final = len(LINE_SIGHTINGS)
+PLACES: Final = len(PLACES_M)
+FIGURES: Final = len(LIGHTS) * PLACES
+NEAREST_M: Final = PLACES_M[0]
+SEEN_FROM_M: Final = PLACES_M[-1]
+HOURS_MAX: Final = 8
 PAST_MARK_M: Final = (
     SIGN_BEYOND_MARK_M / 2.0
 )  # nearer than this the front is well past the mark: nothing to look for
 
 
 class SignCameraRow(Protocol):
-    """One train's camera; its error model by distance."""
+    """One train's camera; its error model by light and distance, light after light."""
 
     every_steps: Annotated[int, "a frame each so many steps of the day; 0: no camera"]
     source: Annotated[int, "of the noise in its frames"]
-    seen_source: Annotated[int, "of whether a frame shows the sign at all"]
-    distance_m: Annotated[list[float], PLACES]
-    seen_share: Annotated[list[float], PLACES]
-    bias_m: Annotated[list[float], PLACES]
-    sigma_m: Annotated[list[float], PLACES, "at rest"]
-    moving_sigma_m: Annotated[list[float], PLACES, "with the train's vibration too"]
-    exposed_after_s: Annotated[list[float], PLACES, "until the sign's row is exposed"]
+    seen_source: Annotated[int, "of whether a frame shows the sign at all, or something else"]
+    false_source: Annotated[int, "of where something else is"]
+    hidden_beyond_m: Annotated[float, "a curve or a building hides signs that are further off"]
+    taken_falsely: Annotated[
+        float, "share of all frames that show something else, beyond what the figures have"
+    ]
+    light: Annotated[int, "where no hours are given"]
+    from_s: Annotated[list[float], HOURS_MAX]
+    to_s: Annotated[list[float], HOURS_MAX, "0: none"]
+    light_then: Annotated[list[int], HOURS_MAX]
+    seen_share: Annotated[list[float], FIGURES]
+    false_share: Annotated[list[float], FIGURES]
+    bias_m: Annotated[list[float], FIGURES]
+    sigma_m: Annotated[list[float], FIGURES, "at rest"]
+    moving_sigma_m: Annotated[list[float], FIGURES, "with the train's vibration too"]
+    exposed_after_s: Annotated[list[float], FIGURES, "until the sign's row is exposed"]
+
+
+PLACES_AT: Final = np.array(PLACES_M)
 
 
 def fit(own: SignCameraRow, setup: Setup, stock_id: str) -> None:
     """A camera where the scenario has signs."""
-    if not setup.vision.wanted:
+    vision = setup.vision
+    if not vision.wanted:
         return
-    own.every_steps = setup.steps_of(1.0 / setup.vision.rate_hz)
+    own.every_steps = setup.steps_of(1.0 / vision.rate_hz)
     own.source = source_of(setup.seed, "camera", stock_id, *setup.today)
     own.seen_source = source_of(setup.seed, "camera sees", stock_id, *setup.today)
-    columns = np.array(LINE_SIGHTINGS).T
-    own.distance_m[:], own.seen_share[:], own.bias_m[:] = columns[0], columns[1], columns[2]
-    own.sigma_m[:], own.moving_sigma_m[:], own.exposed_after_s[:] = columns[3], columns[4], columns[5]
+    own.false_source = source_of(setup.seed, "camera is deceived", stock_id, *setup.today)
+    own.hidden_beyond_m, own.taken_falsely = vision.hidden_beyond_m, vision.false_share
+    own.light = LIGHTS.index(vision.light)
+    for index, hours in enumerate(vision.hours):
+        own.from_s[index], own.to_s[index] = hours.from_s, hours.to_s
+        own.light_then[index] = LIGHTS.index(hours.light)
+    figures = line_sightings()
+    for column in COLUMNS:
+        getattr(own, column)[:] = np.concatenate([getattr(figures[light], column) for light in LIGHTS])
+
+
+@compiled
+def light_at(own: SignCameraRow, now_s: float) -> int:
+    """The light of that moment, s since midnight: that of the first hours that hold it."""
+    for i in range(HOURS_MAX):
+        if own.from_s[i] <= now_s < own.to_s[i]:
+            return int(own.light_then[i])
+    return int(own.light)
 
 
 @compiled
@@ -78,22 +95,28 @@ def sign_camera(own: SignCameraRow, _sensors: Any, scene: SceneRow, sensed: Sens
         return
     shown.taken = 1
     shown.distance_m = np.inf
-    near = ahead_m < own.distance_m[0]
-    if near or uniform(own.seen_source, scene.step) >= between(own.distance_m, own.seen_share, ahead_m):
+    first = light_at(own, scene.now_s) * PLACES
+    deceived = own.taken_falsely + between(own.false_share, first, ahead_m)
+    chance = uniform(own.seen_source, scene.step)
+    if chance < deceived:
+        shown.distance_m = NEAREST_M + (SEEN_FROM_M - NEAREST_M) * uniform(own.false_source, scene.step)
+        return
+    visible = NEAREST_M <= ahead_m <= own.hidden_beyond_m
+    if not visible or chance >= deceived + between(own.seen_share, first, ahead_m):
         return
     sigmas = own.moving_sigma_m if scene.speed_mps > 0.0 else own.sigma_m
-    error_m = between(own.distance_m, own.bias_m, ahead_m)
-    error_m += between(own.distance_m, sigmas, ahead_m) * normal(own.source, scene.step)
-    exposed_m = scene.speed_mps * between(own.distance_m, own.exposed_after_s, ahead_m)
+    error_m = between(own.bias_m, first, ahead_m)
+    error_m += between(sigmas, first, ahead_m) * normal(own.source, scene.step)
+    exposed_m = scene.speed_mps * between(own.exposed_after_s, first, ahead_m)
     shown.distance_m = ahead_m + error_m - exposed_m
 
 
 @compiled
-def between(places_m: Any, values: Any, at_m: float) -> float:  # noqa: ANN401 - fields of a row
-    """The value at a distance between the places of the model, by proportion."""
+def between(values: Any, first: int, at_m: float) -> float:  # noqa: ANN401 - a field of a row
+    """The value at a distance between the places of the light whose figures begin at `first`, by proportion."""
     upper = 1
-    while upper < PLACES - 1 and places_m[upper] < at_m:
+    while upper < PLACES - 1 and PLACES_AT[upper] < at_m:
         upper += 1
-    share = (at_m - places_m[upper - 1]) / (places_m[upper] - places_m[upper - 1])
+    share = (at_m - PLACES_AT[upper - 1]) / (PLACES_AT[upper] - PLACES_AT[upper - 1])
     share = min(max(share, 0.0), 1.0)
-    return float(values[upper - 1] + share * (values[upper] - values[upper - 1]))
+    return float(values[first + upper - 1] + share * (values[first + upper] - values[first + upper - 1]))

@@ -19,6 +19,7 @@ from onboard.board import SensedRow
 from radio.chance import generator
 from simulation.faults.fault import Fault, Names, World
 from simulation.sensors.scene import SceneRow
+from simulation.world.scatter import Individual
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 from vehicle.wheel import pulse_m
@@ -40,10 +41,11 @@ class TachometerRow(Protocol):
 
 
 def fit(own: TachometerRow, setup: Setup, stock_id: str) -> None:
-    """A wheel that is worn as the run's seed has it."""
+    """A wheel that is worn as is known of it, or as the run's seed has it."""
     sigma = setup.sensors.wheel_factor_sigma
     drawn = generator(setup.seed, "sensors", stock_id).normal(0.0, sigma)
-    factor = 1.0 + float(np.clip(drawn, -3.0 * sigma, 3.0 * sigma))
+    known = setup.scatter.stock.get(stock_id, Individual()).wheel_factor
+    factor = 1.0 + float(np.clip(drawn, -3.0 * sigma, 3.0 * sigma)) if known is None else known
     fit_train(own, setup.trains[stock_id].row.view(np.recarray)[0], factor)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
 from network.files.kinds import TimeOfDay, about
-from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread
+from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread, WheelFactor
 from network.files.toml_input import Record
 from radio.chance import generator
 from vehicle.records import TRAIN
@@ -45,7 +45,7 @@ class Weather(Record):
 
 
 class Individual(Record):
-    """`[scatter.stock.<id>]`: what is known of one stock's real brakes; what is left out is drawn."""
+    """`[scatter.stock.<id>]`: what is known of one stock's real brakes and wheels; what is left out is drawn."""
 
     brake_factor: Annotated[
         BrakeFactor | None,
@@ -53,6 +53,10 @@ class Individual(Record):
     ] = None
     dead_time_offset_s: Annotated[TimeOffset | None, about("real less believed dead time")] = None
     lag_offset_s: Annotated[TimeOffset | None, about("real less believed lag")] = None
+    wheel_factor: Annotated[
+        WheelFactor | None,
+        about("real over assumed circumference of the wheel that the tachometer counts"),
+    ] = None
 
 
 class Scatter(Record):

@@ -36,8 +36,8 @@ from simulation.sensors.camera import (
     Scene,
     Shot,
     lamplight,
-    record_table,
 )
+from simulation.sensors.sighting_model import record_table
 from simulation.setup import STEP_S
 from study.papers.carried_train import CarriedTrain
 from study.papers.parameter_sets import CUMULATIVE_ERROR, TENTH_SCALE

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import colorsys
 import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -32,23 +34,49 @@ from simulation.sensors.camera import (
     Renderer,
     Scene,
     Shot,
+    lamplight,
+)
+from simulation.sensors.camera_surroundings import Floats
+from simulation.sensors.line_sightings import PLACES_M, Sightings, line_sightings
+from simulation.sensors.open_air import OPEN_AIR, Light
+from simulation.sensors.sighting_model import (
     SightingModel,
     fit_sighting_model,
-    lamplight,
     record_table,
     sighted_distances,
 )
+from simulation.settings import Vision
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
+from study.run.run import CarrierKind, Link, execute
+from study.scenario.scenario import load_scenario
 
 # Oda, table 2: distance (mm) -> mean of dy (px); table 3: distance (mm) -> error (mm)
 TABLE_2_PX: Final = {250: 346.9, 300: 315.1, 350: 288.5, 400: 266.1, 450: 247.5, 500: 230.0}
 TABLE_3_MM: Final = {300: 1.1, 350: 3.1, 400: 1.6, 450: 0.0}
-SCATTER_MM_MAX: Final = 3.1
+# The four trials at each place (px): their rows, written in whole and half pixels
+TRIALS_PX: Final = {
+    250: (346.0, 347.5, 346.5, 347.5),
+    300: (315.0, 315.5, 315.0, 315.0),
+    350: (288.0, 288.0, 289.0, 289.0),
+    400: (266.0, 266.5, 266.0, 266.0),
+    450: (247.5, 247.5, 247.5, 247.5),
+    500: (230.0, 230.0, 230.0, 230.0),
+}
+WRITTEN_PX: Final = 0.5
+# chi squared of 18 degrees of freedom (six places, three each) at 2.5 and 97.5 %: what so few trials leave open
+CHI2_18: Final = (8.231, 31.526)
 IMAGES: Final = 200
 SCENES: Final = 1000
 SCENES_QUICK: Final = 100
 SIGN_SCENES_SHARE: Final = 0.1
 TRACK_MPS: Final = 4.0 / 3.6
+# the line with cameras, in every kind of light
+LIGHT_SCENARIO: Final = "karasuyama_stressed"  # wheels 1 % off, so that what is not seen shows in the stops
+LIGHT_PLACES_M: Final = (15.0, 69.0)
+REACH_LEAST_M: Final = 20.0  # Oda, 3.2.3: the least of its detection distances
+NEAR_M: Final = 0.35  # as line-stops asks of tuned trains
+NEAR_SHARE: Final = 0.99
+FALSE_SHARE: Final = 0.05
 MODEL_PLACES_M: Final = (0.55, 1.05, 2.05)
 
 OTHER_HUES_DEG: Final = ((0.0, 75.0), (240.0, 360.0))  # clear of the threshold's 90 to 224
@@ -145,47 +173,83 @@ def decoy_finds(renderer: Renderer, table: SightTable, seed: int, count: int) ->
     return plain, checked
 
 
+def pooled_sigma(samples: Iterable[Sequence[float]]) -> float:
+    """Standard deviation about each sample's own mean, of samples of equal length together."""
+    return math.sqrt(float(np.mean([np.var(sample, ddof=1) for sample in samples])))
+
+
+def sigma_range_px() -> tuple[float, float]:
+    """Where the row's standard deviation lies by the paper's 24 trials, with 95 % confidence, px."""
+    sigma_px, freedom = pooled_sigma(TRIALS_PX.values()), 3 * len(TRIALS_PX)
+    return sigma_px * math.sqrt(freedom / CHI2_18[1]), sigma_px * math.sqrt(freedom / CHI2_18[0])
+
+
+def rows_seen(renderer: Renderer, distance_mm: int, seed: int) -> Floats:
+    """The sign's row below the axis in trials at one place, written as the paper writes it, px."""
+    camera, window = renderer.camera, SIGN_QUARTER
+    rng = generator(seed, "oda-vision", "table 2", str(distance_mm))
+    seen: list[float] = []
+    for _ in range(IMAGES // 4):
+        scene = Scene(PAPER_SIGN, distance_mm / 1000.0, lighting=lamplight(rng))
+        shot = Shot(0.0, pitch_rad=float(rng.normal(0.0, camera.trial_rad)))
+        cluster = largest_cluster(renderer.render(scene, shot, rng, window), window.left, window.top)
+        if cluster is not None:
+            seen.append(round((cluster.row_px - camera.axis_px[0]) / WRITTEN_PX) * WRITTEN_PX)
+    return np.array(seen)
+
+
 def table_2_rows(renderer: Renderer, seed: int) -> list[Row]:
-    """The sign's row at the paper's six places, and from it equation 2 at four of them."""
-    offsets: dict[int, np.ndarray] = {}
-    window = SIGN_QUARTER
-    for distance_mm in TABLE_2_PX:
-        rng = generator(seed, "oda-vision", "table 2", str(distance_mm))
-        seen: list[float] = []
-        for _ in range(IMAGES // 4):
-            scene = Scene(PAPER_SIGN, distance_mm / 1000.0, lighting=lamplight(rng))
-            cluster = largest_cluster(renderer.render(scene, Shot(0.0), rng, window), window.left, window.top)
-            if cluster is not None:
-                seen.append(cluster.row_px - PAPER_CAMERA.axis_px[0])
-        offsets[distance_mm] = np.array(seen)
+    """The sign's row at the paper's six places, its scatter, and from both equation 2 at four of them."""
+    offsets = {distance_mm: rows_seen(renderer, distance_mm, seed) for distance_mm in TABLE_2_PX}
     rows: list[Row] = []
     for distance_mm, paper_px in TABLE_2_PX.items():
         ours_px = round(float(offsets[distance_mm].mean()), 2)
         close = abs(ours_px - paper_px) <= 1.0
         rows.append(Row(f"table 2: dy at {distance_mm} mm, px", paper_px, ours_px, close, "within 1 px"))
+    low_px, high_px = sigma_range_px()
+    ours_px = pooled_sigma(list(sample) for sample in offsets.values())
+    rows.append(
+        Row(
+            "table 2: scatter of dy (sigma, all places together), px",
+            round(pooled_sigma(TRIALS_PX.values()), 3),
+            round(ours_px, 3),
+            low_px <= ours_px <= high_px,
+            f"{low_px:.2f} to {high_px:.2f}: as cleanly, and no more so",
+        )
+    )
     for distance_mm, paper_mm in TABLE_3_MM.items():
         fall_px = float(offsets[distance_mm - 50].mean() - offsets[distance_mm + 50].mean())
-        ours_mm = round(3.0 * float(offsets[distance_mm].std(ddof=1)) * 100.0 / fall_px, 2)
-        criterion = f"at most {SCATTER_MM_MAX}"
+        own_px = 3.0 * float(offsets[distance_mm].std(ddof=1))
+        limit_mm = round(3.0 * high_px * 100.0 / fall_px, 1)
+        ours_mm = round(own_px * 100.0 / fall_px, 2)
+        criterion = f"at most {limit_mm}, by the scatter of dy"
         name = f"table 3: error by equation 2 at {distance_mm} mm, mm"
-        rows.append(Row(name, paper_mm, ours_mm, ours_mm <= SCATTER_MM_MAX, criterion))
+        rows.append(Row(name, paper_mm, ours_mm, ours_mm <= limit_mm, criterion))
     return rows
 
 
 def scatter_rows(renderer: Renderer, table: SightTable, seed: int) -> list[Row]:
     """3 sigma of the distance through the table, any place within a pixel; and how motion shortens it."""
     rows: list[Row] = []
+    low_px, high_px = sigma_range_px()
     for distance_mm, paper_mm in TABLE_3_MM.items():
-        rng = generator(seed, "oda-vision", "scatter", str(distance_mm))
-        seen = sighted_distances(renderer, PAPER_SIGN, table, distance_mm / 1000.0, 0.0, IMAGES, rng)
-        ours_mm = round(3000.0 * float(seen.std(ddof=1)), 2)
-        passed = seen.size == IMAGES and ours_mm <= SCATTER_MM_MAX
+        rng, distance_m = generator(seed, "oda-vision", "scatter", str(distance_mm)), distance_mm / 1000.0
+        camera = renderer.camera
+        seen = sighted_distances(
+            renderer, PAPER_SIGN, table, distance_m, 0.0, IMAGES, rng, standing_rad=camera.trial_rad
+        )
+        ours_mm = round(3000.0 * float(seen.std(ddof=1)), 2) if seen.size > 1 else math.nan
+        mm_per_px = 3000.0 * table.slope_m_per_px(distance_m)
+        # nothing is rounded here, so less than the paper's own rounding may be missing
+        low_mm = mm_per_px * math.sqrt(low_px**2 - WRITTEN_PX**2 / 12.0)
+        passed = seen.size == IMAGES and low_mm <= ours_mm <= mm_per_px * high_px
         name = f"distance scatter (3 sigma) at {distance_mm} mm, mm"
-        rows.append(Row(name, paper_mm, ours_mm, passed, f"at most {SCATTER_MM_MAX}"))
+        criterion = f"{low_mm:.1f} to {mm_per_px * high_px:.1f}, by the scatter of dy"
+        rows.append(Row(name, paper_mm, ours_mm, passed, criterion))
     bound_mm = 1000.0 * frame_rate_error_m(TRACK_MPS, PAPER_CAMERA.frame_rate_hz)
     rng = generator(seed, "oda-vision", "moving")
     seen = sighted_distances(renderer, PAPER_SIGN, table, 0.5, TRACK_MPS, IMAGES, rng)
-    short_mm = round(1000.0 * (0.5 - float(seen.mean())), 2)
+    short_mm = round(1000.0 * (0.5 - float(seen.mean())), 2) if seen.size else math.nan
     passed = 0.0 < short_mm <= bound_mm
     name = "frame-rate error at 4 km/h and 500 mm (equation 1 is its bound), mm"
     rows.append(Row(name, round(bound_mm, 2), short_mm, passed, "above 0, at most equation 1"))
@@ -212,6 +276,47 @@ def model_rows(renderer: Renderer, table: SightTable, model: SightingModel, seed
                 f"{apart_mm}; {ratio}",
                 passed,
                 f"a quarter pixel ({limit_mm} mm); 2/3 to 3/2",
+            )
+        )
+    return rows
+
+
+@dataclass(frozen=True, slots=True)
+class Day:
+    """A day of the line with cameras in one kind of light: its stops (m past the mark), and whether nothing broke."""
+
+    case: str
+    sightings: Sightings
+    errors_m: Floats
+    broken: tuple[str, ...]
+
+
+def day_of(case: str, light: Light, seed: int, false_share: float = 0.0) -> Day:
+    """The day of `LIGHT_SCENARIO` in that light from morning to night, its signs in plain sight."""
+    scenario = load_scenario(LIGHT_SCENARIO, seed)
+    setup = replace(scenario.setup, vision=Vision(light=light, false_share=false_share))
+    run = execute(replace(scenario, setup=setup), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    errors = np.array([stop.error_m for stop in run.result.stops if stop.error_m is not None])
+    outside = tuple(violation.text for violation in run.result.outside_design)
+    return Day(case, line_sightings()[light], errors, (*run.broken, *outside))
+
+
+def light_rows(days: Iterable[Day]) -> list[Row]:
+    """What light and weather cost: reach, share of frames that show the sign near and far, stops, and safety."""
+    rows: list[Row] = []
+    for day in days:
+        sights, away = day.sightings, np.abs(day.errors_m)
+        near, far = (100.0 * float(sights.seen_share[PLACES_M.index(place_m)]) for place_m in LIGHT_PLACES_M)
+        works, share = sights.reach_m >= REACH_LEAST_M, float(np.mean(away <= NEAR_M))
+        criterion = f"{100.0 * NEAR_SHARE:.0f} % of stops within {NEAR_M} m, nothing broken"
+        rows.append(
+            Row(
+                f"line, {day.case}: reach, m; frames that show a sign at 15 m, at 69 m, %; stops within {NEAR_M} m, %; "
+                "worst stop, m",
+                None,
+                f"{sights.reach_m:.0f}; {near:.0f}, {far:.0f}; {100.0 * share:.1f}; {away.max():.2f}",
+                not day.broken and (share >= NEAR_SHARE or not works),
+                criterion if works else "nothing broken: what is not seen costs the stop alone",
             )
         )
     return rows
@@ -250,6 +355,7 @@ def _parameters() -> tuple[Parameter, ...]:
         Parameter("sensor noise", camera.noise_grey, "grey levels", "assumed: ordinary sensor indoors"),
         Parameter("edge width", camera.edge_px, "px", "assumed: lens and demosaicing"),
         Parameter("vibration in pitch", camera.vibration_rad, "rad", "assumed: a quarter pixel"),
+        Parameter("pitch from trial to trial", camera.trial_rad, "rad", "fitted to the scatter of table 2"),
         Parameter("lamps", "level +-15 %, flicker 3 % at 100 Hz", "", "assumed: tube lamps on 50 Hz"),
     )
 
@@ -280,6 +386,9 @@ def reproduce(options: Options) -> Reproduction:
     )
     model = fit_sighting_model(renderer, PAPER_SIGN, table, seed)
     rows += model_rows(renderer, table, model, seed)
+    days = [day_of(light.value.replace("_", " "), light, seed) for light in Light]
+    deceived = f"rain, {100.0 * FALSE_SHARE:.0f} % of frames deceived"
+    rows += light_rows([*days, day_of(deceived, Light.RAIN, seed, FALSE_SHARE)])
     line_reach_m = LINE_CAMERA.focal_px * LINE_SIGN.diameter_m / 5.0
     paper_reach_m = PAPER_CAMERA.focal_px * LINE_SIGN.diameter_m / 5.0
     remarks = [
@@ -290,7 +399,13 @@ def reproduce(options: Options) -> Reproduction:
         f"A real sign of 0.18 m has 5 px at {paper_reach_m:.0f} m with the paper's lens; 100 m, as in its "
         "simulation, takes "
         f"{3.4 * 100.0 / paper_reach_m:.0f} mm of focal length (line camera: 8, {line_reach_m:.0f} m).",
-        "The paper's own rows are whole and half pixels, ours fractions of one; what else scattered there is not told.",
+        "The paper writes rows in whole and half pixels, and so do ours for table 2. What else scattered between its "
+        "trials is not told: a picture of a train that stands still scatters by a tenth of that, so the camera's pitch "
+        "from trial to trial is fitted to it.",
+        "Rows of the line: what its camera sees in each light follows rendered images, the paper's condition being the "
+        "lit tunnel; wheels are 1 % off and rails wet in all of them. Light on the sign's face, lux: "
+        + ", ".join(f"{light.value.replace('_', ' ')} {air.face_lux:g}" for light, air in OPEN_AIR.items())
+        + ". By rain at dusk nothing is seen, and trains stop by their wheels, 300 m after the last tag.",
         "The check of column and size is ours; the paper relies on a colour that occurs nowhere else.",
     ]
     if options.quick:

@@ -13,7 +13,6 @@ import pytest
 
 from onboard.notes import Intervention, SignSeen, StopImpossible
 from radio.noted import Noted
-from simulation.sensors import sign_camera
 from study.run.directory import LEARNED_FILE
 from study.run.run import CarrierKind, Link, Run, execute, write_run
 from study.scenario.scenario import load_scenario
@@ -80,10 +79,8 @@ def test_a_sign_takes_the_place_of_the_tags(tmp_path: Path) -> None:
     assert run.broken == ()
 
 
-def test_a_sign_that_is_never_seen_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    blind = tuple((row[0], 0.0, *row[2:]) for row in sign_camera.LINE_SIGHTINGS)
-    monkeypatch.setattr(sign_camera, "LINE_SIGHTINGS", blind)
-    run = run_of(tmp_path, '[vision]\nstations = "all"\n')
+def test_a_sign_that_is_never_seen_is_told(tmp_path: Path) -> None:
+    run = run_of(tmp_path, '[vision]\nstations = "all"\nhidden_beyond_m = 0.0\n')
     assert [note.why for note in noted(run, StopImpossible)] == ["target not seen"]
     error_m = run.result.stops[-1].error_m
     assert error_m is not None

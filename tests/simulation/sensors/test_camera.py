@@ -22,6 +22,8 @@ from simulation.sensors.camera import (
     Renderer,
     Scene,
     Shot,
+)
+from simulation.sensors.sighting_model import (
     SightingModel,
     fit_sighting_model,
     record_table,
@@ -185,7 +187,7 @@ def test_the_model_sees_nothing_out_of_range(model: SightingModel) -> None:
 
 def test_a_model_that_detects_half_the_time() -> None:
     ends = np.array([0.5, 2.5])
-    model = SightingModel(ends, np.array([1.0, 0.0]), *(np.zeros(2) for _ in range(4)))
+    model = SightingModel(ends, np.array([1.0, 0.0]), *(np.zeros(2) for _ in range(5)))
     rng = generator(4, "half")
     found = sum(model.sample(1.5, 0.0, rng) is not None for _ in range(2000))
     assert found / 2000 == pytest.approx(0.5, abs=0.05)

@@ -9,7 +9,8 @@ import pytest
 
 from network.model import Direction
 from onboard.localisation.vision import SightTable, Window
-from simulation.sensors.camera import PAPER_CAMERA, PAPER_SIGN, PAPER_TABLE_M, Renderer, record_table
+from simulation.sensors.camera import PAPER_CAMERA, PAPER_SIGN, PAPER_TABLE_M, Renderer
+from simulation.sensors.sighting_model import record_table
 from study.papers.oda_scale_track import TrackTest, reproduce, run_stops
 from study.papers.reproduction import Options, reproduction
 from vehicle.train_file import load_train, shipped_train
