@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel
 
+from documents import ranges
 from documents.interlocking import table
 from documents.page import write_page
 from network.files.line_schema import LineFile
@@ -90,7 +91,7 @@ else by their index, and `*` is all of them: `"points.*.throw_time_s"`, `"trains
 
 def document() -> str:
     """The whole page."""
-    parts = [_INTRO]
+    parts = [_INTRO, ranges.section()]
     for title, model, text in KINDS:
         parts.append(f"## {title}\n\n{text}\n")
         if model is TrainFile:

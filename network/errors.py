@@ -5,11 +5,11 @@ bug.
 from __future__ import annotations
 
 import errno
-from pathlib import PurePath
 from typing import Final
 
 from network.files.raw import is_row
 
+COMMAND_LINE: Final = "command line"  # the file of what is wrong there
 SHOWN_MAX: Final = 80  # characters of a value, or of a key, that a message shows
 EXPECTED_MAX: Final = 600  # of what was expected: it may name what a file calls its own things
 
@@ -49,15 +49,18 @@ class InputError(Exception):
     def __str__(self) -> str:
         """One line for the person who has to mend the file."""
         where = f"{one_line(self.file)}: {cut(one_line(self.key))}" if self.key else one_line(self.file)
-        value = "" if self.value is None else f" is {shown(self.value)}"
+        value = "" if self.value is None else f" is {self._value()}"
         return f"{where}{value}; expected {cut(one_line(self.expected), EXPECTED_MAX)}"
+
+    def _value(self) -> str:
+        """The value; what a person has just typed stays whole: a path is of no use without its end."""
+        typed = self.file == COMMAND_LINE and isinstance(self.value, str)
+        return one_line(repr(self.value)) if typed else shown(self.value)
 
 
 def shown(value: object) -> str:
-    """A value as a file spells it, cut at SHOWN_MAX characters; a path whole, it is of no use without its end."""
+    """A value as a file spells it, cut at SHOWN_MAX characters."""
     match value:
-        case PurePath():
-            text = repr(str(value))
         case bool():
             text = str(value).lower()
         case str():

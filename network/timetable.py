@@ -5,6 +5,7 @@ Times are seconds after midnight of the operating day and go on growing after th
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -14,12 +15,14 @@ from typing import Final
 
 from network.errors import InputError
 from network.files.line_schema import DIRECTIONS
+from network.files.quantities import SPEED
 from network.files.timetable_schema import CallTable, TimetableFile, TrainTable
 from network.files.toml_input import one_of, parse_toml, read_text
 from network.graph import reachable_stops
 from network.model import Direction, Line, PlatformTrack, SectionKind
 
 DAY_S: Final = 86_400
+LAST_S_MAX: Final = 3 * DAY_S  # assumed: a run is of one day, and some hours around it
 _TIME: Final = re.compile(r"([01]\d|2[0-9]):([0-5]\d)(?::([0-5]\d))?")
 
 
@@ -136,6 +139,10 @@ def timetable_of(entry: TimetableFile, file: str, line: Line) -> Timetable:
     for i, diagram in enumerate(diagrams):
         _shift_past_midnight(trains, diagram)
         _check_diagram(file, f"diagrams[{i}]", keys, trains, diagram)
+        last_s = trains[diagram.train_numbers[-1]].calls[-1].last_s
+        if last_s > LAST_S_MAX:
+            expected = f"trains in order of time that end within {LAST_S_MAX // 3600} h"
+            raise InputError(file, f"diagrams[{i}].trains", list(diagram.train_numbers), expected)
     return Timetable(
         id=head.id,
         name=head.name,
@@ -240,6 +247,11 @@ def _check_order(file: str, key: str, line: Line, before: Call, call: Call, dire
         name = "departure" if call.arrival_s is None else "arrival"
         expected = f"a time after {clock(before.last_s)}, the departure from {before.station_id}"
         raise InputError(file, f"{key}.{name}", clock(call.first_s), expected)
+    least_s = abs(step_m) / (SPEED.spans[-1][1] / 3.6)
+    if call.first_s - before.last_s < math.floor(least_s):
+        name = "departure" if call.arrival_s is None else "arrival"
+        expected = f"at least {least_s:.0f} s for {abs(step_m) / 1000:.1f} km from {before.station_id}"
+        raise InputError(file, f"{key}.{name}", clock(call.first_s), f"{expected}: no train is faster")
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -255,7 +255,8 @@ class TrainFile(Record):
     adhesion: _Adhesion
     sensors: _Sensors
     provenance: Annotated[
-        dict[str, Prose], about('source of each figure, by key ("body.length_m") or table, or "assumed: why"')
+        dict[str, Annotated[Prose, Field(min_length=1)]],
+        about('source of each figure, by key ("body.length_m") or table, or "assumed: why"'),
     ]
 
 

@@ -33,6 +33,7 @@ _GRID_M: Final = 5.0
 _AXIS_STEP_M: Final = 6.0  # straight between them: 2 cm at radius 200 m
 _AXIS_BEYOND_M: Final = 150.0
 _FILL_M: Final = 40.0  # on long sides, points between the vertices, so that straights weigh as much as curves
+_BLOCK: Final = 500
 _PROJECTIONS: Final = 3  # each a Newton step; the first guess is metres off
 _OUTLIER_M: Final = 3.0
 _RESIDUAL_MAX_M: Final = 500.0
@@ -73,9 +74,13 @@ class SampledAxis:
 
     def nearest(self, points: Floats) -> tuple[Floats, Floats]:
         """As `project`, with the nearest sample as guess."""
-        east = points[:, :1] - self.east_m[None, :]
-        north = points[:, 1:2] - self.north_m[None, :]
-        return self.project(points, self.along_m[np.argmin(east**2 + north**2, axis=1)])
+        guess_m = np.empty(len(points))
+        for low in range(0, len(points), _BLOCK):  # the distances of all at once would not fit a memory
+            block = points[low : low + _BLOCK]
+            east = block[:, :1] - self.east_m[None, :]
+            north = block[:, 1:2] - self.north_m[None, :]
+            guess_m[low : low + _BLOCK] = self.along_m[np.argmin(east**2 + north**2, axis=1)]
+        return self.project(points, guess_m)
 
     def _local(self, points: Floats, at_m: Floats) -> tuple[Floats, Floats]:
         east = points[:, 0] - np.interp(at_m, self.along_m, self.east_m)

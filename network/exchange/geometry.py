@@ -13,8 +13,9 @@ most what the transition can bring up at 1 in 400.
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -27,6 +28,7 @@ from network.alignment import bearing_rad, curvature_table, positions
 from network.errors import InputError
 from network.exchange.curve_fit import Fit, SampledAxis, fit_curves, interpolated, sample_axis
 from network.files.json_input import read_json, write_aside
+from network.files.names import TITLE_HELP, title_of
 from network.model import Alignment, Curve, Direction, SpeedLimit
 
 Floats = NDArray[np.float64]
@@ -36,9 +38,13 @@ CANT_MAX_MM: Final = 105.0
 CANT_STEP_MM: Final = 5.0
 _RAIL_CENTRES_MM: Final = 1067.0  # the rule of 1067 mm gauge takes the gauge itself: C = 8.4 V^2 / R
 _STATION_FAR_M: Final = 300.0
+_STATION_FAR_DEG: Final = 10.0  # of the middle of the track: the plane is none so far out
 _RELIEF_MIN_M: Final = 60.0  # a shorter gap between equal limits frees no train
 CANT_RAMP_MAX: Final = 1.0 / 400.0
 _DEVIATION_STEP_M: Final = 10.0
+VERTICES_MAX: Final = 20_000  # assumed: one every 10 m
+VERTEX_GAP_M_MAX: Final = 10_000.0  # assumed: on a straight; further apart a coordinate is wrong
+TRACK_M_MAX: Final = 200_000.0  # assumed: what the fit is made for are branch lines
 _BOTH: Final = (Direction.DOWN, Direction.UP)
 
 
@@ -140,6 +146,8 @@ def read_polyline(file: Path) -> Floats:
         if points and part[:1] != points[-1:]:
             raise InputError(str(file), key, part[:1], f"a line that goes on at {points[-1]}")
         points += part[1:] if points else part
+    if len(points) > VERTICES_MAX:
+        raise InputError(str(file), "features", len(points), f"at most {VERTICES_MAX} vertices")
     vertices = np.array(points, dtype=np.float64).reshape(-1, 2)
     if len(vertices) < 3:
         raise InputError(str(file), "features", len(vertices), "a track of at least three vertices")
@@ -148,6 +156,14 @@ def read_polyline(file: Path) -> Floats:
     moved = np.append(np.True_, np.any(np.diff(vertices, axis=0) != 0.0, axis=1))
     distinct: Floats = vertices[moved]
     return distinct
+
+
+def _names(table: _StationsFile) -> Iterator[tuple[str, str]]:
+    """What is written into the fragment, by key."""
+    yield "name", table.name
+    yield from (
+        (f"station_list[{i}].original_name", row.original_name) for i, row in enumerate(table.station_list)
+    )
 
 
 def plane_projection(file: Path, lat_deg: float, lon_deg: float) -> Callable[[Floats], Floats]:
@@ -178,12 +194,20 @@ def read_geometry(
     """
     vertices = read_polyline(polyline_file)
     table = read_json(stations_file, _StationsFile)
+    for key, name in _names(table):
+        if title_of(name) != name:
+            raise InputError(str(stations_file), key, name, TITLE_HELP)
     if len(table.station_list) < 2:
         raise InputError(str(stations_file), "station_list", len(table.station_list), "two or more stations")
     lows, highs = np.min(vertices, axis=0), np.max(vertices, axis=0)
     lon_deg, lat_deg = (float(np.round((float(lows[i]) + float(highs[i])) / 2.0, 4)) for i in (0, 1))
     project = plane_projection(polyline_file, lat_deg, lon_deg)
     track = project(vertices)
+    _check_track(polyline_file, track)
+    for index, row in enumerate(table.station_list):
+        if max(abs(row.lat - lat_deg), abs(row.lng - lon_deg)) > _STATION_FAR_DEG:
+            key = f"station_list[{index}]"
+            raise InputError(str(stations_file), key, row.original_name, "a station near the track")
     stops = project(np.array([(row.lng, row.lat) for row in table.station_list]))
     if math.dist(track[-1], stops[0]) < math.dist(track[0], stops[0]):
         track = track[::-1]
@@ -257,8 +281,19 @@ def fragment(imported: ImportedGeometry) -> str:
         "]",
     ]
     for station in imported.stations:
-        rows += ["", "[[stations]]", f'name_ja = "{station.name_ja}"', f"km = {_km(station.position_m)}"]
+        rows += [
+            "",
+            "[[stations]]",
+            _quoted("name_ja", station.name_ja),
+            f"km = {_km(station.position_m)}",
+        ]
     return "\n".join(rows) + "\n"
+
+
+def _quoted(key: str, text: str) -> str:
+    return (
+        f"{key} = {json.dumps(text, ensure_ascii=False)}"  # what JSON escapes in a line, TOML escapes alike
+    )
 
 
 def _curve_row(curve: Curve) -> str:
@@ -309,6 +344,19 @@ def _alignment(fit: Fit, zero_m: float, begin_m: float, speed_max_kmh: float) ->
         limits=curve_limits(curves, speed_max_kmh),
         coverage=(),
     )
+
+
+def _check_track(file: Path, track: Floats) -> None:
+    """A track in the plane, m, that is one: no jump in it, and not longer than a fit is made for."""
+    steps_m = np.hypot(*np.diff(track, axis=0).T)
+    if not np.all(np.isfinite(steps_m)) or np.any(steps_m > VERTEX_GAP_M_MAX):
+        place = int(np.argmax(~np.isfinite(steps_m) | (steps_m > VERTEX_GAP_M_MAX)))
+        expected = (
+            f"vertices at most {VERTEX_GAP_M_MAX / 1000:g} km apart; after vertex {place} there is a jump"
+        )
+        raise InputError(str(file), "features", None, expected)
+    if float(steps_m.sum()) > TRACK_M_MAX:
+        raise InputError(str(file), "features", None, f"a track of at most {TRACK_M_MAX / 1000:g} km")
 
 
 def _check_stations(file: Path, rows: Sequence[_StationRow], at_m: Floats, offset_m: Floats) -> None:

@@ -18,6 +18,7 @@ import msgspec
 
 from network.errors import InputError
 from network.files.json_input import read_json, write_aside
+from network.files.names import IDENTIFIER_HELP, is_identifier
 
 SOURCE: Final = "numbers and times: nagix/mini-tokyo-3d, data from ODPT"
 DAY_BEGINS_S: Final = 3 * 3600  # a time before it belongs to the end of the operating day
@@ -260,6 +261,8 @@ def _train_toml(train: ImportedTrain) -> list[str]:
 
 
 def _train(file: str, key: str, row: _TrainRow, plan: ImportPlan) -> ImportedTrain:
+    if not is_identifier(row.n):
+        raise InputError(file, f"{key}.n", row.n, IDENTIFIER_HELP)
     if row.d not in _DIRECTIONS:
         raise InputError(file, f"{key}.d", row.d, f"one of {', '.join(_DIRECTIONS)}")
     if len(row.tt) < 2:

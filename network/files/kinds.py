@@ -11,6 +11,12 @@ from pydantic.fields import FieldInfo
 _CLOCK: Final = re.compile(r"([0-2]?\d):([0-5]\d)(?::([0-5]\d))?")
 
 
+# Entries of a list, assumed: several times what the longest lines have; what is made of them grows faster than they do.
+TABLES_MAX: Final = 2000
+ROWS_MAX: Final = 5000
+TEXTS_MAX: Final = 500
+
+
 def about(meaning: str, origin: str = "") -> FieldInfo:
     """What a key means and where its default comes from (a section of a paper, or `assumed: why`).
 

@@ -24,6 +24,7 @@ from network.model import Alignment, Leg, Line, Piece, SectionKind
 from network.units import metres
 
 TOLERANCE_M: Final = 0.001
+PIECE_M_MIN: Final = 1.0  # assumed: shorter than the wheelbase of any vehicle
 
 
 def _km(position_m: float) -> str:
@@ -102,6 +103,12 @@ def _check_on(file: str, key: str, position_km: float, alignment: Alignment) -> 
         raise InputError(file, key, position_km, f"{bounds}, the range of alignment {alignment.id}")
 
 
+def _check_long(file: str, key: str, from_km: float, to_km: float) -> None:
+    """A piece of track that is there."""
+    if metres(to_km) - metres(from_km) < PIECE_M_MIN - TOLERANCE_M:
+        raise InputError(file, key, to_km, f"at least {PIECE_M_MIN:g} m beyond {from_km}")
+
+
 def check_on_line(file: str, key: str, position_km: float, alignments: Iterable[Alignment]) -> None:
     """A kilometrage that some alignment has."""
     every = tuple(alignments)
@@ -118,6 +125,7 @@ def section_range_m(file: str, key: str, section: SectionTable, alignment: Align
         raise InputError(file, f"{key}.to_km", section.to_km, f"more than from_km = {section.from_km}")
     _check_on(file, f"{key}.from_km", section.from_km, alignment)
     _check_on(file, f"{key}.to_km", section.to_km, alignment)
+    _check_long(file, f"{key}.to_km", section.from_km, section.to_km)
     return metres(section.from_km), metres(section.to_km)
 
 
@@ -141,6 +149,8 @@ def check_points_range(file: str, key: str, points: PointsTable, alignment: Alig
         raise InputError(file, f"{key}.toe_km", points.toe_km, expected)
     _check_on(file, f"{key}.from_km", points.from_km, alignment)
     _check_on(file, f"{key}.to_km", points.to_km, alignment)
+    _check_long(file, f"{key}.toe_km", points.from_km, points.toe_km)
+    _check_long(file, f"{key}.to_km", points.toe_km, points.to_km)
 
 
 def check_platform_section(

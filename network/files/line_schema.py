@@ -9,7 +9,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
-from network.files.kinds import about
+from network.files.kinds import ROWS_MAX, TABLES_MAX, TEXTS_MAX, about
 from network.files.names import Identifier, Prose, Title
 from network.files.quantities import (
     Bearing,
@@ -40,10 +40,14 @@ class LineTable(Record):
     name: Annotated[Title, about("what people call it")]
     name_ja: Annotated[Title, about("the same in Japanese")] = ""
     max_speed_kmh: Annotated[SpeedKmh, about("greatest speed anywhere")]
-    sources: Annotated[list[Prose], about("where its figures come from")] = Field(default_factory=list)
-    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
-        default_factory=list
+    sources: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("where its figures come from")] = (
+        Field(default_factory=list)
     )
+    assumed: Annotated[
+        list[Prose],
+        Field(max_length=TEXTS_MAX),
+        about("what nobody has published, in sentences for the report"),
+    ] = Field(default_factory=list)
 
 
 class RangeTable(Record):
@@ -72,7 +76,7 @@ class LimitTable(RangeTable):
 
     speed_kmh: Annotated[SpeedKmh, about("limit")]
     directions: Annotated[list[DirectionName], about("whom it binds")] = Field(
-        default=["down", "up"], min_length=1
+        default=["down", "up"], min_length=1, max_length=2
     )
 
 
@@ -84,12 +88,20 @@ class AlignmentTable(RangeTable):
     y_m: Annotated[Coordinate, about("where it begins, north")] = 0.0
     bearing_deg: Annotated[Bearing, about("where it heads, from north")] = 0.0
     elevation_m: Annotated[Height, about("where it begins, height")] = 0.0
-    gradients: Annotated[list[GradientTable], about("from end to end without gap")]
-    curves: Annotated[list[CurveTable], about("sorted, without overlap; between them it is straight")] = (
+    gradients: Annotated[
+        list[GradientTable], Field(max_length=ROWS_MAX), about("from end to end without gap")
+    ]
+    curves: Annotated[
+        list[CurveTable],
+        Field(max_length=ROWS_MAX),
+        about("sorted, without overlap; between them it is straight"),
+    ] = Field(default_factory=list)
+    limits: Annotated[list[LimitTable], Field(max_length=ROWS_MAX), about("speed limits")] = Field(
+        default_factory=list
+    )
+    coverage: Annotated[list[RangeTable], Field(max_length=ROWS_MAX), about("where the radio reaches")] = (
         Field(default_factory=list)
     )
-    limits: Annotated[list[LimitTable], about("speed limits")] = Field(default_factory=list)
-    coverage: Annotated[list[RangeTable], about("where the radio reaches")] = Field(default_factory=list)
 
 
 class SectionTable(Record):
@@ -155,7 +167,9 @@ class StationTable(Record):
     name_ja: Annotated[Title, about("the same in Japanese")] = ""
     km: Annotated[Kilometrage, about("kilometrage")]
     halt: Annotated[bool, about("on a section between stations, no track of its own")] = False
-    tracks: Annotated[list[PlatformTable], Field(min_length=1), about("platform tracks")]
+    tracks: Annotated[
+        list[PlatformTable], Field(min_length=1, max_length=TEXTS_MAX), about("platform tracks")
+    ]
 
 
 class TagTable(Record):
@@ -170,7 +184,7 @@ class TagTable(Record):
         about("what for: paper, table 3"),
     ]
     directions: Annotated[list[DirectionName], about("whose trains read it")] = Field(
-        default=["down", "up"], min_length=1
+        default=["down", "up"], min_length=1, max_length=2
     )
 
 
@@ -178,11 +192,19 @@ class LineFile(Record):
     """A whole line file."""
 
     line: LineTable
-    alignments: Annotated[list[AlignmentTable], Field(min_length=1), about("axes")]
-    sections: Annotated[list[SectionTable], Field(min_length=1), about("sections")]
-    points: Annotated[list[PointsTable], about("points")] = Field(default_factory=list)
-    joints: Annotated[list[JointTable], about("plain joints between sections")] = Field(default_factory=list)
-    stations: Annotated[list[StationTable], about("stations and halts")] = Field(default_factory=list)
-    tags: Annotated[list[TagTable], about("tags, by the rule of network.tag_layout or by hand")] = Field(
+    alignments: Annotated[list[AlignmentTable], Field(min_length=1, max_length=TEXTS_MAX), about("axes")]
+    sections: Annotated[list[SectionTable], Field(min_length=1, max_length=TABLES_MAX), about("sections")]
+    points: Annotated[list[PointsTable], Field(max_length=TABLES_MAX), about("points")] = Field(
         default_factory=list
     )
+    joints: Annotated[
+        list[JointTable], Field(max_length=TABLES_MAX), about("plain joints between sections")
+    ] = Field(default_factory=list)
+    stations: Annotated[list[StationTable], Field(max_length=TABLES_MAX), about("stations and halts")] = (
+        Field(default_factory=list)
+    )
+    tags: Annotated[
+        list[TagTable],
+        Field(max_length=ROWS_MAX),
+        about("tags, by the rule of network.tag_layout or by hand"),
+    ] = Field(default_factory=list)

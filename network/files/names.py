@@ -27,6 +27,8 @@ IDENTIFIER_HELP: Final = (
     " digit, not ending in '.', and no name that Windows keeps for a device"
 )
 
+TITLE_HELP: Final = f"one line of at most {TITLE_LENGTH_MAX} characters, none of them a control character"
+
 
 def is_identifier(text: str) -> bool:
     """Whether a text may be an id."""
@@ -48,9 +50,7 @@ def _identifier(text: str) -> str:
 
 def _title(text: str) -> str:
     if len(text) > TITLE_LENGTH_MAX or any(unicodedata.category(c) in ("Cc", "Cs") for c in text):
-        raise ValueError(
-            f"one line of at most {TITLE_LENGTH_MAX} characters, none of them a control character"
-        )
+        raise ValueError(TITLE_HELP)
     return text
 
 

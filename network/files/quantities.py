@@ -190,7 +190,7 @@ READ_ERROR: Final = Quantity(
     "error of a tag reader", "m", ((0.0, 10.0),), "assumed: far beyond the field of a reader"
 )
 WHEEL_ERROR: Final = Quantity(
-    "error of a wheel", "", ((0.0, 0.1),), "wear from new to last: 860 to 780 mm is 9 %"
+    "error of a wheel", "", ((0.0, 0.1),), "assumed: wear from new to last, 860 to 780 mm is 9 %"
 )
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from network.files.kinds import about
+from network.files.kinds import TABLES_MAX, TEXTS_MAX, about
 from network.files.line_schema import DirectionName
 from network.files.names import Identifier, Prose, Title
 from network.files.quantities import Wait
@@ -22,10 +22,14 @@ class HeadTable(Record):
     name: Annotated[Title, about("what people call it")] = ""
     line: Annotated[str, about("id of the line it belongs to")]
     dwell_min_s: Annotated[Wait, about("shortest stop for passengers", "assumed: a quiet platform")] = 20.0
-    sources: Annotated[list[Prose], about("where its times come from")] = Field(default_factory=list)
-    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
+    sources: Annotated[list[Prose], Field(max_length=TEXTS_MAX), about("where its times come from")] = Field(
         default_factory=list
     )
+    assumed: Annotated[
+        list[Prose],
+        Field(max_length=TEXTS_MAX),
+        about("what nobody has published, in sentences for the report"),
+    ] = Field(default_factory=list)
 
 
 class CallTable(Record):
@@ -43,7 +47,9 @@ class TrainTable(Record):
     number: Annotated[Identifier, about("train number")]
     direction: Annotated[DirectionName, about("down or up the kilometrage")]
     revenue: Annotated[bool, about("false: an empty working")] = True
-    calls: Annotated[list[CallTable], Field(min_length=1), about("where it calls, in order")]
+    calls: Annotated[
+        list[CallTable], Field(min_length=1, max_length=TEXTS_MAX), about("where it calls, in order")
+    ]
     begins: Annotated[str, about("stabled, portal:<section id> or from:<train number>")]
     ends: Annotated[str, about("stabled, portal:<section id> or becomes:<train number>")]
 
@@ -52,12 +58,14 @@ class DiagramTable(Record):
     """`[[diagrams]]`: one train set (編成) and the trains it runs (運用)."""
 
     stock: Annotated[Identifier, about("id of the set")]
-    trains: Annotated[list[str], Field(min_length=1), about("train numbers, in order")]
+    trains: Annotated[list[str], Field(min_length=1, max_length=TABLES_MAX), about("train numbers, in order")]
 
 
 class TimetableFile(Record):
     """A whole timetable file; every train is in exactly one diagram."""
 
     timetable: HeadTable
-    trains: Annotated[list[TrainTable], Field(min_length=1), about("trains")]
-    diagrams: Annotated[list[DiagramTable], about("train sets")] = Field(default_factory=list)
+    trains: Annotated[list[TrainTable], Field(min_length=1, max_length=TABLES_MAX), about("trains")]
+    diagrams: Annotated[list[DiagramTable], Field(max_length=TABLES_MAX), about("train sets")] = Field(
+        default_factory=list
+    )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
-from network.files.kinds import TimeOfDay, about
+from network.files.kinds import TEXTS_MAX, TimeOfDay, about
 from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread, WheelFactor
 from network.files.toml_input import Record
 from radio.chance import generator
@@ -73,7 +73,9 @@ class Scatter(Record):
         TimeSpread, about("real less believed lag, evenly within +-", "assumed: no spread")
     ] = 0.0
     weather: Annotated[
-        tuple[Weather, ...], Field(strict=False), about("parts of the day with slippery rails")
+        tuple[Weather, ...],
+        Field(strict=False, max_length=TEXTS_MAX),
+        about("parts of the day with slippery rails"),
     ] = ()
     stock: Annotated[dict[str, Individual], about("what is known of single trains, by stock id")] = Field(
         default_factory=dict

@@ -82,6 +82,14 @@ def check_grip(file: str, driving: Driving, trains: Mapping[str, TrainType], lin
         raise InputError(file, f"driving.{key}", share, expected)
 
 
+def check_margins(file: str, driving: Driving) -> None:
+    """The service brake comes before the emergency brake, or InputError."""
+    least_mps = driving.service_margin_mps
+    if driving.emergency_margin_mps < least_mps:
+        expected = f"at least driving.service_margin_mps = {least_mps:g}: that brake comes first"
+        raise InputError(file, "driving.emergency_margin_mps", driving.emergency_margin_mps, expected)
+
+
 def learned_of(path: Path, tuning: Tuning, stock_ids: Iterable[str]) -> dict[str, Learned]:
     """What trains know to begin with, by stock id: from the file that `tuning` names, beside the scenario."""
     if tuning.learned is None:

@@ -16,6 +16,7 @@ from network.errors import InputError
 from network.files.edits import Change
 from network.files.line_file import validate_train_fits
 from network.files.patch import patched_line
+from network.files.quantities import SEED
 from network.files.shipped import find_file, shipped_line, shipped_timetable
 from network.files.text_input import existing_file
 from network.files.timetable_patch import patched_timetable
@@ -24,7 +25,14 @@ from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
 from study.scenario.belief import belief_of
-from study.scenario.fleet_file import check_grip, check_parties, check_scatter, check_vision, learned_of
+from study.scenario.fleet_file import (
+    check_grip,
+    check_margins,
+    check_parties,
+    check_scatter,
+    check_vision,
+    learned_of,
+)
 from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
@@ -59,6 +67,8 @@ def find_scenario(name: str) -> Path:
 
 def load_scenario(name: str, seed: int | None = None) -> Scenario:
     """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
+    if seed is not None and not SEED.holds(seed):
+        raise InputError("command line", "--seed", seed, f"{SEED.text()} ({SEED.name})")
     path = find_scenario(name)
     pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
     model = pile.validated(path)
@@ -72,6 +82,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), model.scatter, trains)
     check_vision(str(path), model.vision, line.stations)
+    check_margins(str(path), model.driving)
     check_grip(str(path), model.driving, trains, line.max_speed_mps)
     setup = Setup(
         name=model.id,

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from network.files.edits import Words
-from network.files.kinds import about
+from network.files.kinds import TABLES_MAX, TEXTS_MAX, about
 from network.files.names import Identifier, Prose, Title
 from network.files.patch import LineWords
 from network.files.quantities import Seed
@@ -94,9 +94,11 @@ class ScenarioFile(Record):
     seed: Annotated[
         Seed, about("sets every chance of the run; --seed comes first", "assumed: any will do")
     ] = 1
-    assumed: Annotated[list[Prose], about("what nobody has published, in sentences for the report")] = Field(
-        default_factory=list
-    )
+    assumed: Annotated[
+        list[Prose],
+        Field(max_length=TEXTS_MAX),
+        about("what nobody has published, in sentences for the report"),
+    ] = Field(default_factory=list)
     trains: TrainsTable
     air: AirParameters = Field(default_factory=AirParameters)
     unit: UnitParameters = Field(default_factory=UnitParameters)
@@ -111,8 +113,12 @@ class ScenarioFile(Record):
     patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(
         default_factory=PatchTable
     )
-    fault: Annotated[list[FaultTable], about("what fails, and when")] = Field(default_factory=list)
-    act: Annotated[list[ActTable], about("what people do about it")] = Field(default_factory=list)
-    expect: Annotated[list[ExpectTable], about("what must happen, for a drill to pass")] = Field(
+    fault: Annotated[list[FaultTable], Field(max_length=TABLES_MAX), about("what fails, and when")] = Field(
         default_factory=list
     )
+    act: Annotated[list[ActTable], Field(max_length=TABLES_MAX), about("what people do about it")] = Field(
+        default_factory=list
+    )
+    expect: Annotated[
+        list[ExpectTable], Field(max_length=TABLES_MAX), about("what must happen, for a drill to pass")
+    ] = Field(default_factory=list)

@@ -1,0 +1,59 @@
+"""What is taken with a figure at the end of its range can really be run: it ends, and with a code that means something."""
+
+from __future__ import annotations
+
+from itertools import count
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from branchline import cli
+from tests.system.damaged import attempt
+from tests.system.damaged.attempt import GOOD, put, told
+from tests.system.damaged.bundles import SCENARIO
+from tests.system.damaged.damages import Case, case_of
+
+pytestmark = pytest.mark.system
+
+SLICE: Final = 5
+NUMBER: Final = 60
+CPU_S_MAX: Final = 120.0  # of a run, a hundred times what one of this line takes
+
+
+def _at_an_end() -> list[Case]:
+    """One case for each kind of quantity that lies just inside its range, then others, as they come."""
+    found: dict[str, Case] = {}
+    for number in count():
+        case = case_of(number)
+        if case.inside and case.place is not None:
+            found.setdefault(case.place.quantity.name, case)
+        if len(found) == NUMBER:
+            return list(found.values())
+
+
+@pytest.fixture(scope="module")
+def cases() -> list[Case]:
+    return _at_an_end()
+
+
+def _try(case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put(case, tmp_path)
+    if told(SCENARIO.arguments, tmp_path)[0] != GOOD:
+        return  # two figures say together what this one does not: `test_ranges` has those
+    monkeypatch.setattr(attempt, "CPU_S_MAX", CPU_S_MAX)
+    code, out, err = told(("run", "s.toml", "--out", "run", "--json"), tmp_path)
+    assert code in (GOOD, cli.BROKEN), (case.number, case.what, code, err)
+    assert out.count("\n") == 1
+    assert (tmp_path / "run" / "summary.json").is_file()
+
+
+@pytest.mark.parametrize("index", range(SLICE))
+def test_it_runs(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _try(cases[index], tmp_path, monkeypatch)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("index", range(SLICE, NUMBER))
+def test_the_others_run(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _try(cases[index], tmp_path, monkeypatch)
