@@ -57,7 +57,8 @@ class StopRow(Protocol):
     load_share: float
     adhesion_factor: float
     brake_factor: float
-    brake_lag_off_s: Annotated[float, "the body's brake lag less that of the bench's train"]
+    brake_dead_time_off_s: Annotated[float, "the body's brake dead time less that of the bench's train"]
+    brake_lag_off_s: Annotated[float, "the same of its lag"]
 
 
 class OutcomeRow(Protocol):
@@ -103,6 +104,7 @@ def begin(row: StockRow, stop: StopRow, begin_m: float, standoff_m: float) -> No
     plant.brake_factor = stop.brake_factor
     plant.speed_mps = plant.wheel_speed_mps = plant.last_wheel_speed_mps = stop.speed_mps
     rolls_at(row.sensors.slide_protection, stop.speed_mps)
+    row.body.brake_dead_time_s = max(row.body.brake_dead_time_s + stop.brake_dead_time_off_s, 0.0)
     row.body.brake_lag_s = max(row.body.brake_lag_s + stop.brake_lag_off_s, 0.0)
     tachometer.wheel_factor = 1.0 / (1.0 + stop.wheel_error)
     tachometer.miscount_share = stop.count_error

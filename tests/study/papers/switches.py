@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from onboard.driving import stop_keeper, tuning
 from onboard.driving.tasc import WHOLE_LAW, DesignRow, Part
 from onboard.driving.tuning import Fit, Learned, StopRecord
 from onboard.records import BehaviourRow
-from study.papers import oda_tuning, single_train, table4_stops
+from study.papers import oda_tuning, single_train, stop_set, stop_statistics, stop_window, table4_stops
 from vehicle.records import TrainRow
 
 Switch = Callable[[pytest.MonkeyPatch], None]
@@ -97,3 +99,49 @@ def six_points_off_their_centre(patch: pytest.MonkeyPatch) -> None:
         return approximate(record, (centre[0] + 6, centre[1] + 6))
 
     patch.setattr(oda_tuning, "approximate", aside)
+
+
+# stops at scale and the set -----------------------------------------------------------------------------------
+
+
+@switch
+def shares_of_the_variance_by_chance(patch: pytest.MonkeyPatch) -> None:
+    share = stop_statistics.first_order_share
+
+    def by_chance(values: NDArray[np.float64], errors_m: NDArray[np.float64]) -> float:
+        return share(np.roll(values, values.size // 3), errors_m)
+
+    patch.setattr(stop_statistics, "first_order_share", by_chance)
+
+
+@switch
+def brakes_beyond_the_stated_range(patch: pytest.MonkeyPatch) -> None:
+    draw = stop_set.random_brakes
+
+    def worn(rng: np.random.Generator, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        brakes, adhesions = draw(rng, n)
+        return brakes * (1.0, 1.0, 0.85), adhesions
+
+    patch.setattr(stop_window, "random_brakes", worn)
+
+
+@switch
+def set_taken_too_large(patch: pytest.MonkeyPatch) -> None:
+    _shift_edge(patch, -0.2)
+
+
+@switch
+def set_taken_too_small(patch: pytest.MonkeyPatch) -> None:
+    _shift_edge(patch, 0.2)
+
+
+def _shift_edge(patch: pytest.MonkeyPatch, share: float) -> None:
+    lowest_shares = stop_set.lowest_shares
+
+    def shifted(
+        shares: NDArray[np.float64], least_m: NDArray[np.float64], most_m: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        lowest = np.clip(lowest_shares(shares, least_m, most_m) + share, 0.0, None)
+        return np.where(lowest > 1.0, np.inf, lowest)
+
+    patch.setattr(stop_set, "lowest_shares", shifted)

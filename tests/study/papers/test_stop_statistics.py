@@ -11,9 +11,11 @@ from study.papers.stop_statistics import (
     Factor,
     StopStatistics,
     drawn,
+    effects_m,
     first_order_share,
     reproduce,
     stop_statistics,
+    within_rows,
 )
 
 
@@ -69,8 +71,30 @@ def test_bad_input_is_named() -> None:
         stop_statistics(4000, 1, {"wheels": Factor(0.0, 1.0, "", "test")})
 
 
-def test_the_reproduction_says_that_no_paper_gives_figures() -> None:
+def test_counts_are_not_rounded_and_have_their_interval() -> None:
+    """Of 4,000 stops all but one: Clopper and Pearson give 0.99861 to 0.99999."""
+    result = StopStatistics(np.zeros(4000), {0.35: 0.5, 0.5: 0.9, 1.0: 3999 / 4000}, {})
+    (judged,), told = within_rows(result)
+    assert judged.ours == "3,999 of 4,000 (0.99861 to 0.99999)"
+    assert judged.passed
+    assert told[0].value == "2,000 of 4,000 (0.48438 to 0.51562)"
+    short, _ = within_rows(StopStatistics(np.zeros(4000), {1.0: 0.998}, {}))
+    assert not short[0].passed
+
+
+def test_what_a_factor_does_alone_has_the_sign_of_its_physics() -> None:
+    """A stronger brake and a climb stop sooner; a heavier train and a beacon taken to lie nearer later."""
+    effects = effects_m()
+    assert effects["brake"] < 0.0 < effects["load"]
+    assert effects["gradient"] < 0.0
+    assert effects["adhesion"] == 0.0  # the brake stays below it
+    assert effects["beacon_error"] < 0.0  # a beacon taken to lie further ahead puts the estimate ahead
+
+
+def test_the_reproduction_judges_only_what_can_fail() -> None:
     result = reproduce(Options(quick=True))
     assert result.passed
-    assert all(row.paper is None for row in result.rows)
+    assert all(row.paper is None or row.case == "stops within 1 m" for row in result.rows)
+    assert all(row.criterion != "told, not judged" for row in result.rows)
+    assert {figure.name for figure in result.figures} >= {"stops within 0.35 m", "stops within 0.5 m"}
     assert reproduction("stop-statistics") is reproduce

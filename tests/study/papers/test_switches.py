@@ -70,6 +70,34 @@ GUARDED: Final = (
         "six_points_off_their_centre",
         ("of 12 trains, those in which both methods give the same mode",),
     ),
+    Guarded("stop-statistics", "feed_forward_removed", ("stops within 1 m",)),
+    Guarded(
+        "stop-statistics",
+        "shares_of_the_variance_by_chance",
+        (
+            "share of the variance: from all stops, and from the factor alone",
+            "all factors one by one, share of the variance",
+        ),
+    ),
+    Guarded("stop-window", "prediction_removed", ("greatest speed of the set, km/h",)),
+    Guarded(
+        "stop-window",
+        "brakes_beyond_the_stated_range",
+        ("random stops from the set that end within 1 m",),
+    ),
+    Guarded(
+        "stop-window",
+        "set_taken_too_large",
+        ("random stops from the set that end within 1 m",),
+    ),
+    Guarded(
+        "stop-window",
+        "set_taken_too_small",
+        (
+            "speeds at which a brake misses within 10% outside; at which the set ends as for any law",
+            "stops from just outside, by brakes at the ends of their ranges, that miss the window",
+        ),
+    ),
 )
 
 
