@@ -55,5 +55,7 @@ def test_it_runs(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pyt
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("index", range(SLICE, NUMBER))
-def test_the_others_run(index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_others_run(
+    index: int, cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     _try(cases[index], tmp_path, monkeypatch)
