@@ -149,6 +149,22 @@ def _latest(late_s: float | None) -> str:
     return "no train arrived" if late_s is None else f"{late_s:.1f} s after the timetable"
 
 
+def _margin(margins: dict[str, Any] | None) -> str:
+    """The hop whose timetable leaves least over the least running time, and what was left as run."""
+    least, left = (None if margins is None else margins.get(f"smallest_{of}_s") for of in ("margin", "left"))
+    if least is None:
+        return "-"
+    text = f"{least['margin_s']:.0f} s, {least['train']} {least['from_station']} to {least['to_station']}"
+    return text if left is None else f"{text}; as run {left['left_s']:.0f} s left, {left['train']}"
+
+
+def _net(energy: dict[str, Any]) -> str:
+    """Net energy of the day, and by distance."""
+    by_train, by_car = energy["net_kwh_per_train_km"]["all"], energy["net_kwh_per_car_km"]["all"]
+    text = f"{energy['all']['net']:.1f} kWh"
+    return text if by_train is None else f"{text}: {by_train:.2f} a train-km, {by_car:.2f} a car-km"
+
+
 def _print_run(done: Run, report: Path) -> None:
     """The figures of a run for a person."""
     from rich.console import Console
@@ -166,6 +182,7 @@ def _print_run(done: Run, report: Path) -> None:
         ("empty workings", f"{summary['empty_workings_arrived']} of {summary['empty_workings_planned']}"),
         ("latest", _latest(summary["late_s_max"])),
         ("earliest departure", f"{summary['early_departure_s_max']:.1f} s before the timetable"),
+        ("smallest margin", _margin(summary["margins"])),
         (
             "stops",
             f"{summary['stops']}: error mean {metres(error['mean'])} m, sigma {metres(error['sigma'])} m,"
@@ -177,6 +194,7 @@ def _print_run(done: Run, report: Path) -> None:
             f"traction {energy['traction']:.1f}, regenerated {energy['regenerated']:.1f},"
             f" auxiliary {energy['auxiliary']:.1f} kWh",
         ),
+        ("net energy", _net(summary["energy"])),
         ("telegrams", ", ".join(f"{count} {name}" for name, count in telegrams.items())),
         ("ended because", summary["ended_because"]),
         ("journal digest", summary["digest"]),
