@@ -48,9 +48,9 @@ def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, w
     except FileNotFoundError:
         return
     except OSError as error:
-        raise InputError("command line", "--out", str(out), f"{expected} ({error.strerror})") from error
+        raise InputError("command line", "--out", out, f"{expected} ({error.strerror})") from error
     if strange:
-        raise InputError("command line", "--out", str(out), f"{expected}; it holds {min(strange)}")
+        raise InputError("command line", "--out", out, f"{expected}; it holds {min(strange)}")
 
 
 @contextmanager
