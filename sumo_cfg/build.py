@@ -28,6 +28,8 @@ NETCONVERT_OPTIONS: Final = (
     *("--junctions.minimal-shape", "true"),
     *("--offset.disable-normalization", "true"),
     *("--precision", "6"),
+    # Heights are the line file's: smoothed, an edge and its way back would no longer have one shape.
+    *("--geometry.max-grade.fix", "false"),
     *("--xml-validation", "never"),
 )
 GZIP_ABOVE_BYTES: Final = 1_000_000

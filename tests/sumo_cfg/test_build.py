@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from network.errors import InputError
-from network.files.line_file import load_line
+from network.files.line_file import load_line, parse_line
 from network.files.shipped import shipped_line, shipped_names
 from network.model import Alignment, Line
 from sumo_cfg import build
@@ -144,3 +144,26 @@ def test_shipped_net_follows_the_line(file: Path, elevation: Callable[[Alignment
 def along_error_m(length_m: float, polyline_m: float) -> float:
     """How far a place along a polyline can be from its kilometrage when both ends agree, m."""
     return abs(length_m - polyline_m) + 0.02 * min(1.0, length_m / 100.0)
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_a_line_as_steep_as_a_file_may_say(
+    fixed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """netconvert smooths what is steeper than a tenth, unless it is told not to; then no edge has its way back."""
+    text = shipped_line("rtri_test_line").read_text("utf-8")
+    steep = text.replace("permille = 0.0", "permille = 150.0").replace(
+        "curves = []",
+        "curves = [{ from_km = 0.55, to_km = 0.85, radius_m = 400, transition_m = 40, cant_mm = 60 }]",
+    )
+    if not fixed:
+        kept = [word for word in build.NETCONVERT_OPTIONS if word != "--geometry.max-grade.fix"]
+        kept.remove("false")
+        monkeypatch.setattr(build, "NETCONVERT_OPTIONS", tuple(kept))
+    net = tmp_path / "steep.net.xml"
+    net.write_bytes(build.convert(write_plain(parse_line(steep, "steep.toml")), "steep"))
+    if fixed:
+        assert all(edge.bidi_edge_id for edge in read_net(net).edges.values())
+    else:
+        with pytest.raises(InputError, match="a bidi edge"):
+            read_net(net)

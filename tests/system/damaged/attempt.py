@@ -16,11 +16,12 @@ from typing import Final
 
 from branchline import cli
 from network.errors import SHOWN_MAX
+from study.outcome import Outcome
 from tests.system.damaged.damages import Case
 from tests.system.damaged.places import places_of, value_at
 
 CPU_S_MAX: Final = 10.0  # of work, not of time that passes: another process may take the machine meanwhile
-GOOD: Final = 0
+GOOD: Final = Outcome.GOOD.code
 
 
 class _StillAtWork(BaseException):
@@ -96,7 +97,7 @@ def faults_of(case: Case, folder: Path) -> list[str]:
         if {n for n, _ in written} - {case.bundle.out}
         else []
     )
-    if code == cli.BAD_INPUT:
+    if code == Outcome.BAD_INPUT.code:
         wrong += _refusal(case, out, err)
         wrong += ["wrote and refused"] if written else []
     elif code == GOOD:
@@ -111,11 +112,14 @@ def _listing(folder: Path) -> set[tuple[str, float]]:
 
 
 def _refusal(case: Case, out: str, err: str) -> list[str]:
-    """One line that names file, key where there is one, and what was expected; nothing on stdout."""
+    """One line that names file, key where there is one, and what was expected; the same on stdout for JSON."""
     wrong = []
-    if out:
-        wrong.append(f"stdout has {out[:80]!r}")
     line = err.removesuffix("\n")
+    told = {"outcome": Outcome.BAD_INPUT.value, "message": line.removeprefix("error: ")}
+    if "--json" in case.bundle.arguments:
+        wrong += [] if json.loads(out) == told else [f"stdout says otherwise: {out[:200]}"]
+    elif out:
+        wrong.append(f"stdout has {out[:80]!r}")
     if not line.startswith("error: ") or not line.isprintable() or "; expected " not in line:
         wrong.append(f"no line as it should be: {err[:300]!r}")
     if not any(name in line for name in case.files):

@@ -11,6 +11,7 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cache
 from typing import Any, Final
 
 from network.files.names import IDENTIFIER_LENGTH_MAX
@@ -79,7 +80,7 @@ def case_of(number: int) -> Case:
         found = damage(chance, bundle, file)
         if found is not None:
             content, what = found
-            return Case(number, bundle, file, what, {**bundle.written(), file: content})  # type: ignore[dict-item]
+            return Case(number, bundle, file, what, {**dict(_whole_files(bundle.name)), file: content})  # type: ignore[dict-item]
 
 
 RANGE_SHARE: Final = 0.3
@@ -87,7 +88,7 @@ RANGE_SHARE: Final = 0.3
 
 def _at_range(chance: random.Random, number: int, bundle: Bundle, file: str) -> Case:
     """A figure at the end of its range: just inside or just outside."""
-    places = list(places_of(bundle.models[file], bundle.files[file]))  # type: ignore[type-var]
+    places = _places(bundle.name, file)
     # By kind first, so that those with few keys come as often.
     name = chance.choice(sorted({place.quantity.name for place in places}))
     place = chance.choice([place for place in places if place.quantity.name == name])
@@ -96,8 +97,23 @@ def _at_range(chance: random.Random, number: int, bundle: Bundle, file: str) -> 
     value = chance.choice(within if inside else beyond)
     data = with_value(bundle.files[file], place.path, value)
     what = f"{place.key} {'just inside' if inside else 'just outside'}: {value!r}"
-    files: dict[str, bytes | str | None] = {**bundle.written(), file: text_of(file, data).encode()}
+    files: dict[str, bytes | str | None] = {
+        **dict(_whole_files(bundle.name)),
+        file: text_of(file, data).encode(),
+    }
     return Case(number, bundle, file, what, files, place, inside)
+
+
+@cache
+def _places(name: str, file: str) -> tuple[Place, ...]:
+    bundle = next(bundle for bundle, *_ in WEIGHTS if bundle.name == name)
+    return tuple(places_of(bundle.models[file], bundle.files[file]))  # type: ignore[type-var]
+
+
+@cache
+def _whole_files(name: str) -> tuple[tuple[str, bytes], ...]:
+    bundle = next(bundle for bundle, *_ in WEIGHTS if bundle.name == name)
+    return tuple(bundle.written().items())
 
 
 def _encoded(file: str, data: object) -> bytes:
@@ -239,7 +255,7 @@ def _whole(chance: random.Random, bundle: Bundle, file: str) -> tuple[object, st
         "cannot be read": "unreadable",
         "missing": "missing",
         "large": b"#" + b" " * (3 << 20) if not file.endswith(".json") else b"[" + b" " * (17 << 20) + b"]",
-        "another kind": chance.choice([c for n, c in bundle.written().items() if n != file] or [b"{}"]),
+        "another kind": chance.choice([c for n, c in _whole_files(bundle.name) if n != file] or [b"{}"]),
         "a list": b"[]",
         "null": b"null",
         "a number": b"7",
