@@ -16,6 +16,7 @@ LINE = shipped_line("rtri_test_line").read_text("utf-8")
 TIMES = shipped_timetable("rtri_test_line").read_text("utf-8")
 TRAIN = shipped_train("ev_e301").read_text("utf-8")
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
+OWN_TRAIN = BASE + '[trains]\ndefault = "v.toml"'
 GRADIENT = "gradients = [{ from_km = 0.0, to_km = 1.41, permille = 0.0 }]"
 GAP = (
     "gradients = [{ from_km = 0.0, to_km = 0.5, permille = 0.0 },"
@@ -108,6 +109,28 @@ CASES: Mapping[str, tuple[dict[str, str], tuple[str, ...]]] = {
     "wheels five times too large": (
         {"s.toml": BASE + "[sensors]\nwheel_factor_sigma = 5.0"},
         ("s.toml: sensors.wheel_factor_sigma is 5.0", "0 to 0.1"),
+    ),
+    "an efficiency that no machine has": (
+        {"s.toml": OWN_TRAIN,
+         "v.toml": changed(TRAIN, "efficiency_traction = 0.85", "efficiency_traction = 1e-9")},
+        ("v.toml: energy.efficiency_traction is 1e-09", "0.05 to 1 (efficiency)"),
+    ),
+    "a train that weighs nothing": (
+        {"s.toml": OWN_TRAIN, "v.toml": changed(TRAIN, "mass_empty_t = 77.9", "mass_empty_t = 1e-9")},
+        ("v.toml: body.mass_empty_t is 1e-09", "0.05 to 100000 t"),
+    ),
+    "light for a city": (
+        {"s.toml": OWN_TRAIN,
+         "v.toml": changed(TRAIN, "auxiliary_power_kw = 30.0", "auxiliary_power_kw = 1e18")},
+        ("v.toml: energy.auxiliary_power_kw is 1e+18", "0 to 5000 kW"),
+    ),
+    "nonsense by a patch": (
+        {"s.toml": BASE + '[patch.train.ev_e301]\ntimes = { mass_empty_t = 1e-9 }'},
+        ("s.toml: patch.train.ev_e301.times.", "mass_empty_t", "0.05 to 100000 t"),
+    ),
+    "the emergency brake first": (
+        {"s.toml": BASE + "[driving]\nemergency_margin_mps = 0.5"},
+        ("s.toml: driving.emergency_margin_mps is 0.5", "at least driving.service_margin_mps = 0.6"),
     ),
     "wrong type": ({"s.toml": BASE + 'seed = "2"'}, ("s.toml: seed is '2'", "integer")),
     "negative seed": ({"s.toml": BASE + "seed = -2"}, ("s.toml: seed is -2", "0")),

@@ -240,6 +240,7 @@ def stations(*places: list[float]) -> dict[str, object]:
         ([A, [140.01, 36.7]], None, "a station within 300 m of the track"),
         ([A, C, B], None, "stations in their order"),
         ([B, C], 1.0, "begin_km is 1.0; expected at most"),
+        ([A, [-40.0, 36.0]], None, r"station_list\[1\] is 'S1'; expected a station near the track"),
     ],
 )
 def test_stations_that_do_not_fit_are_refused(
@@ -250,6 +251,22 @@ def test_stations_that_do_not_fit_are_refused(
     table = write(tmp_path, "stations.json", stations(*places))
     with pytest.raises(InputError, match=message):
         read_geometry(track, table, begin_km=begin_km)
+
+
+def test_a_track_with_a_jump_is_none(tmp_path: Path) -> None:
+    """One wrong digit would have the fit sample half the earth."""
+    pytest.importorskip("pyproj")
+    track = write(tmp_path, "polyline.json", polyline([A, B, [100.0, 36.0], C, D]))
+    with pytest.raises(InputError, match="at most 10 km apart; after vertex 1"):
+        read_geometry(track, write(tmp_path, "stations.json", stations(A, D)))
+
+
+def test_a_name_that_would_break_the_fragment_is_refused(tmp_path: Path) -> None:
+    table = stations(A, D)
+    table["name"] = "line\n[line]"
+    track = write(tmp_path, "polyline.json", polyline([A, B, C, D]))
+    with pytest.raises(InputError, match=r"name is .*expected one line"):
+        read_geometry(track, write(tmp_path, "stations.json", table))
 
 
 def test_track_is_turned_to_its_first_station(tmp_path: Path) -> None:

@@ -158,6 +158,7 @@ def test_a_time_after_midnight_belongs_to_the_day_before() -> None:
         ({"tt": [{"s": f"{PREFIX}Taki", "d": "6:00"}] * 2}, "'6:00'; expected a time HH:MM"),
         ({"tt": [{"s": f"{PREFIX}Taki"}] * 2}, "an arrival or a departure"),
         ({"tt": 5}, "tt"),
+        ({"n": '1M"\nid = "x'}, r"\[0\].n is .*expected an identifier"),
         ({"id": f"{PREFIX}1M.Sunday"}, "'Weekday'; expected a calendar that is in it: Sunday"),
     ],
 )
