@@ -156,7 +156,14 @@ def _scenario() -> Data:
             "dead_time_spread_s": 0.1,
             "lag_spread_s": 0.1,
             "weather": [{"from": "09:00", "to": "11:00", "adhesion_low": 0.9, "adhesion_high": 1.0}],
-            "stock": {"K1": {"brake_factor": 1.0, "dead_time_offset_s": 0.1, "lag_offset_s": 0.1}},
+            "stock": {
+                "K1": {
+                    "brake_factor": 1.0,
+                    "wheel_factor": 1.0,
+                    "dead_time_offset_s": 0.1,
+                    "lag_offset_s": 0.1,
+                }
+            },
         },
         "belief": {"trains": {"K1": "v.toml"}},
         "patch": {
