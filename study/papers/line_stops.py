@@ -132,7 +132,7 @@ def rows_of(fleets: Sequence[Fleet], with_signs: Run) -> tuple[Row, ...]:
 def left_out_figure(fleets: Sequence[Fleet]) -> Figure:
     """How many stops each train left out of its learning."""
     left_out = [learned.left_out for fleet in fleets for learned, _, _ in fleet.true_places()]
-    meaning = "slides and misfits, by train: in wet parts of the day, which only some trains meet"
+    meaning = "slides and misfits, by train: none says that no stop of the learning days was disturbed"
     return Figure("stops left out of the learning as disturbed", left_out, meaning)
 
 

@@ -12,8 +12,8 @@ whose dead time, lag, deceleration and adhesion lie in RANGES; the unit believes
   What overruns the window even so (`outer_m`) is beyond every law.
 
 What is numerical: between the points of the grid of speed, distance, lag, deceleration and adhesion a stop may end
-outside what its neighbours span. MARGIN_M of the window is kept for that; `beyond_the_grid_m` measures how much of it
-is used, and stops drawn anew try the set.
+outside what its neighbours span. MARGIN_M of the window is kept for that, and the edge is drawn one step further out;
+`beyond_the_grid_m` measures how much of the margin is used, and stops drawn anew try the set.
 """
 
 from __future__ import annotations
@@ -34,13 +34,14 @@ from study.papers.stop_statistics import FACTORS, statistics_bench
 Floats = NDArray[np.float64]
 
 WINDOW_M: Final = 1.0  # Oda, 2.2
-MARGIN_M: Final = 0.05
+MARGIN_M: Final = 0.1
 SPEED_LEAST_MPS: Final = (
     2.0  # of the set; the grid begins lower, since coasting trains slow down on their way
 )
 GRID_FROM_MPS: Final = 1.0
-GRID_TO_MPS: Final = 21.0
+GRID_TO_MPS: Final = 25.0
 BEYOND_M: Final = 50.0  # coasting before the brake, at most
+STRIP_STEPS: Final = 4
 TOP_SHARE: Final = 0.9  # coasting trains enter the grid above this
 
 
@@ -139,6 +140,11 @@ class StopSet:
         most = np.max([self.most_m[corner] for corner in corners], axis=0)
         return least, most
 
+    @property
+    def strip(self) -> float:
+        """Share of the way that counts as just outside: STRIP_STEPS of the grid."""
+        return STRIP_STEPS / (self.shares.size - 1)
+
     def holds_share(self) -> float:
         """Of what any law could hold short of the beginning of the brake, the share that is in the set."""
         inside = (self.speeds_mps >= SPEED_LEAST_MPS) & (self.speeds_mps <= self.top_mps)
@@ -211,12 +217,17 @@ def stop_set(grid: Grid = WHOLE_GRID) -> StopSet:
 
 
 def lowest_shares(shares: Floats, least_m: Floats, most_m: Floats) -> Floats:
-    """Least share of each column from which on up every stop ends in the window less MARGIN_M; inf: none."""
+    """Least share of each column from which on up every stop ends in the window less MARGIN_M; inf: none.
+
+    One step of the grid further out than that: where wheels slide, stops change abruptly, and the edge is no place to
+    trust neighbours on one side alone.
+    """
     room_m = WINDOW_M - MARGIN_M
     held = (least_m >= -room_m) & (most_m <= room_m)
     above = np.flip(np.logical_and.accumulate(np.flip(held, axis=1), axis=1), axis=1)
-    first = np.argmax(above, axis=1)
-    return np.where(above.any(axis=1), shares[first], np.inf)
+    first = np.argmax(above, axis=1) + 1
+    some = above.any(axis=1) & (first < shares.size)
+    return np.where(some, shares[np.minimum(first, shares.size - 1)], np.inf)
 
 
 def random_brakes(rng: np.random.Generator, n: int) -> tuple[Floats, Floats]:

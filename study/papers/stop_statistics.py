@@ -187,12 +187,8 @@ def within_rows(result: StopStatistics) -> tuple[tuple[Row, ...], tuple[Figure, 
             passed = interval.low >= ASKED_SHARE
             judged.append(Row(f"stops within {limit_m:g} m", "asked for (2.2)", ours, passed, criterion))
         else:
-            meaning = (
-                "platform doors wide enough for it" if limit_m == LIMITS_M[0] else "ordinary platform doors"
-            )
-            told.append(
-                Figure(f"stops within {limit_m:g} m", ours, f"assumed: {meaning}; with 95 % interval")
-            )
+            whom = "99 of 100 stops" if limit_m == LIMITS_M[0] else "every stop"
+            told.append(Figure(f"stops within {limit_m:g} m", ours, f"what line-stops asks of {whom}"))
     return tuple(judged), tuple(told)
 
 

@@ -21,6 +21,7 @@ from study.papers.stop_set import (
     QUICK_GRID,
     RANGES,
     SPEED_LEAST_MPS,
+    STRIP_STEPS,
     TOP_SHARE,
     WHOLE_GRID,
     WINDOW_M,
@@ -48,7 +49,6 @@ SEARCHED: Final = 200
 ROUNDS: Final = 20
 MARGIN_TIMES: Final = 2.0
 LINE_TOP_MPS: Final = 65.0 / 3.6
-STRIP: Final = 0.1  # of the way from what no law holds to where braking begins
 TIGHT_LEAST: Final = 0.9
 MISSED_LEAST: Final = 0.02
 COASTED: Final = 20
@@ -105,7 +105,6 @@ def searched_worst_m(
 
 def tight_columns(found: StopSet) -> tuple[int, int, int]:
     """Speeds at which a brake misses the window just outside the set; where it ends as every law's does; all."""
-    cells = round(STRIP * (found.shares.size - 1))
     tight = limit = 0
     columns = [
         column
@@ -114,11 +113,11 @@ def tight_columns(found: StopSet) -> tuple[int, int, int]:
     ]
     for column in columns:
         first = int(np.argmin(np.abs(found.shares - float(found.lowest[column]))))
-        below = slice(max(first - cells, 0), first)
+        below = slice(max(first - STRIP_STEPS, 0), first)
         far_m = np.maximum(-found.least_m[column, below], found.most_m[column, below])
         misses = bool(np.any(far_m > WINDOW_M))
         tight += misses
-        limit += not misses and first <= cells
+        limit += not misses and first <= STRIP_STEPS
     return tight, limit, len(columns)
 
 
@@ -126,8 +125,8 @@ def outside(found: StopSet, seed: int, n: int) -> tuple[Floats, Floats, Floats]:
     """Distances, speeds and ends of stops by brakes at the ends of their ranges: a strip nearer, and above the top."""
     rng = generator(seed, "stop-window", "outside")
     speeds = rng.uniform(SPEED_LEAST_MPS, found.speeds_mps[-1], n)
-    lowest = np.where(speeds < found.top_mps, found.least_share(speeds), 1.0 + STRIP)
-    shares = np.maximum(lowest - rng.uniform(0.0, STRIP, n), 0.0)
+    lowest = np.where(speeds < found.top_mps, found.least_share(speeds), 1.0 + found.strip)
+    shares = np.maximum(lowest - rng.uniform(0.0, found.strip, n), 0.0)
     ends = ends_m(found, shares, speeds, *corner_brakes(rng, n))
     return found.distance_m(shares, speeds), speeds, ends
 
@@ -199,7 +198,7 @@ def set_rows(found: StopSet, seed: int, between: int, missed: int, n: int) -> tu
             f"half of the margin of {MARGIN_M} m",
         ),
         Row(
-            f"speeds at which a brake misses within {STRIP:.0%} outside; at which the set ends as for any law",
+            f"speeds at which a brake misses within {STRIP_STEPS} steps outside; at which the set ends as for any law",
             None,
             f"{tight}; {limit} of {columns}",
             tight + limit >= TIGHT_LEAST * columns and tight > limit,
@@ -264,8 +263,7 @@ def reproduce(options: Options) -> Reproduction:
         "Proven: adhesion has no part where nothing slides at the least; the dead times are all there are in whole "
         "steps; a start further back is a later moment of its coasting; what no law can hold. Computed: the rest, on "
         "the grid, with a margin. Assumed: the ranges, and a position, a wheel and a gradient that are known.",
-        f"The set ends at {found.top_mps * 3.6:.0f} km/h because above it the strongest brake on the worst rail slides "
-        "and stops short; nearer than its edge the weakest brake overruns.",
+        f"Nearer than the set's edge the weakest brake overruns; {what_ends_it(found)}.",
         f"Up to the set's greatest speed every column reaches to {TOP_SHARE:.0%} of the way or nearer.",
     ]
     if options.out is not None:
@@ -281,6 +279,19 @@ def reproduce(options: Options) -> Reproduction:
         tuple(remarks),
         edge_figures(found),
     )
+
+
+def what_ends_it(found: StopSet) -> str:
+    """Why the set reaches no faster than it does: what stops of the next speed of the grid come to, in words."""
+    top_kmh = f"{found.top_mps * 3.6:.0f} km/h"
+    column = int(np.argmin(np.abs(found.speeds_mps - found.top_mps))) + 1
+    if column == found.speeds_mps.size:
+        return f"above {top_kmh} nothing was computed"
+    far = found.shares >= TOP_SHARE
+    least_m, most_m = float(found.least_m[column, far].min()), float(found.most_m[column, far].max())
+    words = [f"overruns by up to {most_m:.2f} m"] if most_m > WINDOW_M - MARGIN_M else []
+    words += [f"stops up to {-least_m:.2f} m short"] if -least_m > WINDOW_M - MARGIN_M else []
+    return f"above {top_kmh} a brake of the range {' and another '.join(words)} however early it begins"
 
 
 def _empty(found: StopSet, grid: Grid, stops: int) -> Reproduction:

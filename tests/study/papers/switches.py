@@ -127,7 +127,7 @@ def brakes_beyond_the_stated_range(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def set_taken_too_large(patch: pytest.MonkeyPatch) -> None:
-    _shift_edge(patch, -0.2)
+    _shift_edge(patch, -0.4)
 
 
 @switch

@@ -49,13 +49,14 @@ def test_of_100_000_stops_from_the_set_all_end_in_the_window() -> None:
     assert result.rows[0].ours == "100,000 of 100,000"
 
 
-def test_the_edge_is_where_from_on_up_everything_is_held() -> None:
-    """With 0.05 m of the window kept for the grid: a miss at a share counts against all below it."""
+def test_the_edge_is_one_step_beyond_where_from_on_up_everything_is_held() -> None:
+    """With 0.1 m of the window kept for the grid: a miss at a share counts against all below it."""
     shares = np.linspace(0.0, 1.0, 5)
-    most = np.array([[1.4, 0.9, 0.96, 0.7, 0.6], [0.5, 0.5, 0.5, 0.5, 0.5], [0.5, 0.5, 0.5, 0.5, 0.5]])
-    least = np.array([[0.0, 0.0, 0.0, 0.0, 0.0], [-0.5, -0.5, -0.5, -0.5, -0.5], [0.0, 0.0, 0.0, 0.0, -0.96]])
-    assert pytest.approx(0.05) == MARGIN_M
-    assert lowest_shares(shares, least, most).tolist() == [0.75, 0.0, np.inf]
+    held = [0.5] * 5
+    most = np.array([[1.4, 0.91, 0.89, 0.7, 0.6], held, held, [0.5, 0.5, 0.5, 0.95, 0.5]])
+    least = np.array([[0.0] * 5, [-0.5] * 5, [0.0, 0.0, 0.0, 0.0, -0.95], [0.0] * 5])
+    assert pytest.approx(0.1) == MARGIN_M
+    assert lowest_shares(shares, least, most).tolist() == [0.75, 0.25, np.inf, np.inf]
 
 
 def test_what_any_law_needs_is_the_weakest_brake_fully_asked_for() -> None:

@@ -94,7 +94,7 @@ GUARDED: Final = (
         "stop-window",
         "set_taken_too_small",
         (
-            "speeds at which a brake misses within 10% outside; at which the set ends as for any law",
+            "speeds at which a brake misses within 4 steps outside; at which the set ends as for any law",
             "stops from just outside, by brakes at the ends of their ranges, that miss the window",
         ),
     ),
