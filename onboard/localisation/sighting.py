@@ -76,9 +76,11 @@ def carry_slack(own: SignRow, unit: UnitRow) -> None:
 
 
 @compiled
-def sighted(own: SignRow, unit: UnitRow, distance_m: float) -> int:
-    """One frame that shows a sign: TAKEN, or REFUSED where it contradicts the bounds or the sightings before it."""
-    front_m, within_m = front_by_frame(unit, own.mark_m + SIGN_BEYOND_MARK_M, distance_m)
+def sighted(own: SignRow, unit: UnitRow, front_m: float, within_m: float) -> int:
+    """One frame that shows a sign, so that the front is at `front_m` or within so much of it.
+
+    TAKEN, or REFUSED where it contradicts the bounds or the sightings before it.
+    """
     if not missed_m(unit, front_m, within_m, within_m) <= 0.0:
         return REFUSED
     if abs(front_m - unit.position_m) > own.slack_m + within_m:
@@ -105,7 +107,8 @@ def sign(own: SignRow, reading: SignReading, unit: UnitRow, _step_s: float) -> i
         return NOTHING
     outcome = NOTHING
     if np.isfinite(reading.distance_m) and unit.position_known == 1:
-        outcome = sighted(own, unit, reading.distance_m)
+        front_m, within_m = front_by_frame(unit, own.mark_m + SIGN_BEYOND_MARK_M, reading.distance_m)
+        outcome = sighted(own, unit, front_m, within_m)
     if outcome == TAKEN:
         own.seen = 1
     if own.seen == 0 and sign_is_missing(own.mark_m, unit.position_m):

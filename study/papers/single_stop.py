@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import SIGN_BEYOND_LIMIT, TARGET_NOT_SEEN, WEAK_TOLERANCE_M, Verdict, judge
-from onboard.localisation.fix import cut
-from onboard.localisation.sighting import front_by_sign, sign_is_missing
+from onboard.localisation.fix import TAKEN, cut
+from onboard.localisation.sighting import front_by_sign, sighted, sign_is_missing
 from onboard.localisation.tags import front_by_tag
 from onboard.records import EMERGENCY_INTERVENTION
 from simulation.sensors.slide_protection import rolls_at
@@ -142,7 +142,7 @@ def take_fixes(
         if 0.0 <= ahead_m <= stop.detection_m:
             seen_m = ahead_m - row.plant.speed_mps * stop.frame_s
             position_m, bound_m = front_by_sign(unit, sign_m, seen_m)
-            if cut(unit, position_m, bound_m, bound_m) <= 0.0:
+            if sighted(row.board.readers.sign, unit, position_m, bound_m) == TAKEN:
                 taken += 1
             else:
                 refused += 1
