@@ -5,6 +5,7 @@ bug.
 from __future__ import annotations
 
 import errno
+from pathlib import PurePath
 from typing import Final
 
 from network.files.raw import is_row
@@ -54,8 +55,8 @@ class InputError(Exception):
 
     def _value(self) -> str:
         """The value; what a person has just typed stays whole: a path is of no use without its end."""
-        typed = self.file == COMMAND_LINE and isinstance(self.value, str)
-        return one_line(repr(self.value)) if typed else shown(self.value)
+        typed = self.file == COMMAND_LINE and isinstance(self.value, str | PurePath)
+        return one_line(repr(str(self.value))) if typed else shown(self.value)
 
 
 def shown(value: object) -> str:
