@@ -16,6 +16,7 @@ from onboard.driving.laws.power import overspeed_mps
 from onboard.driving.laws.table import ask
 from onboard.driving.stopping import stop_command_mps2
 from onboard.driving.supervision import RESERVE_M, path_index
+from onboard.driving.tasc import DesignRow
 from onboard.records import EMERGENCY_INTERVENTION, MODE_DRIVE, NO_INTERVENTION, BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
@@ -26,6 +27,7 @@ from vehicle.resistance import resistance_n
 LOOK_AHEAD_S = 1.0
 BRAKE_OVERSPEED_MPS = 0.5  # between stations the brake is left alone below this
 CURVE_BAND_MPS = 0.5  # this near a falling curve the brake follows it
+INCHING_M = 0.5  # assumed: a train this near its mark comes to rest where it is
 
 
 @compiled
@@ -97,6 +99,17 @@ def drive(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]) -> No
 
 
 @compiled
+def is_near_stop(unit: UnitRow, train: TrainRow, design: DesignRow) -> bool:
+    """Whether power taken up now would still build up when the brake for the stop has to: of no use, and it lasts.
+
+    A fix near the mark may release the brake, and a train that then pulled would roll on after it has come to rest.
+    """
+    power_s, brake_s = train.traction_dead_time_s + train.traction_lag_s, design.dead_time_s + design.lag_s
+    needed_m = unit.train_mps * (power_s + brake_s + unit.train_mps / (2.0 * design.pattern_mps2))
+    return bool(unit.target_stop_m - unit.position_m < needed_m + INCHING_M)
+
+
+@compiled
 def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]) -> float:
     """The notch of a train that drives, before supervision; sets `unit.target_mps`."""
     unit, train, behaviour, cue = board.unit, board.kind, board.behaviour, board.cue
@@ -104,6 +117,8 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     cue.reaction_s = train.brake_dead_time_s + train.brake_lag_s
     cue.ceiling_mps = np.inf
     asked = ask(board.laws, cue, unit, train, behaviour, path, plan)
+    if asked > 0.0 and unit.notch <= 0.0 and is_near_stop(unit, train, board.design):
+        asked = 0.0
     unit.target_mps = min(cue.limit_mps, cue.ceiling_mps)
     over_mps = overspeed_mps(unit, unit.target_mps, cue.reaction_s)
     demand_mps2 = -curve_demand_mps2(unit, behaviour, path, cue.ceiling_mps, over_mps)

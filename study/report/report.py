@@ -22,6 +22,7 @@ from study.report.curve import chosen_trains, draw_run_curve
 from study.report.data import Run
 from study.report.drill import DrillShown, MarkKind, expectation_rows, item_rows
 from study.report.energy import energy_fact, energy_parts, place_name
+from study.report.face import FACE, japanese_face
 from study.report.graph import draw_train_graph
 from study.report.margins import margin_fact, margin_part
 from study.report.occupancy import draw_occupancy
@@ -80,6 +81,7 @@ def write_report(
         parts=parts,
         assumed=(*line.assumed, *timetable.assumed),
     )
+    page = page.replace(FACE, japanese_face(page), 1)
     directory.mkdir(parents=True, exist_ok=True)
     aside, path = directory / f".{REPORT_FILE}.part", directory / REPORT_FILE
     aside.write_text(page, encoding="utf-8")

@@ -68,14 +68,20 @@ def _font_family() -> tuple[str, ...]:
 
     The package that carries the font is located, not imported: its import changes the global font.
     """
-    spec = find_spec("matplotlib_fontja")
-    if spec is None or not spec.submodule_search_locations:
-        return ("DejaVu Sans",)
-    path = Path(spec.submodule_search_locations[0]) / "fonts" / "ipaexg.ttf"
-    if not path.is_file():
+    path = japanese_font()
+    if path is None:
         return ("DejaVu Sans",)
     font_manager.fontManager.addfont(path)
     return ("DejaVu Sans", "IPAexGothic")
+
+
+def japanese_font() -> Path | None:
+    """The file of the IPA font; None where its package is not installed."""
+    spec = find_spec("matplotlib_fontja")
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    path = Path(spec.submodule_search_locations[0]) / "fonts" / "ipaexg.ttf"
+    return path if path.is_file() else None
 
 
 def can_write_japanese() -> bool:

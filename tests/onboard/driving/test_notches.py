@@ -216,3 +216,31 @@ def test_notches_follow_the_force(train: TrainRow) -> None:
     forces = np.linspace(0.0, 60e3, 50)
     notches = [power_notch(train, 0.5, 5.0, force) for force in forces]
     assert all(a <= b for a, b in pairwise(notches))
+
+
+@pytest.mark.parametrize(
+    ("speed_mps", "left_m", "pulls"),
+    [
+        (0.0, 0.4, False),  # rests where it is
+        (0.0, 3.0, True),
+        (0.6, 1.0, False),  # 0.6 m/s * 1.8 s, and 0.3 m to brake in
+        (0.6, 20.0, True),
+        (10.0, 90.0, False),  # 10 m/s * 1.8 s, and 83 m to brake in with 0.6 m/s2
+        (10.0, 200.0, True),
+    ],
+)
+def test_no_power_is_taken_up_that_the_stop_would_meet_building_up(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+    speed_mps: float,
+    left_m: float,
+    pulls: bool,
+) -> None:
+    """A train that coasts, slower than it might: with power it would still pull when it has come to rest."""
+    unit.target_stop_m = START_M + left_m
+    unit.cruise_mps = 15.0
+    course = drive_along(unit, train, behaviour, track(np.zeros(TRACK_M)), keeper(), 0.0, 0.0, speed_mps, 1)
+    assert (course.notch[0] > 0.0) is pulls

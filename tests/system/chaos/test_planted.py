@@ -22,8 +22,9 @@ pytestmark = pytest.mark.system
 AT_ONCE: Final = {
     "grants_what_another_holds": ("collision", Checker.ONE_TRAIN_A_SECTION, Checker.NO_DOUBLE_GRANT),
     "bounds_do_not_grow": (Checker.WITHIN_BOUNDS,),
-    "claims_only_where_it_stands": (Checker.INSIDE_HOLDING,),
-    "does_not_wait_for_proof": (Checker.PROVEN_BEFORE_ENTRY,),
+    # who claims too little is told so by the register, or runs where it holds nothing
+    "claims_only_where_it_stands": ("dead: agreement", Checker.INSIDE_HOLDING),
+    "does_not_wait_for_proof": ("unsafe: ran onto points", Checker.PROVEN_BEFORE_ENTRY),
     "releases_at_the_front": (Checker.RELEASE_BEHIND_REAR,),
 }
 SOON: Final = {
