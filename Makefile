@@ -11,7 +11,7 @@ FILE_LINES ?= 500
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
 
-.PHONY: install demo test nightly interpreted check bench nets docs sightings format clean
+.PHONY: install demo test nightly interpreted check bench nets docs sightings pictures format clean
 
 install: $(STAMP)
 
@@ -56,6 +56,9 @@ docs: install
 # What cameras see in every light, from rendered images: minutes, and other samples on another machine's arithmetic.
 sightings: install
 	$(BIN)/python -m documents.sightings
+
+pictures: install
+	$(BIN)/python -m documents.pictures
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build
