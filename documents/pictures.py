@@ -6,7 +6,6 @@ it, so `make check` does not compare them.
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from pathlib import Path
 from shutil import copyfile
@@ -48,4 +47,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -369,7 +369,7 @@ def learning_rows(tuned: list[Tuned]) -> tuple[Row, ...]:
         Row(
             "stops that count until the mode is right and stays so, 95 % of trains",
             DAYS_PAPER * STATIONS,
-            settled,
+            round(settled, 1),
             settled <= DAYS_PAPER * STATIONS,
             "at most 30: the paper's 2 days of adjusting (6 by hand) at 15 stations",
         ),
