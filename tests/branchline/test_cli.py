@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -156,6 +156,15 @@ def test_a_run_replaces_the_run_before_it(main: Callable[..., Any], tmp_path: Pa
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
+@pytest.fixture
+def hang_up_counts() -> Iterator[None]:
+    """SIGHUP as it is set at a terminal: not what nohup may have set for these tests."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.usefixtures("hang_up_counts")
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
 )
