@@ -34,7 +34,7 @@ class Kind(Enum):
 BAD: Final = frozenset({Kind.NOT_ARRIVED, Kind.BROKEN, Kind.CRASH})
 
 
-class Outcome(msgspec.Struct, frozen=True):
+class SweptRun(msgspec.Struct, frozen=True):
     """One run. `label` is its class in words; `late_s` by how much it was late at most, `digest` which run it was."""
 
     kind: Kind
@@ -48,24 +48,24 @@ class Outcome(msgspec.Struct, frozen=True):
         return self.kind in BAD
 
 
-def outcome_of(result: RunResult, script: Script) -> Outcome:
+def swept_run_of(result: RunResult, script: Script) -> SweptRun:
     """The class of a run that came to its end; the gravest where there are several."""
     late_s, digest = late_s_max(result), result.digest
     begun = {id(course.item) for course in result.courses}
     first = script.faults[0] if script.faults else script.acts[0]
     if broken := broken_in(result):
-        return Outcome(Kind.BROKEN, ", ".join(broken), late_s, digest)
+        return SweptRun(Kind.BROKEN, ", ".join(broken), late_s, digest)
     if unfinished(result):
-        return Outcome(Kind.NOT_ARRIVED, f"{Kind.NOT_ARRIVED.value}: {_waiting(result)}", late_s, digest)
+        return SweptRun(Kind.NOT_ARRIVED, f"{Kind.NOT_ARRIVED.value}: {_waiting(result)}", late_s, digest)
     if id(first) not in begun:
-        return Outcome(Kind.NOT_APPLICABLE, Kind.NOT_APPLICABLE.value, late_s, digest)
+        return SweptRun(Kind.NOT_APPLICABLE, Kind.NOT_APPLICABLE.value, late_s, digest)
     kind = Kind.ON_TIME if late_s <= ON_TIME_S else Kind.LATE
-    return Outcome(kind, kind.value, late_s, digest)
+    return SweptRun(kind, kind.value, late_s, digest)
 
 
-def outcome_of_death(died: Died) -> Outcome:
+def swept_run_of_death(died: Died) -> SweptRun:
     """The class of a run that had no end."""
-    return Outcome(Kind.CRASH, f"{Kind.CRASH.value} {died.why}")
+    return SweptRun(Kind.CRASH, f"{Kind.CRASH.value} {died.why}")
 
 
 def broken_in(result: RunResult) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from simulation.world.roster import draw_up
 from study.run.forks import Died, Forks
-from study.run.outcome_class import Outcome, outcome_of, outcome_of_death
+from study.run.outcome_class import SweptRun, swept_run_of, swept_run_of_death
 from study.run.run import simulated
 
 LEAD_S: Final = 10.0  # a sweep begins this long before the first train of interest
@@ -76,7 +76,7 @@ class Swept:
     """All outcomes of a sweep, by the variation's name and the step of the instant."""
 
     every_step: int
-    outcomes: dict[str, dict[int, Outcome]]
+    outcomes: dict[str, dict[int, SweptRun]]
 
     @property
     def bad(self) -> bool:
@@ -134,7 +134,7 @@ def sweep(
         len(steps if variation.instants is None else variation.instants)
         for variation, steps in zip(variations, planned, strict=True)
     )
-    with simulated(replace(setup, script=Script())) as simulation, Forks(Outcome, jobs) as copies:
+    with simulated(replace(setup, script=Script())) as simulation, Forks(SweptRun, jobs) as copies:
         simulation.begin()
         while any(course.open for course in courses) and not simulation.settle():
             for course in courses:
@@ -150,18 +150,18 @@ def sweep(
             for course in courses:
                 course.close(simulation.step)
         copies.wait()
-    outcomes: dict[str, dict[int, Outcome]] = {variation.name: {} for variation in variations}
+    outcomes: dict[str, dict[int, SweptRun]] = {variation.name: {} for variation in variations}
     last_of = {course.variation.name: course.last_step for course in courses}
     for (name, step), found in sorted(copies.results.items(), key=_key):
         if step <= last_of[name]:
-            outcomes[name][step] = outcome_of_death(found) if isinstance(found, Died) else found
+            outcomes[name][step] = swept_run_of_death(found) if isinstance(found, Died) else found
     return Swept(every_step, outcomes)
 
 
-def _end_of(simulation: Simulation, script: Script) -> Outcome:
+def _end_of(simulation: Simulation, script: Script) -> SweptRun:
     """In a copy: what becomes of it all with this script."""
     simulation.happens(script)
-    return outcome_of(simulation.finish(), script)
+    return swept_run_of(simulation.finish(), script)
 
 
 def _key(item: tuple[tuple[str, int], object]) -> tuple[str, int]:

@@ -13,7 +13,7 @@ from network.files.names import title_of
 from network.timetable import clock
 from simulation.faults.script import Act, Failure, Script
 from simulation.setup import STEPS_PER_S
-from study.run.outcome_class import Kind, Outcome
+from study.run.outcome_class import Kind, SweptRun
 from study.run.sweep import Swept, Variation
 from study.scenario.scenario import Scenario
 
@@ -61,7 +61,7 @@ def classes_of(swept: Swept) -> tuple[OutcomeClass, ...]:
     found: list[OutcomeClass] = []
     bad = 0
     for name, runs in swept.outcomes.items():
-        by_label: dict[str, list[tuple[int, Outcome]]] = {}
+        by_label: dict[str, list[tuple[int, SweptRun]]] = {}
         for step, outcome in runs.items():
             by_label.setdefault(outcome.label, []).append((step, outcome))
         for label, group in sorted(
