@@ -6,8 +6,7 @@ from typing import Final
 
 from simulation.settings import Driving
 from simulation.setup import behaviour_row
-from vehicle.adhesion import adhesion_coefficient
-from vehicle.mass import GRAVITY_MPS2
+from vehicle.adhesion import grip_mps2
 from vehicle.train_file import TrainType
 
 BRAKES: Final = (
@@ -18,9 +17,7 @@ BRAKES: Final = (
 
 def design_grip_mps2(driving: Driving, train: TrainType, speed_mps: float) -> float:
     """What all axles together can brake with on the design adhesion, m/s^2: the least up to a speed is that at it."""
-    row = train.row[0]
-    coefficient = adhesion_coefficient(row, driving.design_adhesion_share, speed_mps)
-    return GRAVITY_MPS2 * coefficient / (1.0 + float(row["rotating_mass_factor"]))
+    return float(grip_mps2(train.row[0], driving.design_adhesion_share, speed_mps))
 
 
 def overrated(driving: Driving, train: TrainType, line_max_mps: float) -> tuple[str, float, float] | None:
@@ -28,10 +25,10 @@ def overrated(driving: Driving, train: TrainType, line_max_mps: float) -> tuple[
 
     The key of its share, what is guaranteed and what there is, m/s^2; None where each has the grip that it needs.
     """
-    grip_mps2 = design_grip_mps2(driving, train, min(line_max_mps, float(train.row[0]["speed_max_mps"])))
+    available_mps2 = design_grip_mps2(driving, train, min(line_max_mps, float(train.row[0]["speed_max_mps"])))
     guaranteed = behaviour_row(driving, train.row[0])
     for brake in BRAKES:
         asked_mps2 = float(guaranteed[f"{brake}_mps2"])
-        if asked_mps2 > grip_mps2:
-            return f"{brake}_share", asked_mps2, grip_mps2
+        if asked_mps2 > available_mps2:
+            return f"{brake}_share", asked_mps2, available_mps2
     return None

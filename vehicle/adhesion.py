@@ -15,8 +15,10 @@ from __future__ import annotations
 from typing import Final
 
 from vehicle.compiled import compiled
+from vehicle.mass import GRAVITY_MPS2
 from vehicle.records import TrainRow
 
+DRY: Final = 1.0  # adhesion factor of a dry rail
 ROTATING_SHARE_MIN: Final = 0.03  # assumed, where the train file gives no rotating mass
 CLEANED_RAIL: Final = (
     1.15  # assumed: adhesion under the last axle, over that which the train as a whole finds
@@ -28,6 +30,13 @@ SLIP_FLOOR_MPS: Final = 1.0  # assumed: slip protection acts on a difference eve
 def adhesion_coefficient(train: TrainRow, adhesion_factor: float, speed_mps: float) -> float:
     """Adhesion coefficient (粘着係数) at a speed: dry / (1 + factor v), times the weather's factor."""
     return adhesion_factor * train.adhesion_dry / (1.0 + train.adhesion_speed_factor_s_per_m * speed_mps)
+
+
+@compiled
+def grip_mps2(train: TrainRow, adhesion_factor: float, speed_mps: float) -> float:
+    """What all axles together can brake with at a speed, m/s^2; what turns has to be braked too."""
+    coefficient = adhesion_coefficient(train, adhesion_factor, speed_mps)
+    return GRAVITY_MPS2 * coefficient / (1.0 + train.rotating_mass_factor)
 
 
 @compiled

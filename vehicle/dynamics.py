@@ -87,7 +87,8 @@ def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> tuple[f
     """Cap the forces by adhesion, share the brake between motors and air; next slip of first and last axle, m/s."""
     adhesion = adhesion_coefficient(train, plant.adhesion_factor, plant.speed_mps)
     weight_n = mass * GRAVITY_MPS2 * adhesion
-    traction_limit_n = plant.motors_share * motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
+    motored_n = motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
+    traction_limit_n = plant.motors_share * motored_n
     traction_n = min(plant.traction_built_n, traction_limit_n)
     deceleration = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
     asked_n = deceleration * mass * (1.0 + train.rotating_mass_factor)
@@ -99,8 +100,7 @@ def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> tuple[f
     released = traction_n <= 0.01 * full_force_n(train, plant.load_share, plant.speed_mps)
     slides = asked_n > brake_n or plant.wheel_speed_mps < plant.speed_mps
     if plant.emergency_deceleration_mps2 < 1e-3 and released and not slides:
-        grip_n = motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
-        regenerative_n = electric_brake_n(train, plant.motors_share, brake_n, grip_n, plant.speed_mps)
+        regenerative_n = electric_brake_n(train, plant.motors_share, brake_n, motored_n, plant.speed_mps)
     plant.traction_force_n = traction_n
     plant.regenerative_force_n = regenerative_n
     plant.air_force_n = brake_n - regenerative_n

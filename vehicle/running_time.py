@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.adhesion import adhesion_coefficient
+from vehicle.adhesion import DRY, adhesion_coefficient
 from vehicle.brakes import electric_brake_n
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
@@ -21,7 +21,6 @@ from vehicle.resistance import gradient_force_n, resistance_n
 from vehicle.traction import full_force_n, motored_grip_n
 
 STEPS_MAX: Final = 200_000
-DRY: Final = 1.0
 ALL_MOTORS: Final = 1.0
 
 

@@ -11,15 +11,14 @@ from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 from network.errors import InputError
-from vehicle.adhesion import adhesion_coefficient
+from vehicle.adhesion import DRY, adhesion_coefficient, grip_mps2
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.resistance import resistance_n
-from vehicle.traction import full_force_n
+from vehicle.traction import full_force_n, motored_grip_n
 
 Record: TypeAlias = (
     Any  # one of TRAIN: numpy knows no type of its fields, and compiled laws take it as a TrainRow
 )
-_DRY: Final = 1.0
 _EMPTY: Final = 0.0
 _FULL: Final = 1.0
 
@@ -47,14 +46,13 @@ class Rule:
 
 def _grip_mps2(train: Record) -> float:
     """What all axles can brake with on dry rail at rest, m/s^2."""
-    coefficient = float(adhesion_coefficient(train, _DRY, 0.0))
-    return GRAVITY_MPS2 * coefficient / (1.0 + float(train["rotating_mass_factor"]))
+    return float(grip_mps2(train, DRY, 0.0))
 
 
 def _grip_n(train: Record) -> float:
     """What the driven axles of the empty train carry on dry rail at rest, N."""
-    weight_n = float(train["mass_empty_kg"]) * GRAVITY_MPS2 * float(train["motored_axle_mass_share"])
-    return weight_n * float(adhesion_coefficient(train, _DRY, 0.0))
+    weight_n = float(train["mass_empty_kg"]) * GRAVITY_MPS2
+    return float(motored_grip_n(train, weight_n, adhesion_coefficient(train, DRY, 0.0)))
 
 
 def _service_mps2(train: Record) -> float:

@@ -6,6 +6,8 @@ gradient's part by the mean elevation under the train, so v^2/2 falls by (b + g*
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
@@ -15,6 +17,8 @@ from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2
 from vehicle.records import TrainRow
 from vehicle.resistance import climb_m
+
+CRAWL_MPS: Final = 1.0  # no margin below a limit makes a train slower than this
 
 
 @compiled
@@ -45,6 +49,16 @@ def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray
     )
 
 
+def limit_for_train(limit_mps: NDArray[np.float64], train: TrainRow) -> NDArray[np.float64]:
+    """Greatest speed of a train with its front at each metre: the limits over its whole length, and its own; (n,)."""
+    return np.minimum(limit_for_length(limit_mps, train.length_m), train.speed_max_mps)
+
+
+def lowered_by(limit_mps: NDArray[np.float64], margin_mps: float) -> NDArray[np.float64]:
+    """Limits less the distance that driving keeps from them; no train creeps for it."""
+    return np.maximum(limit_mps - margin_mps, CRAWL_MPS)
+
+
 def mean_over_length(elevation_m: NDArray[np.float64], length_m: float) -> NDArray[np.float64]:
     """Mean elevation below a train with its front at each metre; the path's beginning continues level; shape (n,)."""
     rear_m = max(round(length_m), 1)
@@ -65,10 +79,10 @@ def pattern_of(
     `turn_rad`: integral of |curvature|. Curves slow a train, so supervision leaves them out.
     """
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
-    whole = np.minimum(limit_for_length(limit_mps, train.length_m), train.speed_max_mps)
+    whole = limit_for_train(limit_mps, train)
     body_m = mean_over_length(elevation_m, train.length_m)
     permitted = braking_curve(whole, body_m, behaviour.service_guaranteed_mps2, gravity_share)
-    lowered = np.maximum(whole - behaviour.driving_margin_mps, 1.0)
+    lowered = lowered_by(whole, behaviour.driving_margin_mps)
     driving = braking_curve(lowered, body_m, behaviour.stop_deceleration_mps2, gravity_share)
     rows = np.zeros(elevation_m.size, dtype=PATTERN)
     rows["climb_m"] = climb_m(train, elevation_m, turn_rad)

@@ -88,10 +88,9 @@ def slide_protection(
     if own.state != 0 and abs(first - last) <= seen and rolls and own.since_s >= SURE_S:
         own.state = 0
         own.highest_mps, own.lowest_mps = max(first, last), min(first, last)
-    slid = (
-        last if own.state > 0 else first
-    )  # while the first axle slips, the last one tells that wheels slide
-    if own.state >= 0 and min(first, slid) < own.highest_mps - seen:
+    # While the first axle slips, the last one tells that wheels slide.
+    slowest = min(first, last) if own.state > 0 else first
+    if own.state >= 0 and slowest < own.highest_mps - seen:
         own.state, own.since_s = -1, 0.0
     elif own.state <= 0 and first > own.lowest_mps + seen:
         own.state, own.since_s = 1, 0.0

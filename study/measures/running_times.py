@@ -13,7 +13,7 @@ import numpy as np
 from network.model import Line
 from network.path import Path
 from network.profile import profile_of
-from onboard.driving.pattern import limit_for_length
+from onboard.driving.pattern import limit_for_train, lowered_by
 from onboard.duty.mission import Target
 from simulation.setup import Setup
 from simulation.world.roster import Duty, draw_up
@@ -22,7 +22,6 @@ from vehicle.running_time import predicted_run
 from vehicle.train_file import TrainType
 
 STEP_S: Final = 0.1
-CRAWL_MPS: Final = 1.0  # no margin below a limit makes a train slower than this
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,16 +43,14 @@ def least_running_time_s(
     deceleration towards lower limits and the stop; gradients and curves as `vehicle.running_time` counts them.
     Infinite where the train cannot climb.
     """
-    row = kind.row[0]
+    train = kind.row.view(np.recarray)[0]
     profile = profile_of(way.line, way.path)
-    limit_mps = np.minimum(
-        limit_for_length(profile["limit_mps"], float(row["length_m"])), row["speed_max_mps"]
-    )
+    limit_mps = limit_for_train(profile["limit_mps"], train)
     if below_limit_mps > 0.0:
-        limit_mps = np.maximum(limit_mps - below_limit_mps, CRAWL_MPS)
-    climbs_m = climb_m(kind.row.view(np.recarray)[0], profile["elevation_m"], profile["turn_rad"])
+        limit_mps = lowered_by(limit_mps, below_limit_mps)
+    climbs_m = climb_m(train, profile["elevation_m"], profile["turn_rad"])
     time_s, _ = predicted_run(
-        row,
+        kind.row[0],
         load_share,
         np.ascontiguousarray(climbs_m),
         np.ascontiguousarray(limit_mps),
