@@ -8,9 +8,11 @@ from __future__ import annotations
 import json
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
-from typing import Final, cast
+from typing import Final, NoReturn, cast
 
 import typer
 
@@ -64,6 +66,23 @@ def _stopped(error: BaseException | None) -> StoppedError | None:
 def judged(good: bool) -> Outcome:
     """How a command ends that came to its end."""
     return Outcome.GOOD if good else Outcome.BROKEN
+
+
+def end(outcome: Outcome) -> NoReturn:
+    """End a command here."""
+    raise typer.Exit(outcome.code)
+
+
+@contextmanager
+def crashes_into(directory: Path | None) -> Generator[None]:
+    """Where a run leaves its journal if a bug ends it."""
+    from study.run.crash import Crashed
+
+    try:
+        yield
+    except Crashed as crashed:
+        crashed.out = directory
+        raise
 
 
 def print_json(value: object, outcome: Outcome | None = None) -> None:

@@ -115,17 +115,17 @@ class Points:
 
 @dataclass(frozen=True, slots=True)
 class PlatformTrack:
-    """A place where trains call. At a halt (停留所) `section_id` is the section between stations.
+    """A place where trains stand. At a halt (停留所) `section_id` is the section between stations.
 
-    `marks_m` gives by direction of travel the kilometrage (m) at which the train's front stops.
+    `platform_m` are the kilometrages (m) of the platform's low and high end; None on a track that has none, as at a
+    signal station (信号場). `marks_m` gives by direction of travel the kilometrage (m) at which the train's front stops.
     """
 
     station_id: str
     name: str
     section_id: str
     piece_id: str
-    platform_from_m: float
-    platform_to_m: float
+    platform_m: tuple[float, float] | None
     marks_m: Mapping[Direction, float]
     directions: tuple[Direction, ...]  # directions for which this track is the usual one
 
@@ -140,6 +140,11 @@ class Station:
     position_m: float
     tracks: tuple[PlatformTrack, ...]
     is_halt: bool
+
+    @property
+    def is_signal_station(self) -> bool:
+        """Whether no track has a platform (信号場): trains meet or stand here, nobody gets on."""
+        return all(track.platform_m is None for track in self.tracks)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
@@ -26,17 +27,32 @@ LAST_S_MAX: Final = 3 * DAY_S  # assumed: a run is of one day, and some hours ar
 _TIME: Final = re.compile(r"([01]\d|2[0-9]):([0-5]\d)(?::([0-5]\d))?")
 
 
+class CallKind(Enum):
+    """What a train does at a station of its timetable."""
+
+    STOP = "stop"  # for passengers (客扱い)
+    OPERATIONAL = "operational"  # stands with its doors closed, to be met or overtaken, for a crew (運転停車)
+    PASS = "pass"  # runs through (通過)
+
+
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call (停車) at a station, on `track` or, when None, on the usual one of the train's direction.
+    """A train at a station, on `track` or, when None, on the usual one of the train's direction.
 
-    Only the last call may lack a departure; an arrival may be left out everywhere but there.
+    Only the last call may lack a departure; an arrival may be left out everywhere but there. Where a train passes,
+    `departure_s` is when, and there is no arrival; the first and the last call are stops.
     """
 
     station_id: str
     track: str | None
     arrival_s: int | None
     departure_s: int | None
+    kind: CallKind = CallKind.STOP
+
+    @property
+    def stops(self) -> bool:
+        """Whether the train stands here, for passengers or not."""
+        return self.kind is not CallKind.PASS
 
     @property
     def first_s(self) -> int:
@@ -177,6 +193,8 @@ def _train(file: str, key: str, entry: TrainTable, line: Line) -> TimetableTrain
         after_s = calls[-1].last_s if calls else None
         call = _call(file, where, item, after_s, last=i == len(entry.calls) - 1)
         _check_place(file, where, line, call, direction)
+        if entry.revenue:
+            _check_platform(file, where, line, call, direction)
         if calls:
             _check_order(file, where, line, calls[-1], call, direction)
         calls.append(call)
@@ -212,6 +230,8 @@ def clock(time_s: float) -> str:
 
 
 def _call(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> Call:
+    if entry.passes is not None:
+        return _passing(file, key, entry, after_s, last=last)
     if entry.departure is None and not last:
         raise InputError(file, f"{key}.departure", None, "a departure: only the last call goes without")
     if entry.departure is None and entry.arrival is None:
@@ -222,7 +242,25 @@ def _call(file: str, key: str, entry: CallTable, after_s: int | None, *, last: b
     if entry.departure is not None:
         before_s = after_s if arrival_s is None else arrival_s
         departure_s = seconds_of(file, f"{key}.departure", entry.departure, before_s)
-    return Call(entry.station, entry.track, arrival_s, departure_s)
+    kind = CallKind.OPERATIONAL if entry.operational else CallKind.STOP
+    return Call(entry.station, entry.track, arrival_s, departure_s, kind)
+
+
+def _passing(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> Call:
+    """A station that the train runs through: one time, between stops."""
+    if entry.arrival is not None or entry.departure is not None or entry.operational:
+        other = (
+            "operational" if entry.operational else "arrival" if entry.arrival is not None else "departure"
+        )
+        raise InputError(
+            file, f"{key}.{other}", getattr(entry, other), "nothing beside pass: it does not stop"
+        )
+    if after_s is None or last or entry.passes is None:
+        raise InputError(
+            file, f"{key}.pass", entry.passes, "arrival or departure: its first and last call are stops"
+        )
+    passes_s = seconds_of(file, f"{key}.pass", entry.passes, after_s)
+    return Call(entry.station, entry.track, None, passes_s, CallKind.PASS)
 
 
 def _check_place(file: str, key: str, line: Line, call: Call, direction: Direction) -> None:
@@ -235,6 +273,13 @@ def _check_place(file: str, key: str, line: Line, call: Call, direction: Directi
     if call.track is not None and call.track not in usable:
         expected = f"a track with a mark for trains going {direction.name.lower()}, {one_of(usable)}"
         raise InputError(file, f"{key}.track", call.track, expected)
+
+
+def _check_platform(file: str, key: str, line: Line, call: Call, direction: Direction) -> None:
+    """Passengers get on and off at a platform."""
+    if call.kind is CallKind.STOP and platform_of(line, call, direction).platform_m is None:
+        expected = "operational = true: the track has no platform"
+        raise InputError(file, f"{key}.station", call.station_id, expected)
 
 
 def _check_order(file: str, key: str, line: Line, before: Call, call: Call, direction: Direction) -> None:

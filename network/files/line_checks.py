@@ -162,17 +162,22 @@ def check_platform_section(
         known = one_of((name for name, kind in kinds.items() if kind == wanted), track.section)
         place = "a halt" if station.halt else "a station"
         raise InputError(file, f"{key}.section", track.section, f"a {wanted!r} section for {place}, {known}")
+    if station.halt and track.platform_from_km is None:
+        raise InputError(file, f"{key}.platform_from_km", None, "the low end of the platform: it is a halt")
 
 
 def check_platform(file: str, key: str, entry: PlatformTable, piece: Piece) -> None:
     """Platform inside its section, marks along the platform, a mark for every usual direction."""
-    if entry.platform_to_km <= entry.platform_from_km:
-        expected = f"more than platform_from_km = {entry.platform_from_km}"
-        raise InputError(file, f"{key}.platform_to_km", entry.platform_to_km, expected)
-    for name, value in (
-        ("platform_from_km", entry.platform_from_km),
-        ("platform_to_km", entry.platform_to_km),
-    ):
+    from_km, to_km = entry.platform_from_km, entry.platform_to_km
+    ends = [("platform_from_km", from_km), ("platform_to_km", to_km)]
+    if (from_km is None) is not (to_km is None):
+        missing = next(name for name, value in ends if value is None)
+        raise InputError(file, f"{key}.{missing}", None, "both ends of the platform, or neither")
+    if from_km is not None and to_km is not None and to_km <= from_km:
+        raise InputError(file, f"{key}.platform_to_km", to_km, f"more than platform_from_km = {from_km}")
+    for name, value in ends:
+        if value is None:
+            continue
         if not piece.from_m <= metres(value) <= piece.to_m:
             expected = f"{_km(piece.from_m)} to {_km(piece.to_m)}, the range of section {piece.section_id}"
             raise InputError(file, f"{key}.{name}", value, expected)
@@ -180,8 +185,11 @@ def check_platform(file: str, key: str, entry: PlatformTable, piece: Piece) -> N
     if all(mark is None for mark in marks.values()):
         raise InputError(file, f"{key}.mark_down_km", None, "this key or mark_up_km")
     for direction, mark_km in marks.items():
-        if mark_km is not None and not entry.platform_from_km <= mark_km <= entry.platform_to_km:
-            expected = f"{entry.platform_from_km} to {entry.platform_to_km}, along the platform"
+        low_km = piece.from_m / 1000.0 if from_km is None else from_km
+        high_km = piece.to_m / 1000.0 if to_km is None else to_km
+        if mark_km is not None and not low_km <= mark_km <= high_km:
+            along = "the platform" if from_km is not None else f"section {piece.section_id}"
+            expected = f"{low_km:g} to {high_km:g}, along {along}"
             raise InputError(file, f"{key}.mark_{direction}_km", mark_km, expected)
         if mark_km is None and entry.directions is not None and direction in entry.directions:
             raise InputError(

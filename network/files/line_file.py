@@ -110,6 +110,8 @@ def validate_train_fits(
         for number in diagram.train_numbers:
             train = timetable.trains[number]
             for call in train.calls:
+                if not call.stops:
+                    continue
                 platform = platform_of(line, call, train.direction)
                 usable_m = usable_length_m(line, platform, train.direction)
                 if length_m > usable_m:
@@ -120,8 +122,9 @@ def validate_train_fits(
 
 def usable_length_m(line: Line, platform: PlatformTrack, direction: Direction) -> float:
     """Longest train (m) that can call at `platform` in `direction`, see `validate_train_fits`."""
-    if line.stations[platform.station_id].is_halt:
-        return platform.platform_to_m - platform.platform_from_m
+    if line.stations[platform.station_id].is_halt and platform.platform_m is not None:
+        low_m, high_m = platform.platform_m
+        return high_m - low_m
     piece = line.pieces[platform.piece_id]
     mark_m = platform.marks_m[direction]
     behind_m = mark_m - piece.from_m if direction is Direction.DOWN else piece.to_m - mark_m
@@ -290,11 +293,16 @@ def _platform(
         name=entry.name,
         section_id=entry.section,
         piece_id=piece.id,
-        platform_from_m=metres(entry.platform_from_km),
-        platform_to_m=metres(entry.platform_to_km),
+        platform_m=_platform_m(entry),
         marks_m=marks_m,
         directions=tuple(marks_m) if entry.directions is None else _directions(entry.directions),
     )
+
+
+def _platform_m(entry: schema.PlatformTable) -> tuple[float, float] | None:
+    if entry.platform_from_km is None or entry.platform_to_km is None:
+        return None
+    return metres(entry.platform_from_km), metres(entry.platform_to_km)
 
 
 def _sections(

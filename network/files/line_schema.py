@@ -146,12 +146,14 @@ class JointTable(Record):
 
 
 class PlatformTable(Record):
-    """`stations.tracks`."""
+    """`stations.tracks`: a track of a station; without a platform, as at a signal station (信号場), for trains only."""
 
     name: Annotated[Title, Field(min_length=1), about("number of the track")]
     section: Annotated[str, about("section it lies in")]
-    platform_from_km: Annotated[Kilometrage, about("platform, low end")]
-    platform_to_km: Annotated[Kilometrage, about("platform, high end")]
+    platform_from_km: Annotated[
+        Kilometrage | None, about("platform, low end; left out with the other end: no platform")
+    ] = None
+    platform_to_km: Annotated[Kilometrage | None, about("platform, high end")] = None
     mark_down_km: Annotated[Kilometrage | None, about("stopping mark for down trains")] = None
     mark_up_km: Annotated[Kilometrage | None, about("stopping mark for up trains")] = None
     directions: Annotated[

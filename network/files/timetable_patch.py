@@ -121,9 +121,9 @@ def _scale_train(patched: Patched, train: Data, scale: ScaleTable, key: str) -> 
 
 
 def _times_s(file: str, key: str, call: dict[str, Any], after_s: int | None) -> dict[str, int]:
-    """Arrival and departure of a call, those that it has, s."""
+    """Times of a call, those that it has, s."""
     found: dict[str, int] = {}
-    for name in ("arrival", "departure"):
+    for name in ("arrival", "departure", "pass"):
         if call.get(name) is not None:
             after_s = found[name] = seconds_of(file, key, call[name], after_s)
     return found

@@ -33,12 +33,16 @@ class HeadTable(Record):
 
 
 class CallTable(Record):
-    """`trains.calls`: a call (停車); only the last may lack a departure."""
+    """`trains.calls`: a stop (停車) or, with `pass` alone, a passing; only the last may lack a departure."""
 
     station: Annotated[str, about("id of the station")]
     track: Annotated[str | None, about("its track; left out: the usual one of the direction")] = None
     arrival: Annotated[str | None, about(f"when it arrives, {_CLOCK}")] = None
     departure: Annotated[str | None, about(f"when it leaves, {_CLOCK}")] = None
+    passes: Annotated[
+        str | None, Field(alias="pass"), about(f"when it runs through (通過), {_CLOCK}; no other time then")
+    ] = None
+    operational: Annotated[bool, about("true: it stands, but not for passengers (運転停車)")] = False
 
 
 class TrainTable(Record):

@@ -212,6 +212,8 @@ def _targets(
         piece_id = line.sections[start_section].piece_ids[0]
         targets.append(Target(None, "", start_section, path.to_path_m(piece_id, enter_mark_m), None, None))
     for call in train.calls:
+        if not call.stops:
+            continue
         tracks = [
             t
             for t in line.stations[call.station_id].tracks

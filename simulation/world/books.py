@@ -127,14 +127,15 @@ class Books:
         return abs(now_m) < abs(before_m) and self._calls(slot, duty, at)
 
     def _alongside(self, slot: int, duty: Duty, target: Target) -> bool:
-        """Whether the whole train stands along the platform of a target."""
+        """Whether the whole train stands along the platform of a target, or on its track where that has none."""
         if target.station_id is None:
             return False
         tracks = self._trains.setup.line.stations[target.station_id].tracks
         track = next(track for track in tracks if track.name == target.track)
+        piece = self._trains.setup.line.pieces[track.piece_id]
         ends_m = [
             duty.mission.path.to_path_m(track.piece_id, kilometrage_m)
-            for kilometrage_m in (track.platform_from_m, track.platform_to_m)
+            for kilometrage_m in track.platform_m or (piece.from_m, piece.to_m)
         ]
         front_m = float(self._trains.truths[slot].position_m)
         return min(ends_m) <= front_m - float(self._trains.bodies[slot].length_m) and front_m <= max(ends_m)

@@ -1,0 +1,93 @@
+"""`branchline drill`: a drill, expectation by expectation, or a sweep of it."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from branchline.ending import crashes_into, end, judged, print_json
+from branchline.options import Json, LinkName, Seed, UnitsName
+from branchline.progress import progress_of
+from network.errors import InputError
+
+
+def drill(
+    file: Annotated[
+        str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")
+    ],
+    link: LinkName = "simulated",
+    units: UnitsName = "simulator",
+    seed: Seed = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Also write the run directory, or what a sweep found, there.")
+    ] = None,
+    as_json: Json = False,
+    sweep: Annotated[
+        bool,
+        typer.Option(
+            "--sweep",
+            help="Move its faults and acts, as one piece, over the run: one line for each class of outcome. Its own"
+            " expectations make no sense at other instants: what counts is that everyone arrives, that no invariant"
+            " is broken, and that nothing crashes.",
+        ),
+    ] = False,
+    sweep_kinds: Annotated[
+        bool,
+        typer.Option("--sweep-kinds", help="FILE is a scenario: sweep single faults of every kind over it."),
+    ] = False,
+    every: Annotated[float, typer.Option("--every", min=0.1, help="Of a sweep: its step, s.")] = 1.0,
+    from_time: Annotated[
+        str | None,
+        typer.Option("--from", help="Of a sweep: first instant; default just before the trains hit begin."),
+    ] = None,
+    to_time: Annotated[
+        str | None, typer.Option("--to", help="Of a sweep: last instant; default where their day has ended.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", min=1, help="Of a sweep: runs at a time; default one a processor.")
+    ] = None,
+) -> None:
+    """Run a drill and print it expectation by expectation; exit code 1 if one is not met, or a swept run is bad."""
+    if sweep or sweep_kinds:
+        from branchline.sweeping import Asked, sweep_drill
+        from branchline.sweeping import sweep_kinds as sweep_all_kinds
+
+        if link != "simulated" or units != "simulator":
+            raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
+        asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
+        good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
+        end(judged(good))
+    from study.run.directory import reserved
+    from study.run.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
+    from study.run.run import link_of, units_at
+
+    if file == "list":
+        sentences = {name: sentence_of(name) for name in shipped_drills()}
+        if as_json:
+            print_json([{"drill": name, "sentence": sentence} for name, sentence in sentences.items()])
+        else:
+            width = max(map(len, sentences), default=0)
+            sys.stdout.write("".join(f"{name:{width}}  {text}\n" for name, text in sentences.items()))
+        return
+    chosen = link_of(link)
+    hosted = units_at(units, chosen)
+    with nullcontext() if out is None else reserved(out.resolve()) as place:
+        journal = None if place is None else place.journal
+        with crashes_into(None if place is None else place.out), progress_of(Path(file).stem) as progress:
+            done = run_drill(file, chosen, seed, progress, hosted, journal)
+        if place is not None:
+            fill_drill(done, place)
+    if as_json:
+        print_json(done.as_dict(), judged(done.passed))
+    else:
+        sys.stdout.write(f"{done.run.scenario.name}\n")
+        for verdict in done.verdicts:
+            sys.stdout.write(
+                f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
+            )
+        sys.stdout.write(f"  {score_text(done.scores)}\n")
+    end(judged(done.passed))

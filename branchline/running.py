@@ -1,0 +1,127 @@
+"""`branchline run`: runs a day, writes its run directory, and prints its figures for a person."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from branchline.ending import crashes_into, end, judged, print_json
+from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
+from branchline.progress import progress_of, tell
+from network.errors import InputError
+
+if TYPE_CHECKING:
+    from study.run.run import Run
+
+
+def run(
+    scenario: ScenarioName,
+    link: LinkName = "simulated",
+    units: UnitsName = "simulator",
+    carrier: Annotated[
+        str, typer.Option("--carrier", help="sumo, or plain: one train on plain track.")
+    ] = "sumo",
+    seed: Seed = None,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Run a scenario and write its run directory with report.html."""
+    from study.run.directory import reserved
+    from study.run.run import CarrierKind, execute, fill_run, link_of, units_at
+    from study.scenario.scenario import load_scenario
+
+    chosen = link_of(link)
+    hosted = units_at(units, chosen)
+    if carrier not in {kind.value for kind in CarrierKind}:
+        raise InputError("command line", "--carrier", carrier, "sumo or plain")
+    loaded = load_scenario(scenario, seed)
+    directory = (out or Path("runs") / loaded.id).resolve()
+    with reserved(directory) as place:
+        with crashes_into(directory), progress_of(loaded.id) as progress:
+            done = execute(
+                loaded,
+                chosen,
+                units=hosted,
+                carrier=CarrierKind(carrier),
+                progress=progress,
+                journal=place.journal,
+            )
+        tell("writing the report")
+        report = fill_run(done, place)
+    outcome = judged(not done.broken)
+    if as_json:
+        print_json(done.summary | {"out": str(directory)}, outcome)
+    else:
+        _print_run(done, report)
+    for text in done.summary["outside_design"]:
+        tell(f"outside the design: {text}")
+    for text in done.broken:
+        tell(f"broken: {text}")
+    end(outcome)
+
+
+def _latest(late_s: float | None) -> str:
+    """The worst lateness of a run in words; None: no train arrived."""
+    return "no train arrived" if late_s is None else f"{late_s:.1f} s after the timetable"
+
+
+def _margin(margins: dict[str, Any] | None) -> str:
+    """The hop whose timetable leaves least over the least running time, and what was left as run."""
+    least, left = (None if margins is None else margins.get(f"smallest_{of}_s") for of in ("margin", "left"))
+    if least is None:
+        return "-"
+    text = f"{least['margin_s']:.0f} s, {least['train']} {least['from_station']} to {least['to_station']}"
+    return text if left is None else f"{text}; as run {left['left_s']:.0f} s left, {left['train']}"
+
+
+def _net(energy: dict[str, Any]) -> str:
+    """Net energy of the day, and by distance."""
+    by_train, by_car = energy["net_kwh_per_train_km"]["all"], energy["net_kwh_per_car_km"]["all"]
+    text = f"{energy['all']['net']:.1f} kWh"
+    return text if by_train is None else f"{text}: {by_train:.2f} a train-km, {by_car:.2f} a car-km"
+
+
+def _print_run(done: Run, report: Path) -> None:
+    """The figures of a run for a person."""
+    from rich.console import Console
+    from rich.table import Table
+
+    summary = done.summary
+    error = {key: summary[f"stop_error_m_{key}"] for key in ("mean", "sigma", "max_abs")}
+    energy, telegrams = summary["energy_kwh"], summary["telegrams"]
+
+    def metres(value: float | None) -> str:
+        return "-" if value is None else f"{value:.3f}"
+
+    rows = [
+        ("trains", f"{summary['trains_arrived']} of {summary['trains_planned']} ran their whole journey"),
+        ("empty workings", f"{summary['empty_workings_arrived']} of {summary['empty_workings_planned']}"),
+        ("latest", _latest(summary["late_s_max"])),
+        ("earliest departure", f"{summary['early_departure_s_max']:.1f} s before the timetable"),
+        ("smallest margin", _margin(summary["margins"])),
+        (
+            "stops",
+            f"{summary['stops']}: error mean {metres(error['mean'])} m, sigma {metres(error['sigma'])} m,"
+            f" largest {metres(error['max_abs'])} m",
+        ),
+        ("invariants broken", str(summary["invariants_broken"])),
+        (
+            "energy",
+            f"traction {energy['traction']:.1f}, regenerated {energy['regenerated']:.1f},"
+            f" auxiliary {energy['auxiliary']:.1f} kWh",
+        ),
+        ("net energy", _net(summary["energy"])),
+        ("telegrams", ", ".join(f"{count} {name}" for name, count in telegrams.items())),
+        ("ended because", summary["ended_because"]),
+        ("journal digest", summary["digest"]),
+        ("motion digest", summary["motion_digest"]),
+        ("wall time", f"{summary['wall_s']:.1f} s for {summary['simulated_s'] / 3600.0:.1f} h"),
+    ]
+    table = Table(title=done.scenario.name, show_header=False, title_justify="left")
+    for name, value in rows:
+        table.add_row(name, value)
+    Console().print(table)
+    sys.stdout.write(f"report: {report}\n")  # whole, however long: to be clicked or copied

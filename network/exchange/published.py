@@ -1,0 +1,64 @@
+"""A timetable as somebody has published it: what every reader of a foreign format gives, and every writer takes.
+
+Nothing here knows a line of ours. Times are seconds after the midnight before the operating day; trains before
+03:00 belong to the day before, so their times are beyond 24 h.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from network.timetable import CallKind
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedStation:
+    """A station of the source. `key` is what its calls name it by; names are empty where it has none."""
+
+    key: str
+    name: str
+    name_ja: str = ""
+    km: float | None = None
+    tracks: tuple[str, ...] = ()  # names of its platform tracks (番線), where the source has them
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedCall:
+    """A train at a station: `arrival_s` and `departure_s` as given, None where the source has none."""
+
+    station: str
+    kind: CallKind
+    arrival_s: int | None = None
+    departure_s: int | None = None
+    track: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedTrain:
+    """A train of the source. `direction` is "down" (下り) or "up" in the order of the source's stations.
+
+    `follows` and `becomes` name trains that the same set runs before and after, where the source says so; `comes_from`
+    and `goes_to` name places beyond the source's stations.
+    """
+
+    number: str
+    direction: str
+    calls: tuple[PublishedCall, ...]
+    name: str = ""
+    kind: str = ""  # local, rapid, empty (回送), ... as the source calls it
+    revenue: bool = True
+    follows: tuple[str, ...] = ()
+    becomes: tuple[str, ...] = ()
+    comes_from: str = ""
+    goes_to: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedTimetable:
+    """One operating day. `left` says in sentences what the source holds and this does not; `source` names it."""
+
+    name: str
+    stations: tuple[PublishedStation, ...]
+    trains: tuple[PublishedTrain, ...]
+    source: str
+    left: tuple[str, ...] = ()
