@@ -1,0 +1,49 @@
+"""A day's trains on a line of ours, before sets are given to them: what joining by names makes of a published timetable.
+
+`network.exchange.workings` makes diagrams of these, `network.exchange.timetable_writer` the file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from network.model import Direction
+from network.timetable import Call
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedTrain:
+    """A train with its calls at stations of the line.
+
+    `follows` and `becomes` are numbers of this day's trains that the same set runs before and after, where the source
+    says so. `from_beyond`, `to_beyond`: it comes from, goes on to, a place beyond the line, over a portal. `inferred`:
+    indices of calls whose arrival is not the source's but computed.
+    """
+
+    number: str
+    direction: Direction
+    calls: tuple[Call, ...]
+    revenue: bool = True
+    follows: tuple[str, ...] = ()
+    becomes: tuple[str, ...] = ()
+    from_beyond: bool = False
+    to_beyond: bool = False
+    inferred: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Working:
+    """What one set runs in a day (運用): train numbers in order; where it begins and ends is in `begins` and `ends`."""
+
+    stock_id: str
+    numbers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Workings:
+    """How every train begins and ends, as timetable files write it, and the diagrams; `assumed` are sentences."""
+
+    begins: dict[str, str]
+    ends: dict[str, str]
+    diagrams: tuple[Working, ...]
+    assumed: tuple[str, ...] = ()
