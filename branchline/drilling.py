@@ -15,7 +15,7 @@ from branchline.progress import progress_of, tell
 from network.errors import InputError
 
 if TYPE_CHECKING:
-    from study.run.drill import DrillRun
+    from study.run.drill import Drill
 
 def drill(
     file: Annotated[
@@ -97,7 +97,7 @@ def drill(
     end(judged(done.passed))
 
 
-def _tell_of_plan(done: DrillRun) -> None:
+def _tell_of_plan(done: Drill) -> None:
     """A drill that fails on a plan that could not work without its faults either."""
     from study.feasibility.check import feasibility
 
