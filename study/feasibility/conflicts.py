@@ -70,7 +70,7 @@ def _finding(
     between = next((c for c in found if _kind_of(line, c) is SectionKind.BETWEEN), None)
     worst = found[0]
     if portal is not None:
-        return _at_portal(line, portal)
+        return _at_portal(portal)
     first, second = worst.trains
     opposing = first.direction is not second.direction
     if meet is not None and opposing:
@@ -79,10 +79,10 @@ def _finding(
             return _meeting(line, worst, meet)
         return _on_track(line, _on_a_track(line, found, station.id) or worst, by_section)
     if between is not None and (severity(between) is Severity.IMPOSSIBLE or between is worst):
-        return _follows(line, between) if not opposing else _towards(line, between)
+        return _follows(between) if not opposing else _towards(between)
     if _kind_of(line, worst) is SectionKind.TRACK:
         return _on_track(line, worst, by_section)
-    return _crossing(line, worst)
+    return _crossing(worst)
 
 
 def _kind_of(line: Line, clash: Clash) -> SectionKind:
@@ -134,12 +134,10 @@ def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
     trains = (meet.down_train, meet.up_train)
     text = f"{trains[0]} and {trains[1]} would meet {where} at {minute(meet.time_s)}: {why}"
     remedy = where_to_pass(line, meet.position_m, None if at is None else at.id)
-    return Finding(
-        Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash)
-    )
+    return Finding(Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash))
 
 
-def _towards(line: Line, clash: Clash) -> Finding:
+def _towards(clash: Clash) -> Finding:
     """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
     first, second = clash.trains
     text = (
@@ -158,7 +156,7 @@ def _towards(line: Line, clash: Clash) -> Finding:
     )
 
 
-def _follows(line: Line, clash: Clash) -> Finding:
+def _follows(clash: Clash) -> Finding:
     """One train behind another, into a stretch that is not free yet."""
     first, second = clash.trains
     text = (
@@ -188,23 +186,23 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     if not math.isfinite(time_s):
         time_s = min(train.nodes[0].departs_s for train in (first, second))
     if not math.isfinite(clash.second.from_s):
-        text = f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        text = (
+            f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        )
     elif math.isfinite(clash.first.to_s):
         text = (
             f"{second.number} is to come to {track} at {minute(time_s)}, and needs it from"
             f" {_until(clash.second.from_s)}; {first.number} has it until {_until(clash.first.to_s)}"
         )
     else:
-        text = (
-            f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
-        )
+        text = f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
     other = free_track(line, clash, by_section)
     remedy = f"track {other} is free then" if other else _later(clash, f"{second.number} leaves for it")
     trains = _numbers(first, second)
     return Finding(kind, severity(clash), trains, place, time_s, text, remedy, _short(clash))
 
 
-def _crossing(line: Line, clash: Clash) -> Finding:
+def _crossing(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.second.from_s)};"
@@ -222,7 +220,7 @@ def _crossing(line: Line, clash: Clash) -> Finding:
     )
 
 
-def _at_portal(line: Line, clash: Clash) -> Finding:
+def _at_portal(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} needs the portal {clash.section_id} from {_until(clash.second.from_s)}, and"
