@@ -149,8 +149,8 @@ def _call_items(call: CallTable) -> Iterable[str]:
     for key, value in texts:
         if value is not None:
             yield f"{key} = {_text(value)}"
-    for key, value in (("operational", call.operational), ("inferred", call.inferred)):
-        if value:
+    for key, mark in (("operational", call.operational), ("inferred", call.inferred)):
+        if mark:
             yield f"{key} = true"
 
 
