@@ -1,4 +1,4 @@
-"""A day's trains on a line of ours, before sets are given to them: what joining a published timetable by names gives.
+"""A day's trains on a line of ours, before sets are given to them: what joining by names makes of published times.
 
 `network.exchange.workings` makes diagrams of these, `network.exchange.timetable_writer` the file.
 """
@@ -53,4 +53,4 @@ class Workings:
     diagrams: tuple[Working, ...]
     assumed: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    tracks: Mapping[tuple[str, int], str] = field(default_factory=dict)
+    tracks: Mapping[tuple[str, int], str] = field(default_factory=dict[tuple[str, int], str])
