@@ -48,7 +48,8 @@ class Changes:
         return self.values[index - 1], self.times_s[index - 1], until_s
 
 
-OFF: Final = "off"
+NO_POWER: Final = "no power"
+FROZEN: Final = "frozen"
 MOVING: Final = "moving"
 
 
@@ -58,7 +59,7 @@ class History:
     def __init__(self, entries: Iterable[Entry]) -> None:
         self._tenures: dict[str, list[Tenure]] = defaultdict(list)
         self._points: dict[str, Changes] = defaultdict(Changes)
-        self._power: dict[str, Changes] = defaultdict(Changes)
+        self._ails: dict[str, Changes] = defaultdict(Changes)
         self._trains: dict[str, Changes] = defaultdict(Changes)
         for entry in entries:
             self._take(entry)
@@ -66,10 +67,29 @@ class History:
     def _take(self, entry: Entry) -> None:
         t_s = entry.t_s
         match entry.event:
+            case events.PointsMoving(points_id=points):
+                self._points[points].put(t_s, MOVING)
+            case events.PointsLocked(points_id=points, position=position):
+                self._points[points].put(t_s, position.value)
+            case events.PowerOff(device_id=device):
+                self._ails[device].put(t_s, NO_POWER)
+            case events.FaultBegan(kind="frozen", target=device):
+                self._ails[device].put(t_s, FROZEN)
+            case events.PowerOn(device_id=device) | events.FaultOver(kind="frozen", target=device):
+                self._ails[device].put(t_s, "")
+            case MissionBegun(train=train):
+                self._trains[entry.who].put(t_s, train)
+            case _:
+                self._register(entry)
+
+    def _register(self, entry: Entry) -> None:
+        t_s = entry.t_s
+        match entry.event:
             case said.Granted(unit_id=unit, section_ids=sections):
                 self._gains(t_s, unit, sections)
-            case said.Accepted(unit_id=unit, section_ids=sections) | said.ConfirmedByHand(
-                unit_id=unit, section_ids=sections
+            case (
+                said.Accepted(unit_id=unit, section_ids=sections)
+                | said.ConfirmedByHand(unit_id=unit, section_ids=sections)
             ):
                 self._loses(t_s, unit, [s for s in self._of(unit) if s not in sections])
                 self._gains(t_s, unit, sections)
@@ -80,16 +100,6 @@ class History:
             case said.Started() if entry.who == MANAGER:  # it has forgotten everything
                 for unit in {x.unit for tenures in self._tenures.values() for x in tenures}:
                     self._loses(t_s, unit, self._of(unit))
-            case events.PointsMoving(points_id=points):
-                self._points[points].put(t_s, MOVING)
-            case events.PointsLocked(points_id=points, position=position):
-                self._points[points].put(t_s, position.value)
-            case events.PowerOff(device_id=device):
-                self._power[device].put(t_s, OFF)
-            case events.PowerOn(device_id=device):
-                self._power[device].put(t_s, "on")
-            case MissionBegun(train=train):
-                self._trains[entry.who].put(t_s, train)
             case _:
                 pass
 
@@ -133,10 +143,10 @@ class History:
         value, since_s, until_s = self._points[points].at(t_s)
         return value == MOVING, since_s, until_s
 
-    def power_is_off(self, device: str, t_s: float) -> tuple[bool, float, float]:
-        """Whether a device has no power at a moment, since when and until when that is so, s."""
-        value, since_s, until_s = self._power[device].at(t_s)
-        return value == OFF, since_s, until_s
+    def ails(self, device: str, t_s: float) -> tuple[str, float]:
+        """What is wrong with a device at a moment (no power, frozen, or nothing: ""), and until when that is so, s."""
+        value, _, until_s = self._ails[device].at(t_s)
+        return value, until_s
 
     def train_of(self, unit: str, t_s: float) -> str:
         """The train number of a stock at a moment; before its first train, and without one, empty."""

@@ -226,7 +226,9 @@ def _route_held(view: View, _t_s: float, _event: notes.RouteHeld) -> None:
 
 
 def _refused(asked: Asked) -> Callable[[View, float, Any], None]:
-    def refused(view: View, t_s: float, event: Any) -> None:
+    def refused(
+        view: View, t_s: float, event: notes.SignOnDenied | notes.SignOffDenied | notes.RouteDenied
+    ) -> None:
         request = view.requests.setdefault(asked, Request(t_s, None))
         request.refusal = event.why
 
@@ -268,7 +270,7 @@ def _fault_over(view: View, _t_s: float, event: events.FaultOver) -> None:
 
 
 def _set(**values: object) -> Callable[[View, float, Any], None]:
-    def put(view: View, _t_s: float, _event: Any) -> None:
+    def put(view: View, _t_s: float, _event: Noted) -> None:
         for name, value in values.items():
             setattr(view, name, value)
 

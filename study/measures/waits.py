@@ -1,10 +1,10 @@
 """Why every stock stood, waited or ran slower, at every moment of a run (待ちの理由).
 
-Where it truly stood and where it ran is the energy book's (`simulation.result.EnergyRecord`), which is cut by the truth.
-Why, is made again from what the unit, the manager, the terminals and the world wrote in the journal. Of several reasons
-the one counts that ends last: before its departure time a train waits for that, whatever its route does; but
-what is out of order comes first. Nothing here asks a unit; what units show their drivers (`waits_for`) is compared in
-the tests.
+Where it truly stood and where it ran is the energy book's (`simulation.result.EnergyRecord`), which is cut by the
+truth. Why, is made again from what the unit, the manager, the terminals and the world wrote in the journal. Of several
+reasons the one counts that ends last: before its departure time a train waits for that, whatever its route does; but
+what is out of order comes first. Nothing here asks a unit: what units show their drivers (`waits_for`) is compared with
+it in the tests.
 """
 
 from __future__ import annotations
@@ -12,26 +12,28 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final, TypedDict
 
-import polars as pl
+import numpy as np
+from typing_extensions import Unpack
 
-from network.model import Line, SectionKind
-from onboard.authority.coverage import covered_at
 from onboard.authority.stop_limit import NOT_PROVEN
-from onboard.duty.mission import Mission
 from simulation.events import MANAGER, Entry
 from simulation.result import EnergyRecord, Phase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, draw_up
-from study.measures.wait import MOVING, Asked, Cause, Wait
+from study.measures.wait import Asked, Cause, Wait
 from study.measures.wait_history import History
 from study.measures.wait_view import Doing, View, subject_of
 from study.measures.where import Whereabouts
 
 AT_ITS_STOP: Final = (Phase.AT_STOP, Phase.LAYOVER)
+SLOWED_SHARE: Final = 0.5  # of the braking to a stop: with less to go, its pattern holds a train back
+ASKS_AGAIN: Final = "asks again"
+WRONG_CLOCK: Final = "clock"
+SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
 
@@ -98,6 +100,21 @@ def _on(record: EnergyRecord, from_s: float) -> Stretch:
     return Stretch(record.stock_id, record.number, record.phase, *ends, from_s, record.end_s)
 
 
+class Known(TypedDict, total=False):
+    """What a wait has besides its stock, its times and its cause; see `Wait`."""
+
+    train: str
+    at_m: float | None
+    asked: Asked
+    section: str
+    points: str
+    party: str
+    party_train: str
+    since_s: float | None
+    until_s: float | None
+    reason: str
+
+
 class _Finder:
     """Finds the waits of one stock."""
 
@@ -134,6 +151,9 @@ class _Finder:
 
     def _between(self, from_s: float, to_s: float) -> Iterator[Wait]:
         """Waits between two lines of the unit's journal: only time and what others do can change them."""
+        if self._stretch.phase is Phase.RUNNING:
+            yield from self._runs(from_s, to_s)
+            return
         at_s = from_s
         while at_s < to_s:
             wait, until_s = self._wait(at_s)
@@ -141,15 +161,14 @@ class _Finder:
             yield replace(wait, from_s=at_s, to_s=next_s)
             at_s = next_s
 
-    def _make(self, cause: Cause, **known: Any) -> Wait:
+    def _make(self, cause: Cause, **known: Unpack[Known]) -> Wait:
         stretch, view = self._stretch, self._view
         at_m = None if stretch.phase is None else self._where.kilometrage_m(view.unit, stretch.from_s)
         place = stretch.from_id if stretch.phase in (*AT_ITS_STOP, Phase.STABLED) else ""
         following = view.next_duty
         train = stretch.train or view.train or ("" if following is None else following.train.number)
-        return Wait(
-            unit=view.unit, from_s=0.0, to_s=0.0, cause=cause, **{"train": train, "place": place, "at_m": at_m} | known
-        )
+        blank = Wait(view.unit, train, 0.0, 0.0, cause, place, at_m)
+        return replace(blank, **known)
 
     def _wait(self, t_s: float) -> tuple[Wait, float]:
         """What the stock waits for at a moment, and until when that holds if the unit says nothing, s."""
@@ -158,8 +177,6 @@ class _Finder:
             return self._off_line(t_s)
         if phase is Phase.STABLED:
             return self._make(Cause.STABLED), math.inf
-        if phase is Phase.RUNNING:
-            return self._runs(), math.inf
         return self._out_of_order() or self._by_duty(t_s)
 
     # off the line ---------------------------------------------------------------------------------------------
@@ -201,15 +218,13 @@ class _Finder:
 
     def _by_duty(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
+        if view.doing is Doing.SIGNING_ON or (view.doing is Doing.ON_SIGHT and not view.signed_on):
+            return self._request(Asked.SIGN_ON, t_s)
         match view.doing:
-            case Doing.SIGNING_ON:
-                return self._request(Asked.SIGN_ON, t_s)
             case Doing.SIGNING_OFF | Doing.GONE:
                 return self._signing_off(t_s)
             case Doing.FINISHED | Doing.NOTHING:
                 return self._finished()
-            case Doing.ON_SIGHT if not view.signed_on:
-                return self._request(Asked.SIGN_ON, t_s)
             case Doing.ON_SIGHT if view.departed:
                 return self._on_sight(t_s)
             case Doing.RUNNING:
@@ -246,11 +261,11 @@ class _Finder:
         if t_s < leave_s and view.ready_s >= shown_s and view.dwells:
             return self._make(Cause.DWELL, until_s=leave_s), leave_s
         if t_s < leave_s and planned_s is not None:
-            wrong = "" if shown_s == planned_s else "clock"
+            wrong = "" if shown_s == planned_s else WRONG_CLOCK
             return self._make(Cause.DEPARTURE_TIME, until_s=planned_s, reason=wrong), leave_s
         if view.emergency:
             return self._make(Cause.EMERGENCY), math.inf
-        return self._way_ahead(t_s)
+        return self._on_sight(t_s) if view.doing is Doing.ON_SIGHT else self._way_ahead(t_s)
 
     def _ends_here(self, t_s: float) -> tuple[Wait, float]:
         """At its last stop, before its journey counts as done."""
@@ -285,7 +300,7 @@ class _Finder:
         here_m = self._where.kilometrage_m(view.unit, t_s)
         if view.limit_before is None or view.limit_at is None or here_m is None:
             return False
-        return abs(view.limit_at[1] - here_m) <= self._where.tolerance_m + 2.0 * self._setup.unit.standoff_m
+        return abs(view.limit_at[1] - here_m) <= 1.0 + 2.0 * self._setup.unit.standoff_m
 
     def _way_ahead(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
@@ -305,34 +320,36 @@ class _Finder:
     def _route_sections(self, before: str | None) -> tuple[str, ...]:
         """Sections of the route of the present train that has a section."""
         routes = () if self._view.duty is None else self._view.duty.mission.routes
-        return next((r.section_ids for r in routes if before in r.section_ids), () if before is None else (before,))
+        return next(
+            (r.section_ids for r in routes if before in r.section_ids), () if before is None else (before,)
+        )
 
-    def _request(
-        self, asked: Asked, t_s: float, sections: tuple[str, ...] = ()
-    ) -> tuple[Wait, float]:
+    def _request(self, asked: Asked, t_s: float, sections: tuple[str, ...] = ()) -> tuple[Wait, float]:
         """An open request: who has what was asked for, why it was refused, or that no answer has come."""
         request = self._view.requests.get(asked)
         changes_s = self._history.next_change_s(sections, t_s)
-        off, off_since_s, off_until_s = self._history.power_is_off(MANAGER, t_s)
-        until_s = min(changes_s, off_until_s)
-        known: dict[str, Any] = {"asked": asked, "party": MANAGER}
+        ails, ails_until_s = self._history.ails(MANAGER, t_s)
+        until_s = min(changes_s, ails_until_s)
+        known: Known = {"asked": asked, "party": MANAGER}
         if request is None or not self._covered(t_s):
             cause = Cause.ANSWER if self._covered(t_s) else Cause.COVERAGE
             return self._make(cause, **known), until_s
         known["since_s"] = request.since_s
-        if off:
-            return self._make(Cause.ANSWER, **known | {"reason": "no power"}), until_s
+        if ails:
+            known["reason"] = ails
+            return self._make(Cause.ANSWER, **known), until_s
         for section in sections:
             holder = self._history.holder(section, t_s, self._view.unit)
             if holder is not None and request.refusal.startswith(HELD_REASON):
                 return self._held(asked, section, holder.unit, holder.from_s, holder.to_s, t_s), until_s
         if request.refusal and not request.refusal.startswith(HELD_REASON):
-            return self._make(Cause.REFUSED, **known | {"reason": request.refusal}), until_s
+            known["reason"] = request.refusal
+            return self._make(Cause.REFUSED, **known), until_s
+        if request.refusal:  # nobody has it any more: it asks again in a moment
+            known["since_s"], known["reason"] = None, ASKS_AGAIN
         return self._make(Cause.ANSWER, **known), until_s
 
-    def _held(
-        self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float
-    ) -> Wait:
+    def _held(self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float) -> Wait:
         return self._make(
             Cause.ROUTE_HELD,
             asked=asked,
@@ -353,19 +370,22 @@ class _Finder:
         """Points that are not proven: they move, were refused, or their terminal says nothing."""
         view, item = self._view, self._setup.line.points[points]
         moves, since_s, until_s = self._history.points_move(points, t_s)
-        off, _, off_until_s = self._history.power_is_off(item.terminal_id, t_s)
-        until_s = min(until_s, off_until_s)
-        known: dict[str, Any] = {
+        ails, ails_until_s = self._history.ails(item.terminal_id, t_s)
+        until_s = min(until_s, ails_until_s)
+        known: Known = {
             "points": points,
             "section": view.limit_before or "",
             "party": item.terminal_id,
         }
-        if off:
-            return self._make(Cause.POINTS_PROOF, **known | {"reason": "no power"}), until_s
+        if ails:
+            known["reason"] = ails
+            return self._make(Cause.POINTS_PROOF, **known), until_s
         if points in view.points_refused:
-            return self._make(Cause.POINTS_REFUSED, **known | {"reason": view.points_refused[points]}), until_s
+            known["reason"] = view.points_refused[points]
+            return self._make(Cause.POINTS_REFUSED, **known), until_s
         if moves:
-            return self._make(Cause.POINTS_MOVE, **known | {"since_s": since_s}), until_s
+            known["since_s"] = since_s
+            return self._make(Cause.POINTS_MOVE, **known), until_s
         since_s = view.commanded_s.get(item.terminal_id, math.nan)
         if not math.isnan(since_s):
             known["since_s"] = since_s
@@ -384,8 +404,62 @@ class _Finder:
 
     # running --------------------------------------------------------------------------------------------------
 
-    def _runs(self) -> Wait:
-        return self._make(Cause.RUNS, at_m=None)
+    def _runs(self, from_s: float, to_s: float) -> Iterator[Wait]:
+        """Runs; from where to where a stop limit short of its next mark slows it down."""
+        slowed = self._slowed(from_s, to_s)
+        runs = self._make(Cause.RUNS, at_m=None)
+        if slowed is None:
+            yield replace(runs, from_s=from_s, to_s=to_s)
+            return
+        begins_s, ends_s = slowed
+        if begins_s > from_s:
+            yield replace(runs, from_s=from_s, to_s=begins_s)
+        at_s = begins_s
+        while at_s < ends_s:
+            why, until_s = self._way_ahead(at_s)
+            next_s = min(ends_s, until_s) if until_s > at_s else ends_s
+            reason = "" if why.cause is Cause.STARTING else why.cause.value
+            at_m = None if self._view.limit_at is None else self._view.limit_at[1]
+            section = self._view.limit_before or ""
+            what = replace(why, cause=Cause.STOP_LIMIT, section=section, place="", at_m=at_m, reason=reason)
+            yield replace(what, from_s=at_s, to_s=next_s)
+            at_s = next_s
+        if ends_s < to_s:
+            yield replace(runs, from_s=ends_s, to_s=to_s)
+
+    def _slowed(self, from_s: float, to_s: float) -> tuple[float, float] | None:
+        """When it brakes or coasts since it could not stop before the limit much later, s; None: it does not."""
+        view, driving = self._view, self._setup.driving
+        if view.limit_before is None or view.limit_at is None or view.duty is None or not self._is_short():
+            return None
+        path = view.duty.mission.path
+        limit_m = path.to_path_m(*view.limit_at)
+        rows = self._where.samples(view.unit, from_s, to_s)
+        if not rows.size:
+            return None
+        left_m = np.maximum(limit_m - rows["position_m"] - self._setup.unit.standoff_m, 1.0)
+        needed_mps2 = rows["speed_mps"] ** 2 / (2.0 * left_m)
+        near = needed_mps2 >= SLOWED_SHARE * driving.stop_deceleration_mps2
+        slowed = np.flatnonzero(near & (rows["notch"] <= 0.0) & (rows["position_m"] < limit_m))
+        if not slowed.size:
+            return None
+        times_s = rows["step"] / STEPS_PER_S
+        begins_s, ends_s = float(times_s[slowed[0]]), float(times_s[slowed[-1]])
+        begins_s = from_s if begins_s - from_s < SAMPLES_S else begins_s
+        ends_s = to_s if to_s - ends_s < SAMPLES_S else ends_s
+        return (begins_s, ends_s) if begins_s < ends_s else None
+
+    def _is_short(self) -> bool:
+        """Whether the stop limit lies before the mark of the next stop."""
+        view = self._view
+        if view.duty is None or view.limit_before is None:
+            return False
+        mission = view.duty.mission
+        following = mission.targets[min(view.at + 1, len(mission.targets) - 1)]
+        sections = [span.section_id for span in mission.spans]
+        if view.limit_before not in sections:
+            return False
+        return sections.index(view.limit_before) <= sections.index(following.section_id)
 
 
 def _join(found: list[Wait], more: Iterable[Wait]) -> None:

@@ -58,7 +58,7 @@ _LEVELS: Final = {0: "ended", 1: "service brake", 2: "emergency brake"}
 def tables_of(
     result: RunResult, line: Line, fleet: Mapping[str, Make], legs: Sequence[PlannedLeg] = ()
 ) -> RunTables:
-    """All tables of a run but the comparisons; `fleet` says of each stock id what it is, `legs` what was planned."""
+    """All tables of a run but comparisons and waits; `fleet` says what each stock is, `legs` what was planned."""
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
     lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
     stops = _stops(result.stops)
@@ -70,6 +70,7 @@ def tables_of(
         **energy_tables(result.energy, fleet),
         margins=margins_of(legs, stops),
         comparisons=make_table("comparisons"),
+        waits=make_table("waits"),
         events=_events(result),
     )
 

@@ -31,6 +31,7 @@ from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
+from study.measures.waits import waits_of
 from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.report.tasc import Tuned
@@ -41,6 +42,7 @@ from study.run.energy import Make
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.summary import summarise
 from study.run.tables import RunTables
+from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
@@ -134,7 +136,7 @@ def execute(
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
     booked = tables_of(result, setup.line, fleet, planned_legs(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
-    tables = replace(booked, comparisons=opinions)
+    tables = replace(booked, comparisons=opinions, waits=waits_table(waits_of(result, setup)))
     broken = broken_by(result, setup)
     summary = {
         "scenario": scenario.id,
