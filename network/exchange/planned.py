@@ -1,4 +1,4 @@
-"""A day's trains on a line of ours, before sets are given to them: what joining by names makes of a published timetable.
+"""A day's trains on a line of ours, before sets are given to them: what joining by names makes of published times.
 
 `network.exchange.workings` makes diagrams of these, `network.exchange.timetable_writer` the file.
 """

@@ -100,7 +100,7 @@ def _legs_of(
     """Hops of one duty; a kind of train needs the same time for the same way again."""
     kind, mission = setup.trains[duty.stock_id], duty.mission
     for here, there in pairwise(target for target in mission.targets if target.station_id is not None):
-        due_s = _due_s(there, setup.timetable.dwell_min_s)
+        due_s = _due_s(there, setup.timetable.dwell_min_s if there.passengers else 0.0)
         if here.departure_s is None or due_s is None:
             continue
         key = (kind.id, mission.path.piece_ids, here.mark_m, there.mark_m)

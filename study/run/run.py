@@ -29,6 +29,7 @@ from simulation.judge.checkers import Checker
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
 from study.measures.waits import waits_of
@@ -134,7 +135,7 @@ def execute(
             setup = setup.next_day(result.learned)
         wall_s = time.perf_counter() - started
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
-    booked = tables_of(result, setup.line, fleet, planned_legs(setup))
+    booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(booked, comparisons=opinions, waits=waits_table(waits_of(result, setup)))
     broken = broken_by(result, setup)
