@@ -20,7 +20,7 @@ from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
-from network.meets import meet_text, unresolvable_meets
+from study.feasibility.check import feasibility
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
@@ -237,7 +237,7 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     broken += missing
     if missing:
         broken += [_waiting_text(waiting) for waiting in result.waiting]
-        broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
+        broken += [finding.sentence for finding in feasibility(setup).impossible]
     return tuple(broken)
 
 
