@@ -36,13 +36,15 @@ TRAJECTORY: Final[Schema] = {
     "bound_ahead_m": pl.Float64,
     "bound_behind_m": pl.Float64,
 }
-# One row a planned call of every train of the run, kept or not.
+# One row a call of every train, in order of travel, from its first one on. Where it passes there is no arrival: it is
+# planned to depart, and departs, when its front passes the mark.
 STOPS: Final[Schema] = {
     "unit": pl.String,
     "train": pl.String,
     "revenue": pl.Boolean,
     "station": pl.String,
     "track": pl.String,
+    "kind": pl.String,  # network.timetable.CallKind
     "planned_arrival_s": pl.Float64,
     "planned_departure_s": pl.Float64,
     "arrival_s": pl.Float64,
