@@ -91,7 +91,7 @@ def wide_encoding(data: bytes) -> str:
 
 
 def japanese_encoding(data: bytes) -> tuple[str, str] | None:
-    """Name of the Japanese encoding that a text which is no UTF-8 has, and what iconv calls it; None for a damaged UTF-8 or anything else."""
+    """The Japanese encoding of a text that is no UTF-8, and what iconv calls it; None for any other."""
     shown = data.decode("utf-8", errors="replace")
     beyond = shown.count(_SHOWN_BEYOND)
     if sum(not c.isascii() for c in shown) - beyond > beyond:
