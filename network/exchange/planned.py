@@ -53,4 +53,4 @@ class Workings:
     diagrams: tuple[Working, ...]
     assumed: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    tracks: Mapping[tuple[str, int], str] = field(default_factory=dict)
+    tracks: Mapping[tuple[str, int], str] = field(default_factory=dict[tuple[str, int], str])

@@ -31,6 +31,7 @@ from simulation.setup import STEP_S, Setup, unit_configs
 from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
+from study.measures.waits import waits_of
 from study.report.drill import DrillShown
 from study.report.report import write_report
 from study.run.collect import tables_of
@@ -50,6 +51,7 @@ from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.shown import shown_of
 from study.run.summary import summarise
 from study.run.tables import RunTables
+from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
@@ -143,7 +145,7 @@ def execute(
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
     booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
-    tables = replace(booked, comparisons=opinions)
+    tables = replace(booked, comparisons=opinions, waits=waits_table(waits_of(result, setup)))
     broken = broken_by(result, setup)
     summary = {
         "scenario": scenario.id,
