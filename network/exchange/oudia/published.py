@@ -16,7 +16,7 @@ from network.exchange.published import PublishedCall, PublishedStation, Publishe
 from network.files.names import title_of
 from network.timetable import CallKind
 
-_NOT_FOR_PASSENGERS: Final = re.compile(
+NOT_FOR_PASSENGERS: Final = re.compile(
     r"回送|試運転|配給|工臨|工事|貨物|単機|入換|廃車|not in service|empty|deadhead|freight|trial",
     re.IGNORECASE,
 )
@@ -94,7 +94,7 @@ def _published(route: OudiaRoute, train: OudiaTrain, becomes: str) -> PublishedT
         name=train.name,
         kind=train.kind,
         becomes=(becomes,) if becomes else (),
-        revenue=_NOT_FOR_PASSENGERS.search(train.kind) is None,
+        revenue=NOT_FOR_PASSENGERS.search(train.kind) is None,
         comes_from=_outer(along[train.first], train.before) if beyond_before else "",
         goes_to=_outer(along[train.last], train.after) if beyond_after else "",
     )
