@@ -18,7 +18,7 @@ class PlannedTrain:
 
     `follows` and `becomes` are numbers of this day's trains that the same set runs before and after, where the source
     says so. `from_beyond`, `to_beyond`: it comes from, goes on to, a place beyond the line, over a portal. `inferred`:
-    indices of calls whose arrival is not the source's but computed.
+    indices of calls with a time that is not the source's but computed.
     """
 
     number: str
