@@ -55,7 +55,8 @@ def _print(line: Line, times: tuple[StandardTime, ...], runs: tuple[PlannedRun, 
         return f"{line.stations[leg.from_id].name} - {line.stations[leg.to_id].name}"
 
     least = smallest_margins(runs)
-    width = max((len(named(leg)) for leg in (*times, *least.values())), default=0)
+    names = [named(time) for time in times] + [named(run) for run in least.values()]
+    width = max(map(len, names), default=0)
     heads = ("km", "stop-stop", "laid down", "stop-pass", "pass-stop", "pass-pass", "margin", "of train")
     for (train, direction), legs in groupby(times, key=lambda time: (time.train, time.direction)):
         title = f"{train}, {direction.name.lower()}: minimum running times, s, and the smallest margin of the timetable"
