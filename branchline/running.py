@@ -33,10 +33,15 @@ def run(
     ] = None,
     over: Over = OVER_S,
     out: Out = None,
+    anyway: Annotated[
+        bool,
+        typer.Option("--anyway", help="Also run a plan that cannot work, as branchline check says it."),
+    ] = False,
     as_json: Json = False,
 ) -> None:
-    """Run a scenario and write its run directory with report.html."""
+    """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
     from study.compare.against import against as compared_with
+    from study.feasibility.check import refuse
     from study.run.directory import reserved
     from study.run.run import NO_MORE, CarrierKind, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
@@ -47,6 +52,7 @@ def run(
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     check_over(over)
     loaded = load_scenario(scenario, seed)
+    refuse(scenario, loaded.setup, anyway=anyway)
     base = None if against is None else _base_of(against, loaded)
     directory = (out or Path("runs") / loaded.id).resolve()
     with reserved(directory) as place:

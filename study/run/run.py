@@ -20,7 +20,7 @@ from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
-from network.meets import meet_text, unresolvable_meets
+from study.feasibility.check import feasibility
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
@@ -28,8 +28,10 @@ from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
+from study.measures.waits import waits_of
 from study.report.drill import DrillShown
 from study.report.parts import Part
 from study.report.report import write_report
@@ -50,6 +52,7 @@ from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.shown import shown_of
 from study.run.summary import summarise
 from study.run.tables import RunTables
+from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
@@ -141,9 +144,9 @@ def execute(
             setup = setup.next_day(result.learned)
         wall_s = time.perf_counter() - started
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
-    booked = tables_of(result, setup.line, fleet, planned_legs(setup))
+    booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
-    tables = replace(booked, comparisons=opinions)
+    tables = replace(booked, comparisons=opinions, waits=waits_table(waits_of(result, setup)))
     broken = broken_by(result, setup)
     summary = {
         "scenario": scenario.id,
@@ -248,7 +251,7 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     broken += missing
     if missing:
         broken += [_waiting_text(waiting) for waiting in result.waiting]
-        broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
+        broken += [finding.sentence for finding in feasibility(setup).impossible]
     return tuple(broken)
 
 
