@@ -56,7 +56,7 @@ def changed(measure: Measure) -> bool:
 def inputs_grid(found: Comparison) -> Grid:
     """Inputs that differ, with who patched them."""
     rows = tuple((c.file, c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs)
-    return Grid(("file", "key", "old", "new", "patched by"), rows)
+    return Grid(("file", "key", "old", "new", "set by"), rows)
 
 
 def moved_grid(found: Comparison, new: Side, *, largest_first: bool = False) -> Grid:
