@@ -56,6 +56,7 @@ class _Day:
     )
     assumed: list[str] = field(default_factory=list[str])
     warnings: list[str] = field(default_factory=list[str])
+    waited: list[str] = field(default_factory=list[str])  # trains for which a set stood there too short
 
     def link(self, before: str, after: str) -> None:
         """The set of one train goes on as another."""
@@ -91,7 +92,7 @@ def workings_of(
     for station_id in dict.fromkeys(place for train in day.trains.values() for place in _ends_of(train)):
         turned += _turn_round(day, station_id)
     diagrams = _give_sets(day, file)
-    _say_rules(day, published, turned, len(diagrams))
+    _say_rules(day, published, turned)
     stands = tuple(_stands(day))
     day.assumed += _morning_and_evening(day, stands)
     day.warnings += night_warnings(line, stands)
@@ -155,9 +156,7 @@ def _over_portals(day: _Day) -> None:
             f"{_named(numbers)}: beyond {name} there is no portal; treated as beginning or ending there"
         )
     if chosen:
-        day.assumed.append(
-            f"portals: of two as near, the left one in the direction of travel ({', '.join(sorted(chosen))})"
-        )
+        day.assumed.append(f"portals: nothing tells {', '.join(sorted(chosen))} from another one as near")
 
 
 def _follow_links(day: _Day) -> int:
@@ -192,6 +191,19 @@ def _no_link(day: _Day, before: str, after: str) -> str:
     return next((text for holds, text in reasons if holds), "")
 
 
+@dataclass(slots=True)
+class _Turns:
+    """At one place: pairs of trains with one set, sets never called for, sets that found no room and have a portal.
+
+    `waited` are trains for which a set stood there, but had not stood long enough.
+    """
+
+    pairs: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
+    idle: list[str] = field(default_factory=list[str])
+    full: list[str] = field(default_factory=list[str])
+    waited: list[str] = field(default_factory=list[str])
+
+
 def _turn_round(day: _Day, station_id: str) -> int:
     """Give sets at one place to its departures; how many turned.
 
@@ -200,55 +212,54 @@ def _turn_round(day: _Day, station_id: str) -> int:
     """
     gone: set[str] = set()
     while True:
-        pairs, idle, full = _first_in_first_out(day, station_id, gone)
-        leaving = {number for number in idle if _portal_behind(day, station_id, number, entering=False)}
+        turns = _first_in_first_out(day, station_id, gone)
+        leaving = {number for number in turns.idle if _portal_behind(day, station_id, number, entering=False)}
         if not leaving:
             break
         gone |= leaving
-    for before, after in pairs:
+    for before, after in turns.pairs:
         day.link(before, after)
-    for number in (*gone, *full):
+    for number in (*gone, *turns.full):
         way = _portal_behind(day, station_id, number, entering=False)
         day.ends[number] = day.by_portal(way) if way else _STABLED
-    for number in idle:
+    for number in turns.idle:
         day.ends[number] = _STABLED
     for train in day.trains.values():
         if train.calls[0].station_id == station_id and train.number not in day.begins:
             way = _portal_behind(day, station_id, train.number, entering=True)
             day.begins[train.number] = day.by_portal(way) if way else _STABLED
-    return len(pairs)
+    day.waited += turns.waited
+    return len(turns.pairs)
 
 
-def _first_in_first_out(
-    day: _Day, station_id: str, gone: set[str]
-) -> tuple[list[tuple[str, str]], list[str], list[str]]:
-    """Pairs of trains with one set; sets never called for; and sets that found no room and have a portal."""
+def _first_in_first_out(day: _Day, station_id: str, gone: set[str]) -> _Turns:
+    """Sets at one place to its departures, where those in `gone` leave at once."""
     room = len(_standing_places(day.line, station_id))
-    pairs: list[tuple[str, str]] = []
-    standing: list[str] = []
-    full: list[str] = []
+    turns = _Turns()
     linked = 0  # sets that stand here by a published link
     # a set that arrives in the minute in which another leaves was there in time
     for _, leaves, number in sorted(_movements(day, station_id)):
         train = day.trains[number]
-        if leaves:
-            if number in day.begins:
-                linked -= day.begins[number].startswith("from:")
+        if leaves and number in day.begins:
+            linked -= day.begins[number].startswith("from:")
+        elif leaves:
+            served = [n for n in turns.idle if standing_tracks(day.line, day.trains[n], train)]
+            if not served:
                 continue
-            ready = (n for n in standing if _may_become(day, day.trains[n], train))
-            before = next(ready, None)
-            if before is not None:
-                standing.remove(before)
-                pairs.append((before, number))
+            if begins_s(train) - ends_s(day.trains[served[0]]) < day.rules.turn_min_s:
+                turns.waited.append(number)
+                continue
+            turns.idle.remove(served[0])
+            turns.pairs.append((served[0], number))
         elif number in day.ends:
             linked += day.ends[number].startswith("becomes:")
         elif number in gone:
             continue
-        elif len(standing) + linked >= room and _portal_behind(day, station_id, number, entering=False):
-            full.append(number)
+        elif len(turns.idle) + linked >= room and _portal_behind(day, station_id, number, entering=False):
+            turns.full.append(number)
         else:
-            standing.append(number)
-    return pairs, standing, full
+            turns.idle.append(number)
+    return turns
 
 
 def _movements(day: _Day, station_id: str) -> Iterator[tuple[int, int, str]]:
@@ -258,11 +269,6 @@ def _movements(day: _Day, station_id: str) -> Iterator[tuple[int, int, str]]:
             yield ends_s(train), 0, train.number
         if first == station_id:
             yield begins_s(train), 1, train.number
-
-
-def _may_become(day: _Day, ended: PlannedTrain, begun: PlannedTrain) -> bool:
-    stood_s = begins_s(begun) - ends_s(ended)
-    return stood_s >= day.rules.turn_min_s and bool(standing_tracks(day.line, ended, begun))
 
 
 def _standing_places(line: Line, station_id: str) -> tuple[str, ...]:
@@ -350,19 +356,23 @@ def _stands(day: _Day) -> Iterator[Stand]:
             yield Stand(train.calls[-1].station_id, train, day.trains[end.removeprefix("becomes:")])
 
 
-def _say_rules(day: _Day, published: int, turned: int, sets: int) -> None:
-    rules = day.rules
-    day.assumed.append(f"sets: {sets} run the day")
+def _say_rules(day: _Day, published: int, turned: int) -> None:
+    """What was assumed of how sets go round; a least time that decided nothing is not an assumption."""
+    outside = f"at least {_minutes(day.rules.outside_min_s)} outside the line"
     if published:
         day.assumed.append(f"diagrams: {published} links between trains are the source's")
-    if turned:
+    if turned and day.outside:
         day.assumed.append(
-            f"diagrams: {turned} sets turn back first in, first out, after {_minutes(rules.turn_min_s)} at least"
+            f"diagrams: sets turn back and come back from the portal first in, first out, {outside}"
         )
-    if day.outside:
+    elif turned:
+        day.assumed.append("diagrams: sets turn back first in, first out")
+    elif day.outside:
+        day.assumed.append(f"diagrams: sets come back from the portal first in, first out, {outside}")
+    if day.waited:
+        least = _minutes(day.rules.turn_min_s)
         day.assumed.append(
-            "diagrams: sets come back from a portal first in, first out, "
-            f"after {_minutes(rules.outside_min_s)} at least outside the line"
+            f"turning back takes {least} at least, so that {_named(day.waited)} had another set"
         )
 
 
