@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from branchline.importing_timetables import import_mini_tokyo
+from branchline.importing_timetables import import_gtfs, import_mini_tokyo
 from branchline.progress import tell
 
 importers = typer.Typer(help="Make line and timetable data from outside sources.")
@@ -27,3 +27,4 @@ def import_geometry_command(
 
 
 importers.command("mini-tokyo")(import_mini_tokyo)
+importers.command("gtfs")(import_gtfs)
