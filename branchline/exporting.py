@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import typer
 
+from branchline.oudia import export_oudia
+
 exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
 
 
 @exporters.callback()
 def _of_all_exports() -> None:
     """Write lines, timetables and runs in the forms of other programs."""
+
+
+exporters.command("oudia")(export_oudia)

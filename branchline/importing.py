@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 
 from branchline.importing_timetables import import_gtfs, import_mini_tokyo
+from branchline.importing_timetables import import_mini_tokyo
+from branchline.oudia import import_oudia
 from branchline.progress import tell
 
 importers = typer.Typer(help="Make line and timetable data from outside sources.")
@@ -28,3 +30,4 @@ def import_geometry_command(
 
 importers.command("mini-tokyo")(import_mini_tokyo)
 importers.command("gtfs")(import_gtfs)
+importers.command("oudia")(import_oudia)
