@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from branchline.importing_timetables import import_gtfs, import_mini_tokyo
 from branchline.importing_timetables import import_mini_tokyo
 from branchline.oudia import import_oudia
 from branchline.progress import tell
@@ -28,4 +29,5 @@ def import_geometry_command(
 
 
 importers.command("mini-tokyo")(import_mini_tokyo)
+importers.command("gtfs")(import_gtfs)
 importers.command("oudia")(import_oudia)
