@@ -48,6 +48,9 @@ TRACK_M_MAX: Final = 200_000.0  # assumed: what the fit is made for are branch l
 _BOTH: Final = (Direction.DOWN, Direction.UP)
 
 
+_Part = tuple[str, list[tuple[float, float]]]  # key and coordinates of a feature
+
+
 class _Geometry(msgspec.Struct):
     type: str
     coordinates: list[tuple[float, float]]
@@ -136,16 +139,14 @@ def curve_limits(curves: Sequence[Curve], speed_max_kmh: float) -> tuple[SpeedLi
 
 def read_polyline(file: Path) -> Floats:
     """Vertices of the track, (n, 2) longitude and latitude in degrees. Raises InputError."""
-    features = read_json(file, _PolylineFile).features
-    points: list[tuple[float, float]] = []
-    for index, feature in enumerate(features):
+    parts: list[_Part] = []
+    for index, feature in enumerate(read_json(file, _PolylineFile).features):
         key = f"features[{index}].geometry"
         if feature.geometry.type != "LineString":
             raise InputError(str(file), f"{key}.type", feature.geometry.type, "LineString")
-        part = feature.geometry.coordinates
-        if points and part[:1] != points[-1:]:
-            raise InputError(str(file), key, part[:1], f"a line that goes on at {points[-1]}")
-        points += part[1:] if points else part
+        if feature.geometry.coordinates:
+            parts.append((key, feature.geometry.coordinates))
+    points = _chained(str(file), parts)
     if len(points) > VERTICES_MAX:
         raise InputError(str(file), "features", len(points), f"at most {VERTICES_MAX} vertices")
     vertices = np.array(points, dtype=np.float64).reshape(-1, 2)
@@ -156,6 +157,34 @@ def read_polyline(file: Path) -> Floats:
     moved = np.append(np.True_, np.any(np.diff(vertices, axis=0) != 0.0, axis=1))
     distinct: Floats = vertices[moved]
     return distinct
+
+
+def _chained(file: str, parts: list[_Part]) -> list[tuple[float, float]]:
+    """One line of parts that touch, in whatever order and direction they are given."""
+    points = list(parts[0][1]) if parts else []
+    waiting = parts[1:]
+    while waiting:
+        for part in waiting:
+            if _attached(points, part[1]):
+                waiting.remove(part)
+                break
+        else:
+            key, coordinates = waiting[0]
+            expected = f"a line that goes on at {points[-1]} or {points[0]}"
+            raise InputError(file, key, coordinates[:1], expected)
+    return points
+
+
+def _attached(points: list[tuple[float, float]], part: list[tuple[float, float]]) -> bool:
+    """Put a part behind or before the points, where one of its ends touches theirs."""
+    for way in (part, part[::-1]):
+        if way[0] == points[-1]:
+            points += way[1:]
+            return True
+        if way[-1] == points[0]:
+            points[:0] = way[:-1]
+            return True
+    return False
 
 
 def _names(table: _StationsFile) -> Iterator[tuple[str, str]]:
