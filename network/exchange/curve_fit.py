@@ -201,7 +201,8 @@ def _going_on(
 ) -> tuple[_Begin, float]:
     """Place and bearing of the axis at `at_m`, and the polyline's chainage there."""
     east, north, bearing = (
-        float(np.interp(at_m, axis.along_m, values)) for values in (axis.east_m, axis.north_m, axis.heading_rad)
+        float(np.interp(at_m, axis.along_m, values))
+        for values in (axis.east_m, axis.north_m, axis.heading_rad)
     )
     near = int(np.argmin(np.hypot(*(problem.dense - (east, north)).T)))
     return _Begin(east, north, bearing, zero_m + at_m), cut_m + float(problem.dense_m[near])
