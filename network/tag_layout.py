@@ -39,7 +39,9 @@ class TagRule:
     service_deceleration_mps2: float = 0.7
     reaction_s: float = 10.0
     portal_inset_m: float = 60.0
-    short_approach: bool = False  # in a section too short for it, APPROACH lies a nose inside where trains come in
+    short_approach: bool = (
+        False  # in a section too short for it, APPROACH lies a nose inside where trains come in
+    )
 
     def approach_m(self, speed_mps: float) -> float:
         """Distance of APPROACH from the points' section: v t + v^2 / (2 b), up to the next 50 m."""

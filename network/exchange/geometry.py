@@ -390,13 +390,14 @@ def _alignment(fit: Fit, zero_m: float, begin_m: float, speed_max_kmh: float) ->
             transition_m=round(curve.transition_m, 3),
             cant_mm=assumed_cant_mm(curve.radius_m, curve.transition_m, speed_max_kmh),
         )
-        for curve in fit.curves
+        for curve in (_ended(curve, fit.length_m) for curve in fit.curves)
+        if curve.from_m < fit.length_m
     )
     ahead_m = begin_m + zero_m
     return Alignment(
         id="main",
         from_m=round(begin_m, 3) + 0.0,  # no negative zero
-        to_m=float(math.floor(fit.length_m - zero_m)),
+        to_m=max([float(math.floor(fit.length_m - zero_m)), *(curve.to_m for curve in curves)]),
         x_m=round(fit.east_m + ahead_m * math.sin(fit.bearing_rad), 3),
         y_m=round(fit.north_m + ahead_m * math.cos(fit.bearing_rad), 3),
         bearing_deg=round(math.degrees(fit.bearing_rad) % 360.0, 6),
@@ -406,6 +407,12 @@ def _alignment(fit: Fit, zero_m: float, begin_m: float, speed_max_kmh: float) ->
         limits=curve_limits(curves, speed_max_kmh),
         coverage=(),
     )
+
+
+def _ended(curve: Curve, length_m: float) -> Curve:
+    """A curve no longer than the track shows it: beyond its end only the transition back to straight."""
+    to_m = min(curve.to_m, length_m + curve.transition_m)
+    return replace(curve, to_m=to_m, transition_m=min(curve.transition_m, (to_m - curve.from_m) / 2.0))
 
 
 def _check_track(file: Path, track: Floats) -> None:

@@ -326,8 +326,8 @@ def _lay_sections(
 def _lay_station(layout: Layout, place: _Place, before: str, after: str) -> None:
     """Tracks of a station between what lies before and after it, with the points or the joint at either end."""
     station = place.listed
-    low_ends_m = {name: place.tracks_low_m for name in station.tracks}
-    high_ends_m = {name: place.tracks_high_m for name in station.tracks}
+    low_ends_m = dict.fromkeys(station.tracks, place.tracks_low_m)
+    high_ends_m = dict.fromkeys(station.tracks, place.tracks_high_m)
     low_points = tuple(_ladder(place, before, "down", low_ends_m)) if station.points_low else ()
     high_points = tuple(_ladder(place, after, "up", high_ends_m)) if station.points_high else ()
     if low_points:

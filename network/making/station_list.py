@@ -248,7 +248,7 @@ def _station(file: str, key: str, row: StationRow, name: str, *, first: bool, la
         has_platforms=kind != "signal station",
         points_low=low,
         points_high=high,
-        normal=row.normal or ("" if low and high or at_end else tracks[0]),
+        normal=row.normal or ("" if (low and high) or at_end else tracks[0]),
         portal=row.end == "portal",
     )
 
