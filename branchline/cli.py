@@ -16,6 +16,7 @@ import typer
 from branchline.checking import check
 from branchline.drilling import drill
 from branchline.ending import ended, print_json, stop_by_signals
+from branchline.exporting import exporters
 from branchline.importing import importers
 from branchline.measuring import bench
 from branchline.reproducing import reproduce
@@ -31,6 +32,7 @@ app = typer.Typer(
 for command in (run, drill, bench, reproduce, check):
     app.command()(command)
 app.add_typer(importers, name="import")
+app.add_typer(exporters, name="export")
 
 
 def main() -> None:

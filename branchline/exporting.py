@@ -1,0 +1,15 @@
+"""`branchline export`: what we have, in the forms of other programs. Each form is a module of its own, listed here."""
+
+from __future__ import annotations
+
+import typer
+
+from branchline.exporting_sumo import export_sumo_command
+
+exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
+exporters.command("sumo")(export_sumo_command)
+
+
+@exporters.callback()
+def _of_all_exports() -> None:
+    """Write lines, timetables and runs in the forms of other programs."""
