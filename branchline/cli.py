@@ -21,6 +21,7 @@ from branchline.importing import importers
 from branchline.measuring import bench
 from branchline.reproducing import reproduce
 from branchline.running import run
+from branchline.timing import running_times
 from study.outcome import Outcome
 
 app = typer.Typer(
@@ -31,6 +32,7 @@ app = typer.Typer(
 )
 for command in (run, drill, bench, reproduce, check):
     app.command()(command)
+app.command("running-times")(running_times)
 app.add_typer(importers, name="import")
 app.add_typer(exporters, name="export")
 

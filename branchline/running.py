@@ -26,9 +26,14 @@ def run(
     ] = "sumo",
     seed: Seed = None,
     out: Out = None,
+    anyway: Annotated[
+        bool,
+        typer.Option("--anyway", help="Also run a plan that cannot work, as branchline check says it."),
+    ] = False,
     as_json: Json = False,
 ) -> None:
-    """Run a scenario and write its run directory with report.html."""
+    """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
+    from study.feasibility.check import refuse
     from study.run.directory import reserved
     from study.run.run import CarrierKind, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
@@ -38,6 +43,7 @@ def run(
     if carrier not in {kind.value for kind in CarrierKind}:
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     loaded = load_scenario(scenario, seed)
+    refuse(scenario, loaded.setup, anyway=anyway)
     directory = (out or Path("runs") / loaded.id).resolve()
     with reserved(directory) as place:
         with crashes_into(directory), progress_of(loaded.id) as progress:
