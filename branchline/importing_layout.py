@@ -34,7 +34,9 @@ def import_railml_command(
 
 
 def import_osm_command(
-    file: Annotated[Path, typer.Argument(help="OpenStreetMap XML (.osm) with the rails of a line or a station.")],
+    file: Annotated[
+        Path, typer.Argument(help="OpenStreetMap XML (.osm) with the rails of a line or a station.")
+    ],
     out: OutList = None,
     net: Annotated[
         Path | None, typer.Option("--net", help="SUMO net to write (.net.xml); needs the extra net.")

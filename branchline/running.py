@@ -30,6 +30,12 @@ def run(
         bool,
         typer.Option("--anyway", help="Also run a plan that cannot work, as branchline check says it."),
     ] = False,
+    gui: Annotated[
+        bool, typer.Option("--gui", help="Watch the run in sumo-gui (extra net); the result is the same.")
+    ] = False,
+    gui_delay: Annotated[
+        int, typer.Option("--gui-delay", min=0, max=10_000, help="Of --gui: ms for each step of 0.1 s.")
+    ] = 20,
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
@@ -40,8 +46,10 @@ def run(
 
     chosen = link_of(link)
     hosted = units_at(units, chosen)
-    if carrier not in {kind.value for kind in CarrierKind}:
+    if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
+    if gui and carrier != CarrierKind.SUMO.value:
+        raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
     loaded = load_scenario(scenario, seed)
     refuse(scenario, loaded.setup, anyway=anyway)
     directory = (out or Path("runs") / loaded.id).resolve()
@@ -51,9 +59,10 @@ def run(
                 loaded,
                 chosen,
                 units=hosted,
-                carrier=CarrierKind(carrier),
+                carrier=CarrierKind.SUMO_GUI if gui else CarrierKind(carrier),
                 progress=progress,
                 journal=place.journal,
+                delay_ms=gui_delay,
             )
         tell("writing the report")
         report = fill_run(done, place)

@@ -25,8 +25,12 @@ def plain_of(layout: Layout) -> PlainXml:
     At crossings tracks go on as straight as they can. Raises InputError for a layout without places.
     """
     places = {node.id: node.place for node in layout.nodes}
-    if any(place is None for place in places.values()) or any(len(track.shape) < 2 for track in layout.tracks):
-        raise InputError(layout.source, "", None, "places of its nodes and tracks; without them there is no net")
+    if any(place is None for place in places.values()) or any(
+        len(track.shape) < 2 for track in layout.tracks
+    ):
+        raise InputError(
+            layout.source, "", None, "places of its nodes and tracks; without them there is no net"
+        )
     nodes, edges, connections = (ET.Element(name) for name in ("nodes", "edges", "connections"))
     for node_id, place in places.items():
         x, y = place or (0.0, 0.0)
@@ -105,7 +109,8 @@ def _pairs(
         taken: set[int] = set()
         directions: list[Place] = [direction_from(track.shape, from_high=high) for track, high in ends]
         pairs = sorted(
-            combinations(range(len(ends)), 2), key=lambda pair: -angle_deg(directions[pair[0]], directions[pair[1]])
+            combinations(range(len(ends)), 2),
+            key=lambda pair: -angle_deg(directions[pair[0]], directions[pair[1]]),
         )
         for a, b in pairs:
             if not {a, b} & taken and angle_deg(directions[a], directions[b]) >= THROUGH_DEG_MIN:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from network.exchange.sumo_net import KILOMETRAGE
+from network.exchange.sumo_net import KILOMETRAGE, STATION, TRACK
 from network.model import Direction, Line, Piece, PlatformTrack, SectionKind, Station, TagPurpose
 from sumo_cfg.writer import edge_id, piece_shapes
 
@@ -63,9 +63,10 @@ def scenery_xml(line: Line) -> bytes:
             "xsi:noNamespaceSchemaLocation": ADDITIONAL_XSD,
         },
     )
-    for attributes, kilometrage_m in _stops(line):
+    for attributes, marks in _stops(line):
         stop = ET.SubElement(root, "trainStop", attributes)
-        ET.SubElement(stop, "param", key=KILOMETRAGE, value=_metres(kilometrage_m))
+        for key, value in marks.items():
+            ET.SubElement(stop, "param", key=key, value=value)
     shapes = piece_shapes(line)
     for attributes in (*_sections(line, shapes), *_platforms(line, shapes)):
         ET.SubElement(root, "poly", attributes)
@@ -81,8 +82,8 @@ def along_m(piece: Piece, direction: Direction, kilometrage_m: float) -> float:
     return kilometrage_m - piece.from_m if direction is Direction.DOWN else piece.to_m - kilometrage_m
 
 
-def _stops(line: Line) -> Iterator[tuple[dict[str, str], float]]:
-    """Attributes of each stop, and the kilometrage of its mark, m."""
+def _stops(line: Line) -> Iterator[tuple[dict[str, str], dict[str, str]]]:
+    """Attributes of each stop, and its parameters, by which an importer knows it again."""
     for station, track in _tracks(line):
         piece = line.pieces[track.piece_id]
         for direction, mark_m in sorted(track.marks_m.items(), reverse=True):
@@ -97,7 +98,8 @@ def _stops(line: Line) -> Iterator[tuple[dict[str, str], float]]:
                 "endPos": _metres(end_m),
                 "name": station.name,
             }
-            yield attributes, mark_m
+            marks = {KILOMETRAGE: _metres(mark_m), STATION: station.id, TRACK: track.name}
+            yield attributes, marks
 
 
 def _tags(line: Line) -> Iterator[dict[str, str]]:
@@ -162,9 +164,7 @@ def _platforms(line: Line, shapes: dict[str, Array]) -> Iterator[dict[str, str]]
         axis = _cut(shapes[piece.id][:, :2], *sorted(shares))
         # On which side it lies is in no line file: away from the axis of the alignment, else to the right.
         side = -1.0 if piece.offset_m < 0 else 1.0
-        near_m, far_m = (
-            side * (PLATFORM_DISTANCE_M + half * PLATFORM_WIDTH_M / 2) for half in (-1.0, 1.0)
-        )
+        near_m, far_m = (side * (PLATFORM_DISTANCE_M + half * PLATFORM_WIDTH_M / 2) for half in (-1.0, 1.0))
         ring = np.concatenate([_beside(axis, near_m), _beside(axis, far_m)[::-1]])
         yield {
             "id": f"platform.{track.station_id}.{track.name}",

@@ -136,7 +136,9 @@ def _put(done: Merged, first: Track, chain: list[tuple[Track, int]]) -> None:
     )
 
 
-def km_rows(length_m: float, known: Iterable[KmRow], jumps: Iterable[tuple[float, float, float]]) -> tuple[KmRow, ...]:
+def km_rows(
+    length_m: float, known: Iterable[KmRow], jumps: Iterable[tuple[float, float, float]]
+) -> tuple[KmRow, ...]:
     """The kilometrage of a piece of track from what is known of it; empty where nothing is.
 
     `known` are offsets with their kilometrages; `jumps` offsets with the kilometrage before and after. Between jumps it

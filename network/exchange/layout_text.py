@@ -36,7 +36,9 @@ def obstacles(layout: Layout) -> tuple[str, ...]:
     stations = stations_in_order(layout)
     found: list[str] = []
     if len(stations) < 2:
-        found.append(f"{counted(len(stations), 'station')} with a name and a kilometrage: a line has two at least")
+        found.append(
+            f"{counted(len(stations), 'station')} with a name and a kilometrage: a line has two at least"
+        )
     crossings = [node for node in layout.nodes if node.kind is NodeKind.CROSSING]
     if crossings:
         found.append(
@@ -171,13 +173,14 @@ def _covers(track: Track, km_m: float) -> bool:
 
 
 def _track_names(layout: Layout, station: LayoutStation) -> list[str]:
-    """Names of a station's tracks as identifiers; empty where a track has none."""
+    """Names of a station's tracks as identifiers, in their order; empty where a track has none."""
     said = {spot.track_id: spot.track_name for spot in station.spots}
     names: list[str] = []
     for track_id in station.track_ids:
         name = _NO_ID.sub("", said.get(track_id, "") or layout.track_of[track_id].name)
         names.append(name if is_identifier(name) and name not in ("P", "W", "E") else "")
-    return names
+    # Sources name them in orders of their own; which side the first lies on is for the planner to say.
+    return sorted(names, key=lambda name: (len(name), name))
 
 
 def _goes_on(layout: Layout, station: LayoutStation, *, first: bool) -> bool:
@@ -189,7 +192,9 @@ def _goes_on(layout: Layout, station: LayoutStation, *, first: bool) -> bool:
         for km_m in _km_at(layout, node.id)
         if node.kind in (NodeKind.OPEN, NodeKind.BUFFER) and (km_m < here_m if first else km_m > here_m)
     ]
-    farthest = max(beyond, key=lambda node: max(abs(km_m - here_m) for km_m in _km_at(layout, node.id)), default=None)
+    farthest = max(
+        beyond, key=lambda node: max(abs(km_m - here_m) for km_m in _km_at(layout, node.id)), default=None
+    )
     return farthest is not None and farthest.kind is NodeKind.OPEN
 
 

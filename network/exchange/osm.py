@@ -91,10 +91,12 @@ def read_osm(path: Path) -> Layout:
     left = [*odd, *unused, *homeless, *_left(source)]
     without = sum(not track.kilometrage for track in tracks)
     if without:
-        left.append(f"no kilometrage: {counted(without, 'track')}, with no milestones on them or on those they continue")
+        left.append(
+            f"no kilometrage: {counted(without, 'track')}, with no milestones on them or on those they continue"
+        )
     return Layout(
-        path.stem,
-        f"OpenStreetMap, {path.name}",
+        path.name.partition(".")[0],
+        f"OpenStreetMap contributors (ODbL 1.0), {path.name}",
         nodes,
         tuple(tracks),
         tuple(points),
@@ -112,7 +114,9 @@ def _read(path: Path) -> _Source:
     file = str(path)
     root = read_xml(path)
     if local_name(root) != "osm":
-        raise InputError(file, "", None, f"OpenStreetMap XML, but the outermost element is {local_name(root)}")
+        raise InputError(
+            file, "", None, f"OpenStreetMap XML, but the outermost element is {local_name(root)}"
+        )
     ways, left = [], Counter[str]()
     for element in root.iterfind("way"):
         tags = _tags(element)
@@ -180,7 +184,11 @@ def _pieces(source: _Source) -> Iterator[Track]:
         degree.update(way.nodes[1:-1])
         degree.update((way.nodes[0], way.nodes[-1]))
     for way in source.ways:
-        cuts = [0, *(i for i in range(1, len(way.nodes) - 1) if degree[way.nodes[i]] != 2), len(way.nodes) - 1]
+        cuts = [
+            0,
+            *(i for i in range(1, len(way.nodes) - 1) if degree[way.nodes[i]] != 2),
+            len(way.nodes) - 1,
+        ]
         for number, (first, last) in enumerate(zip(cuts, cuts[1:], strict=False)):
             piece_id = f"{way.id}.{number + 1}" if number else way.id
             shape = tuple(source.nodes[ref].place for ref in way.nodes[first : last + 1])
@@ -238,7 +246,9 @@ def _points(
     inner = {node for node, tag in source.nodes.items() if tag.tags.get("railway") == "switch"}
     for node in sorted(inner - {entry.id for entry in points} - crossings):
         count = len(meeting.get(node, ())) or 2 * bool(source.places_of.get(node))
-        odd.append(f"not among points: node {node}, called a switch, but {counted(count, 'track end')} meet there")
+        odd.append(
+            f"not among points: node {node}, called a switch, but {counted(count, 'track end')} meet there"
+        )
     return points, crossings, odd
 
 
@@ -292,9 +302,7 @@ def _kilometres(text: str | None) -> float | None:
     return value if abs(value) < 1e5 else None
 
 
-def _measured(
-    tracks: Sequence[Track], milestones: Iterable[Milestone]
-) -> tuple[list[Track], list[str]]:
+def _measured(tracks: Sequence[Track], milestones: Iterable[Milestone]) -> tuple[list[Track], list[str]]:
     """Tracks with the kilometrage of their milestones, two at least; and what was not used, in sentences."""
     rows: dict[str, list[KmRow]] = defaultdict(list)
     for post in milestones:
@@ -313,7 +321,9 @@ def _measured(
         measured.append(replace(track, kilometrage=km_rows(track.length_m, known, ())))
     said: list[str] = []
     if alone:
-        said.append(f"{counted(alone, 'milestone')} alone on a track: which way its kilometrage grows is not said")
+        said.append(
+            f"{counted(alone, 'milestone')} alone on a track: which way its kilometrage grows is not said"
+        )
     if crossed:
         said.append(f"milestones of {counted(crossed, 'track')}, which are in no order")
     return measured, said
@@ -447,7 +457,9 @@ def _left(source: _Source) -> list[str]:
         ),
     }
     return [
-        counted(count, what, plurals.get(what, what.replace("node of", "nodes of").replace("way of", "ways of")))
+        counted(
+            count, what, plurals.get(what, what.replace("node of", "nodes of").replace("way of", "ways of"))
+        )
         if " of " in what or what in plurals
         else counted(count, what)
         for what, count in sorted(source.left.items())

@@ -28,7 +28,9 @@ def read_railml(path: Path) -> Layout:
     file = str(path)
     root = read_xml(path)
     if local_name(root) not in _ROOT_NAMES:
-        raise InputError(file, "", None, f"railML 2.4 or 3.2, but the outermost element is {local_name(root)}")
+        raise InputError(
+            file, "", None, f"railML 2.4 or 3.2, but the outermost element is {local_name(root)}"
+        )
     version = root.get("version", "")
     if version not in NAMESPACES:
         raise InputError(file, "version", version, "railML of version 2.4 or 3.2")

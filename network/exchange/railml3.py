@@ -22,7 +22,16 @@ _ORDINARY: Final = frozenset({"ordinarySwitch", "insideCurvedSwitch", "outsideCu
 _PART: Final = "switchCrossingPart"
 _TAKEN: Final = frozenset(
     {
-        *("infrastructure", "netElement", "netRelation", "network", "level", "track", "bufferStop", "switchIS"),
+        *(
+            "infrastructure",
+            "netElement",
+            "netRelation",
+            "network",
+            "level",
+            "track",
+            "bufferStop",
+            "switchIS",
+        ),
         *("operationalPoint", "platformEdge", "signalIS", "crossing", "mileageChange", "infrastructureState"),
         *("elementState", "spotLocation", "linearLocation", "areaLocation", "associatedPositioningSystem"),
         *("intrinsicCoordinate", "elementCollectionUnordered", "elementCollectionOrdered", "networkLocation"),

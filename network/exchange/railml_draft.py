@@ -182,7 +182,9 @@ def left_of(elements: Iterable[ET.Element], taken: frozenset[str]) -> list[str]:
 
 def states_not_in_use(words: Iterable[tuple[str, bool]]) -> int:
     """How many states, each a word and whether disabled, are of something that is not in use."""
-    return sum(disabled or word in ("planned", "closed", "conceptual", "disabled") for word, disabled in words)
+    return sum(
+        disabled or word in ("planned", "closed", "conceptual", "disabled") for word, disabled in words
+    )
 
 
 def _points(entry: DraftPoints, done: Merged) -> LayoutPoints:
@@ -198,9 +200,7 @@ def _points(entry: DraftPoints, done: Merged) -> LayoutPoints:
     )
 
 
-def _station(
-    entry: LayoutStation, done: Merged, tracks: Mapping[str, Track], draft: Draft
-) -> LayoutStation:
+def _station(entry: LayoutStation, done: Merged, tracks: Mapping[str, Track], draft: Draft) -> LayoutStation:
     spots = tuple(
         Spot(
             done.moved[spot.track_id].track_id,

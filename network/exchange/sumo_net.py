@@ -36,7 +36,10 @@ from network.exchange.xml_input import local_name, needed, needed_number, number
 
 RAIL_CLASSES: Final = frozenset({"rail", "rail_urban", "rail_electric", "rail_fast", "subway", "tram"})
 STOP_ELEMENTS: Final = ("trainStop", "busStop")
+# Parameters of a stop in our own exports: of its mark, of its station and of its track.
 KILOMETRAGE: Final = "kilometrage_m"
+STATION: Final = "station"
+TRACK: Final = "track"
 NORMAL_AT: Final = "normal_at"  # parameter of an edge: junctions at which it is the normal leg
 OUR_LEGS: Final = (".normal", ".reverse")  # how edges of our own lines' nets end, before their sign
 
@@ -214,7 +217,7 @@ def _kind(
 ) -> NodeKind:
     """What a junction is; points are added to `points`."""
     if len(ends) <= 2:
-        return NodeKind.JOINT if len(ends) == 2 else NodeKind.OPEN
+        return NodeKind.JOINT if len(ends) == 2 else NodeKind.END
     together = {
         frozenset((of_edge[a][0].id, of_edge[b][0].id))
         for a, b in net.following
@@ -222,7 +225,9 @@ def _kind(
     }
     stems = [t for t, _ in ends if all({t.id, o.id} in together for o, _ in ends if o.id != t.id)]
     if len(ends) != 3 or len(stems) != 1 or len({t.id for t, _ in ends}) != 3:
-        said.append(f"not among points: junction {node}, at which {len(ends)} tracks meet and {len(stems)} lead to all")
+        said.append(
+            f"not among points: junction {node}, at which {len(ends)} tracks meet and {len(stems)} lead to all"
+        )
         return NodeKind.CROSSING
     stem = stems[0]
     legs = [(track, high) for track, high in ends if track.id != stem.id]
@@ -266,10 +271,13 @@ def _stations(
     file = str(additional)
     root = read_xml(additional)
     if local_name(root) != "additional":
-        raise InputError(file, "", None, f"a SUMO additional file, but its outermost element is {local_name(root)}")
+        raise InputError(
+            file, "", None, f"a SUMO additional file, but its outermost element is {local_name(root)}"
+        )
     spots: dict[str, list[Spot]] = defaultdict(list)
     platforms: dict[str, list[Platform]] = defaultdict(list)
     known: dict[str, list[KmRow]] = defaultdict(list)
+    codes: dict[str, str] = {}
     for stop in (element for element in root if local_name(element) in STOP_ELEMENTS):
         stop_id, lane = needed(file, stop, "id"), needed(file, stop, "lane")
         edge_id = lane.rpartition("_")[0]
@@ -280,16 +288,22 @@ def _stations(
         end_m = _on(track, along, number(file, stop, "endPos"), track.length_m)
         start_m = _on(track, along, number(file, stop, "startPos"), 0.0)
         name = stop.get("name", "") or stop_id
-        spots[name].append(Spot(track.id, end_m, stop_id))
+        marks = {param.get("key"): param for param in stop.iterfind("param")}
+        spots[name].append(Spot(track.id, end_m, _value(marks, TRACK)))
         low_m, high_m = sorted((start_m, end_m))
         platforms[name].append(Platform(track.id, low_m, high_m, stop_id))
-        for param in stop.iterfind("param"):
-            if param.get("key") == KILOMETRAGE:
-                known[track.id].append((end_m, needed_number(file, param, "value")))
+        codes.setdefault(name, _value(marks, STATION))
+        if KILOMETRAGE in marks:
+            known[track.id].append((end_m, needed_number(file, marks[KILOMETRAGE], "value")))
     found = [
-        LayoutStation(name, "", name, None, tuple(spots[name]), tuple(platforms[name])) for name in spots
+        LayoutStation(name, codes[name], name, None, tuple(spots[name]), tuple(platforms[name]))
+        for name in spots
     ]
     return found, known
+
+
+def _value(marks: Mapping[str | None, ET.Element], key: str) -> str:
+    return marks[key].get("value", "") if key in marks else ""
 
 
 def _on(track: Track, along: bool, offset_m: float | None, default_m: float) -> float:

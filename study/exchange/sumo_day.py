@@ -71,7 +71,9 @@ def vehicles_of(setup: Setup) -> tuple[Vehicle, ...]:
     try:
         drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
     except NoWay as error:
-        raise InputError(setup.timetable.id, "", None, f"trains that the line has a way for: {error}") from error
+        raise InputError(
+            setup.timetable.id, "", None, f"trains that the line has a way for: {error}"
+        ) from error
     vehicles: list[Vehicle] = []
     for stock_id, duties in drawn.items():
         for number, chain in enumerate(_chains(duties)):
