@@ -1,39 +1,19 @@
-"""What the page is made of: facts of the headline, tables of text, and parts with a title."""
+"""What the head of the page is made of: facts in two languages; and how a figure with a sign is set."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One line of the headline; `bad` is set in red."""
+    """One line of the headline, in English and in Japanese; `bad` is set in red."""
 
     name: str
     value: str
     bad: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """A table of text: numbers stand to the right from column `numbers_from` on, up to `numbers_to`."""
-
-    header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    numbers_from: int = 99
-    numbers_to: int = 99
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A part of the report: what it shows, how to read it, its figures, its tables (folded when long)."""
-
-    title: str
-    caption: str
-    figures: tuple[str, ...] = ()
-    grids: tuple[Grid, ...] = ()
-    folded: str = ""
-    notes: tuple[str, ...] = field(default=())
+    name_ja: str = ""
+    value_ja: str = ""
 
 
 def signed(value: float, digits: int = 0, unit: str = "") -> str:
