@@ -59,7 +59,7 @@ function roomForLabels(context, labels, width) {
   context.font = font(11);
   const widest = Math.max(0, ...labels.map((label) => context.measureText(label).width));
   const upright = widest > (width - 64) / Math.max(labels.length, 1) - 6;
-  return { upright, bottom: upright ? Math.min(Math.ceil(widest) + 12, 170) : 26 };
+  return { upright, bottom: upright ? Math.min(Math.ceil(widest) + 12, 230) : 26 };
 }
 
 /**
@@ -105,7 +105,7 @@ function drawLabel(context, text, x, y, room, upright) {
     context.rotate(-Math.PI / 2);
     context.textAlign = "right";
     context.textBaseline = "middle";
-    context.fillText(fitted(context, text, 164), 0, 0);
+    context.fillText(fitted(context, text, 224), 0, 0);
   } else {
     context.textAlign = "center";
     context.textBaseline = "top";

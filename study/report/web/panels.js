@@ -302,7 +302,7 @@ export function marginsPaper(host, context) {
     series: [
       { label: words.say("least"), colour: "#c9d6e4", values: least },
       { label: words.say("smallest_margin"), colour: COLOURS.traction, values: margin.map((s) => Math.max(s, 0)) },
-      { label: words.say("smallest_margin"), colour: COLOURS.red, values: margin.map((s) => Math.min(s, 0)) },
+      { label: words.say("too_short"), colour: COLOURS.red, values: margin.map((s) => Math.min(s, 0)) },
     ].filter(({ values }) => values.some((value) => value !== 0)),
   }));
   tables(host, context, ["margins"], true);

@@ -284,6 +284,9 @@ function drawMinutes(context, day, view, scale, plot, options) {
   context.textBaseline = "middle";
   const [arrives, leaves] = options.plan ? ["pa", "pd"] : ["a", "d"];
   const taken = new Set();
+  context.strokeStyle = "rgba(255,255,255,0.8)";
+  context.lineWidth = 2.5;
+  context.setLineDash([]);
   for (const train of day.trains) {
     context.fillStyle = train.number === options.chosen ? COLOURS.chosen
       : train.direction > 0 ? COLOURS.planDown : COLOURS.planUp;
@@ -307,6 +310,7 @@ function minute(context, time, view, scale, y, side, taken, size) {
   if (taken.has(place)) return;
   taken.add(place);
   context.textAlign = side;
+  context.strokeText(text, x, y);
   context.fillText(text, x, y);
 }
 

@@ -208,6 +208,7 @@ export const WORDS = {
   margins_label: ["Planned and least running time by hop", "駅間の計画時分と最小時分"],
   seconds: ["s", "秒"],
   least: ["least", "最小"],
+  too_short: ["planned too short", "計画不足"],
   smallest_margin: ["smallest margin", "最小の余裕"],
   // stopping
   errors_title: ["Stop errors", "停止誤差"],
