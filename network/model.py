@@ -118,7 +118,7 @@ class PlatformTrack:
     """A place where trains stand. At a halt (停留所) `section_id` is the section between stations.
 
     `platform_m` are the kilometrages (m) of the platform's low and high end; None on a track that has none, as at a
-    signal station (信号場). `marks_m` gives by direction of travel the kilometrage (m) at which the train's front stops.
+    signal station (信号場). `marks_m` gives by direction of travel the kilometrage (m) at which the front stops.
     """
 
     station_id: str

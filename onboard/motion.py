@@ -22,7 +22,7 @@ from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
-from onboard.duty.mission import Mission, PathTag, Target
+from onboard.duty.mission import Mission, Passing, PathTag, Target
 from onboard.duty.records import (
     Command,
     How,
@@ -115,6 +115,9 @@ class Motion:
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
+        self._timed: Passing | None = (
+            None  # where the cruising speed is to bring the train, if not to its stop
+        )
         self._stood_m: float | None = (
             None  # what the tachometer showed when it last came to a stand, if it stands
         )
@@ -165,7 +168,7 @@ class Motion:
 
     def _take_up(self, mission: Mission, path: PathData) -> None:
         row = self.row
-        self._mission = mission
+        self._mission, self._timed = mission, None
         self._starts_m = [span.start_m for span in mission.spans]
         self._ends_m = [span.end_m for span in mission.spans]
         self._climb_m = np.ascontiguousarray(path.rows["climb_m"])
@@ -417,7 +420,7 @@ class Motion:
         if Order.DEPART in command.orders or Order.RESUME in command.orders:
             row.target_stop_m = row.position_m
         if command.target is not None:
-            if moved or self._found or command.orders:
+            if moved or self._found or command.orders or self._passed_by(mission.targets[command.target]):
                 self._choose_cruise(mission.targets[command.target], now_s)
             self._aim(mission.targets[command.target].mark_m, limit_m)
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]
@@ -434,14 +437,29 @@ class Motion:
             row.braking_to_stop = 0
         row.target_stop_m = aim_m
 
+    def _next_passing(self, there: Target) -> Passing | None:
+        """The next station that the train runs through on its way to a stop."""
+        return next((p for p in there.passings if p.position_m > self.row.position_m), None)
+
+    def _passed_by(self, there: Target) -> bool:
+        """Whether the cruising speed was chosen for a station that the train has run through since."""
+        return self._timed is not None and self._timed is not self._next_passing(there)
+
     def _choose_cruise(self, there: Target, now_s: float) -> None:
-        """Cruising speed for what is left of the way to the next stop and of the time."""
+        """Cruising speed for what is left of the way to the next station where there is a time, and of that time."""
         row, parameters = self.row, self._parameters
         due_s = there.arrival_s
         if due_s is not None and there.departure_s is not None:
-            due_s = min(due_s, there.departure_s - parameters.dwell_min_s)
+            dwell_s = parameters.dwell_min_s if there.passengers else 0.0
+            due_s = min(due_s, there.departure_s - dwell_s)
         row.cruise_mps = math.inf
         row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
+        self._timed = passing = self._next_passing(there)
+        until_m = math.inf if passing is None else passing.position_m
+        if passing is not None:
+            due_s = (
+                passing.time_s + parameters.time_margin_s
+            )  # that keeps a stop's arrival, not a moment in passing
         if due_s is None or there.mark_m <= row.position_m:
             return
         row.cruise_mps = cruise_for(
@@ -454,4 +472,5 @@ class Motion:
             due_s - now_s - parameters.time_margin_s,
             self._behaviour.stop_deceleration_mps2,
             float(row.speed_mps),
+            until_m,
         )

@@ -45,6 +45,7 @@ class StopRecord:
     arrival_s: float | None = None
     departure_s: float | None = None
     error_m: float | None = None
+    passengers: bool = True
 
 
 class Phase(StrEnum):

@@ -105,8 +105,11 @@ def predicted_run(
     deceleration_mps2: float,
     dt_s: float,
     initial_mps: float = 0.0,
+    until_m: float = math.inf,
 ) -> tuple[float, float]:
     """Time (s) and net energy at the wire (J: traction + auxiliary - regenerated) from `start_m` to a stop.
+
+    With `until_m` before the stop: to where the front passes that, on its way to the stop.
 
     `elevation_m[i]` is the height at metre i counted in the direction of travel, curves included
     (`vehicle.resistance.climb_m`), `limit_mps[i]` the limit for the train's front from metre i to i + 1 (train
@@ -144,8 +147,8 @@ def predicted_run(
         else:
             electric_n = electric_brake_n(train, ALL_MOTORS, -force_n, grip_n, speed)
             energy_j -= electric_n * distance * train.efficiency_regeneration
-        if distance >= left:
-            share = left / distance
+        if distance >= min(left, until_m - position):
+            share = min(left, until_m - position) / distance
             return time_s + share * dt_s, energy_j
         position += distance
         speed = after

@@ -164,7 +164,7 @@ def tag_passed(turn: Turn, event: TagPassed) -> None:
     if last is None or any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):
         return
     turn.want(plan.arrival_points(passed[last]))
-    track = plan.track_ahead(passed[-1])
+    track = plan.track_ahead(passed[last])  # not what lies beyond a track that this tag stands in
     if track is not None and not plan.calls_at(track.section_id):
         turn.ask(plan.leg_beyond(track.section_id))
 
@@ -185,7 +185,7 @@ def stopped(turn: Turn, event: Stopped) -> None:
     if event.how is How.BEYOND:  # no train sets back here: it counts as arrived, as far as it went
         turn.note(notes.Overran(beyond_m=round(event.away_m, 2)))
     turn.set(at=state.at + 1, phase=Phase.STANDING)
-    turn.schedule(turn.now_s + turn.parameters.dwell_min_s, state.at + 1)
+    turn.schedule(turn.now_s + turn.dwell_s(state.at + 1), state.at + 1)
     turn.note(notes.Arrived(station=turn.stop(state.at + 1).place, error_m=round(event.away_m, 3)))
 
 

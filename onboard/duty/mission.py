@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from network.graph import routes_from
 from network.model import Direction, Line, Position, Route, SectionKind, TagPurpose
 from network.path import Path, path_of
-from network.timetable import TimetableTrain
+from network.timetable import CallKind, TimetableTrain
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +36,21 @@ class PathTag:
 
 
 @dataclass(frozen=True, slots=True)
+class Passing:
+    """A station that the train runs through: its front is at `position_m` at `time_s`, as planned."""
+
+    station_id: str
+    track: str
+    position_m: float
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Target:
-    """A place where the train stops; a place without a station is where it leaves the line."""
+    """A place where the train stops; a place without a station is where it leaves the line.
+
+    `passings` lie between the stop before and this one. `passengers`: they get on and off here, which takes its time.
+    """
 
     station_id: str | None
     track: str
@@ -45,6 +58,8 @@ class Target:
     mark_m: float
     arrival_s: float | None
     departure_s: float | None
+    passings: tuple[Passing, ...] = ()
+    passengers: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,13 +222,12 @@ def _targets(
     enter_mark_m: float | None,
 ) -> tuple[Target, ...]:
     targets: list[Target] = []
+    passings: list[Passing] = []
     on_path = {step.piece_id for step in path.steps}
     if enter_mark_m is not None:
         piece_id = line.sections[start_section].piece_ids[0]
         targets.append(Target(None, "", start_section, path.to_path_m(piece_id, enter_mark_m), None, None))
     for call in train.calls:
-        if not call.stops:
-            continue
         tracks = [
             t
             for t in line.stations[call.station_id].tracks
@@ -225,16 +239,23 @@ def _targets(
             )
             raise NoWay(message)
         track = tracks[0]
+        mark_m = path.to_path_m(track.piece_id, track.marks_m[train.direction])
+        if not call.stops:
+            passings.append(Passing(call.station_id, track.name, mark_m, call.last_s))
+            continue
         targets.append(
             Target(
                 call.station_id,
                 track.name,
                 track.section_id,
-                path.to_path_m(track.piece_id, track.marks_m[train.direction]),
+                mark_m,
                 call.arrival_s,
                 call.departure_s,
+                tuple(passings),
+                call.kind is not CallKind.OPERATIONAL,
             )
         )
+        passings.clear()
     if leave_by is not None:
         targets.append(Target(None, "", leave_by, spans[-1].end_m - LEAVING_MARK_M, None, None))
     return tuple(targets)

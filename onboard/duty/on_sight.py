@@ -87,7 +87,7 @@ def points_wrong(turn: Turn, event: PointsWrong) -> None:
 def at_mark(turn: Turn, event: AtMark) -> None:
     """Has arrived by the crew's eye, with its whole train (到着確認): what is surely behind is given back."""
     turn.set(stands_at=event.stop, at=event.stop)
-    turn.schedule(turn.now_s + turn.parameters.dwell_min_s, event.stop)
+    turn.schedule(turn.now_s + turn.dwell_s(event.stop), event.stop)
     stop = turn.stop(event.stop)
     turn.note(notes.Arrived(station=stop.place, error_m=None))
     turn.give_back_behind(stop.clear)

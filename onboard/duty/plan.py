@@ -58,6 +58,7 @@ class Stop(msgspec.Struct, frozen=True):
     arrival_s: float | None
     departure_s: float | None
     by_eye: bool = False
+    passengers: bool = True  # they get on and off
 
 
 class Tag(msgspec.Struct, frozen=True):
@@ -166,6 +167,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
                 target.arrival_s,
                 target.departure_s,
                 by_eye=by_tag < clear,
+                passengers=target.passengers,
             )
         )
     end_piece, end_m = path.locate(mission.spans[-1].end_m)

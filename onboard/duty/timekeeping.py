@@ -6,6 +6,7 @@ km/h is ten seconds.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -29,8 +30,9 @@ def cruise_for(
     available_s: float,
     deceleration_mps2: float,
     initial_mps: float = 0.0,
+    until_m: float = math.inf,
 ) -> float:
-    """Cruising speed, m/s, for a run from `start_m` to a stop at `stop_m` in `available_s`.
+    """Cruising speed, m/s, for a run from `start_m` to a stop at `stop_m`, or to `until_m` before it, in `available_s`.
 
     The line's limit where the time is too short. `climb_m` and `driving_mps` are on the path's 1 m grid.
     """
@@ -49,6 +51,7 @@ def cruise_for(
             deceleration_mps2,
             PREDICTION_STEP_S,
             initial_mps,
+            until_m,
         )[0]
 
     while low < high:

@@ -65,6 +65,10 @@ class Turn:
         self.actions.append(SetTimer(named, after_s) if at_s == NEVER_S else SetTimerAt(named, at_s, after_s))
         return False
 
+    def dwell_s(self, stop: int) -> float:
+        """The shortest stay at a stop, s: none where no passengers get on or off."""
+        return self.parameters.dwell_min_s if self.plan.stops[stop].passengers else 0.0
+
     def schedule(self, ready_s: float, stop: int) -> None:
         """When the route from a stop may be asked for, and when the train may leave it.
 

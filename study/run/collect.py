@@ -17,12 +17,14 @@ from onboard import notes
 from radio.noted import TelegramDropped
 from simulation import events
 from simulation.events import EventType
-from simulation.result import RunResult, StopRecord, TraceSpan
+from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
+from study.measures.passings import PlannedPassing
 from study.measures.running_times import PlannedLeg
 from study.run.energy import Make, energy_tables
 from study.run.margins import margins_of
 from study.run.spans import rows_by_span
+from study.run.stops import passed, stops_table
 from study.run.tables import RunTables, make_table
 from wayside import said
 
@@ -56,12 +58,16 @@ _LEVELS: Final = {0: "ended", 1: "service brake", 2: "emergency brake"}
 
 
 def tables_of(
-    result: RunResult, line: Line, fleet: Mapping[str, Make], legs: Sequence[PlannedLeg] = ()
+    result: RunResult,
+    line: Line,
+    fleet: Mapping[str, Make],
+    legs: Sequence[PlannedLeg] = (),
+    passings: Sequence[PlannedPassing] = (),
 ) -> RunTables:
-    """All tables of a run but the comparisons; `fleet` says of each stock id what it is, `legs` what was planned."""
+    """All tables of a run but comparisons and waits; `fleet` says what each stock is, the rest what was planned."""
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
     lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
-    stops = _stops(result.stops)
+    stops = stops_table(result.stops, passed(passings, spans))
     return RunTables(
         trajectory=_trajectory(result, spans),
         stops=stops,
@@ -70,6 +76,7 @@ def tables_of(
         **energy_tables(result.energy, fleet),
         margins=margins_of(legs, stops),
         comparisons=make_table("comparisons"),
+        waits=make_table("waits"),
         events=_events(result),
     )
 
@@ -109,33 +116,6 @@ def _trajectory(result: RunResult, spans: list[tuple[TraceSpan, NDArray[np.void]
         return make_table("trajectory")
     columns = {name: np.concatenate([frame[name] for frame in frames]) for name in frames[0]}
     return make_table("trajectory", columns)
-
-
-def _stops(stops: list[StopRecord]) -> pl.DataFrame:
-    def late(actual_s: float | None, planned_s: float | None) -> float | None:
-        return None if actual_s is None or planned_s is None else round(actual_s - planned_s, 1)
-
-    return make_table(
-        "stops",
-        {
-            "unit": [s.stock_id for s in stops],
-            "train": [s.number for s in stops],
-            "revenue": [s.revenue for s in stops],
-            "station": [s.station_id for s in stops],
-            "track": [s.track for s in stops],
-            "planned_arrival_s": [_float(s.planned_arrival_s) for s in stops],
-            "planned_departure_s": [_float(s.planned_departure_s) for s in stops],
-            "arrival_s": [_float(s.arrival_s) for s in stops],
-            "departure_s": [_float(s.departure_s) for s in stops],
-            "late_arrival_s": [late(s.arrival_s, s.planned_arrival_s) for s in stops],
-            "late_departure_s": [late(s.departure_s, s.planned_departure_s) for s in stops],
-            "stop_error_m": [s.error_m for s in stops],
-        },
-    )
-
-
-def _float(value: float | None) -> float | None:
-    return None if value is None else float(value)
 
 
 def _blocks(

@@ -6,7 +6,7 @@ from typing import Any, Final, cast
 
 import polars as pl
 
-from network.timetable import Timetable
+from network.timetable import CallKind, Timetable
 from study.run.margins import smallest
 from study.run.tables import RunTables
 
@@ -114,9 +114,10 @@ def worst_early(stops: pl.DataFrame) -> dict[str, Any] | None:
 
 
 def _lateness(stops: pl.DataFrame) -> pl.DataFrame:
-    """Every arrival and departure that had a plan and came; what the table of delays shows."""
+    """Every arrival and departure that had a plan and came; what the table of delays shows. Passings are neither."""
+    calls = stops.filter(pl.col("kind") != CallKind.PASS.value)
     parts = [
-        stops.select("train", "station", pl.lit(what).alias("what"), pl.col(f"late_{what}_s").alias("late_s"))
+        calls.select("train", "station", pl.lit(what).alias("what"), pl.col(f"late_{what}_s").alias("late_s"))
         for what in ("arrival", "departure")
     ]
     return pl.concat(parts).filter(pl.col("late_s").is_not_null())

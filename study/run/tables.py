@@ -36,13 +36,15 @@ TRAJECTORY: Final[Schema] = {
     "bound_ahead_m": pl.Float64,
     "bound_behind_m": pl.Float64,
 }
-# One row a planned call of every train of the run, kept or not.
+# One row a call of every train, in order of travel, from its first one on. Where it passes there is no arrival: it is
+# planned to depart, and departs, when its front passes the mark.
 STOPS: Final[Schema] = {
     "unit": pl.String,
     "train": pl.String,
     "revenue": pl.Boolean,
     "station": pl.String,
     "track": pl.String,
+    "kind": pl.String,  # network.timetable.CallKind
     "planned_arrival_s": pl.Float64,
     "planned_departure_s": pl.Float64,
     "arrival_s": pl.Float64,
@@ -140,6 +142,24 @@ COMPARISONS: Final[Schema] = {
     "source": pl.String,
     "comparable": pl.String,
 }
+# One row a thing that a stock waits for, or does meanwhile, from the run's begin to its end: study.measures.wait.Wait.
+WAITS: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "from_s": pl.Float64,
+    "to_s": pl.Float64,
+    "cause": pl.String,  # study.measures.wait.Cause
+    "place": pl.String,  # the station where it stands; "" elsewhere
+    "at_m": pl.Float64,  # kilometrage of its front; of the stop limit where that slows it down
+    "asked": pl.String,  # study.measures.wait.Asked
+    "section": pl.String,
+    "points": pl.String,
+    "party": pl.String,  # who is waited for
+    "party_train": pl.String,
+    "since_s": pl.Float64,
+    "until_s": pl.Float64,
+    "reason": pl.String,
+}
 # Interventions, refusals, faults: what a person should hear of.
 EVENTS: Final[Schema] = {
     "t_s": pl.Float64,
@@ -157,6 +177,7 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "layovers": LAYOVERS,
     "margins": MARGINS,
     "comparisons": COMPARISONS,
+    "waits": WAITS,
     "events": EVENTS,
 }
 
@@ -193,6 +214,7 @@ class RunTables:
     layovers: pl.DataFrame
     margins: pl.DataFrame
     comparisons: pl.DataFrame
+    waits: pl.DataFrame
     events: pl.DataFrame
 
     def __post_init__(self) -> None:

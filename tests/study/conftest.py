@@ -125,8 +125,8 @@ def _run_train(
         arrival_s, departure_s = came_s.get(i), left_s.get(i)
         planned_arrival_s = call.arrival_s
         rows.add(
-            "stops", unit, number, train.revenue, call.station_id, tracks[i].name, planned_arrival_s, call.departure_s,
-            arrival_s, departure_s,
+            "stops", unit, number, train.revenue, call.station_id, tracks[i].name, call.kind.value,
+            planned_arrival_s, call.departure_s, arrival_s, departure_s,
             None if None in (arrival_s, planned_arrival_s) else arrival_s - planned_arrival_s,
             None if None in (departure_s, call.departure_s) else departure_s - call.departure_s,
             draw.gauss(0.02, 0.12) if i else None,

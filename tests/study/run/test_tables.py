@@ -51,6 +51,7 @@ def small_stops() -> pl.DataFrame:
             "revenue": [row[1] for row in rows],
             "station": [row[2] for row in rows],
             "track": ["1"] * len(rows),
+            "kind": ["stop"] * len(rows),
             "planned_arrival_s": [row[3] for row in rows],
             "planned_departure_s": [row[4] for row in rows],
             "arrival_s": [row[5] for row in rows],

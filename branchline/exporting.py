@@ -1,0 +1,12 @@
+"""`branchline export`: what we have, in the forms of other programs. Each form is a module of its own, listed here."""
+
+from __future__ import annotations
+
+import typer
+
+exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
+
+
+@exporters.callback()
+def _of_all_exports() -> None:
+    """Write lines, timetables and runs in the forms of other programs."""

@@ -1,0 +1,133 @@
+"""Trains that run through stations, stand there without passengers, and meet where there is no platform."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+from network.files.shipped import shipped_line
+from study.run.run import Link, Run, execute
+from study.scenario.scenario import load_scenario
+
+# 1D passes Ogane, where 2U stands for it; 2U arrives there only shortly before where it does so `late`.
+TIMETABLE = """
+[timetable]
+id = "passing"
+line = "karasuyama"
+[[trains]]
+number = "1D"
+direction = "down"
+begins = "portal:HSK.MD"
+ends = "stabled"
+calls = [
+  {{ station = "HSK", departure = "07:00" }},
+  {{ station = "NIT", pass = "07:07:20" }},
+  {{ station = "OGN", pass = "{passes}" }},
+  {{ station = "KRS", arrival = "07:30" }},
+]
+[[trains]]
+number = "2U"
+direction = "up"
+begins = "stabled"
+ends = "portal:HSK.MU"
+calls = [
+  {{ station = "KRS", departure = "{leaves}" }},
+  {{ station = "OGN", arrival = "{arrives}", departure = "07:20:10", operational = true }},
+  {{ station = "HSK", arrival = "07:41" }},
+]
+[[diagrams]]
+stock = "A"
+trains = ["1D"]
+[[diagrams]]
+stock = "B"
+trains = ["2U"]
+"""
+SCENARIO = """
+id = "passing"
+name = "passing"
+line = "line.toml"
+timetable = "timetable.toml"
+[trains]
+default = "ev_e301"
+"""
+
+
+def run_of(
+    folder: Path, *, leaves: str, arrives: str, passes: str = "07:17:30", platforms: bool = True
+) -> Run:
+    text = shipped_line("karasuyama").read_text("utf-8")
+    if not platforms:
+        for ends in ("platform_from_km = 12.5600, platform_to_km = 12.6400, ",):
+            assert text.count(ends) == 2
+            text = text.replace(ends, "")
+    (folder / "line.toml").write_text(text, "utf-8")
+    (folder / "timetable.toml").write_text(
+        TIMETABLE.format(leaves=leaves, arrives=arrives, passes=passes), "utf-8"
+    )
+    (folder / "scenario.toml").write_text(SCENARIO, "utf-8")
+    return execute(load_scenario(str(folder / "scenario.toml")), Link.SIMULATED)
+
+
+def rows(run: Run, train: str) -> dict[str, dict[str, float | None]]:
+    found = run.tables.stops.filter(pl.col("train") == train)
+    return {row["station"]: row for row in found.iter_rows(named=True)}
+
+
+def slowest_mps(run: Run, train: str, from_m: float, to_m: float) -> float:
+    there = run.tables.trajectory.filter(
+        (pl.col("train") == train) & pl.col("kilometrage_m").is_between(from_m, to_m)
+    )
+    return min(there["speed_mps"])
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("platforms", [True, False])
+def test_a_train_passes_at_its_time_and_without_a_stand_where_another_waits_for_it(
+    tmp_path: Path, platforms: bool
+) -> None:
+    run = run_of(tmp_path, leaves="07:00", arrives="07:16", platforms=platforms)
+    assert run.broken == ()
+    passing = rows(run, "1D")
+    assert [row["kind"] for row in passing.values()] == ["stop", "pass", "pass", "stop"]
+    for station in ("NIT", "OGN"):
+        assert passing[station]["arrival_s"] is None
+        assert passing[station]["late_departure_s"] == pytest.approx(0.0, abs=10.0), station
+    assert slowest_mps(run, "1D", 200.0, 19_500.0) > 5.0
+    stood = rows(run, "2U")["OGN"]
+    assert stood["kind"] == "operational"
+    assert stood["arrival_s"] < passing["OGN"]["departure_s"] < stood["departure_s"]  # type: ignore[operator]
+
+
+@pytest.mark.system
+def test_a_train_that_may_not_pass_yet_stands_and_goes_on_when_the_way_is_free(tmp_path: Path) -> None:
+    run = run_of(tmp_path, leaves="07:07", arrives="07:18", passes="07:14")
+    assert run.broken == ()
+    passing, stood = rows(run, "1D")["OGN"], rows(run, "2U")["OGN"]
+    assert slowest_mps(run, "1D", 12_000.0, 13_000.0) < 5.0
+    assert passing["late_departure_s"] > 30.0  # type: ignore[operator]
+    assert stood["arrival_s"] < rows(run, "1D")["KRS"]["arrival_s"]  # type: ignore[operator]
+
+
+@pytest.mark.system
+def test_who_serves_nobody_needs_no_dwell(tmp_path: Path) -> None:
+    """2U, late at Ogane, leaves at once there; with passengers it would stay for the shortest dwell."""
+    stays_s: dict[str, float] = {}
+    for name, word in (("operational", ", operational = true"), ("stop", "")):
+        folder = tmp_path / name
+        folder.mkdir()
+        text = TIMETABLE.replace(
+            'arrival = "{arrives}", departure = "07:20:10"', 'arrival = "{arrives}", departure = "07:18:05"'
+        )
+        text = text.replace(", operational = true", word)
+        (folder / "timetable.toml").write_text(
+            text.format(leaves="07:07:10", arrives="07:18", passes="07:17:30"), "utf-8"
+        )
+        (folder / "scenario.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
+        run = execute(load_scenario(str(folder / "scenario.toml")), Link.SIMULATED)
+        assert run.broken == ()
+        stood = rows(run, "2U")["OGN"]
+        stays_s[name] = stood["departure_s"] - stood["arrival_s"]  # type: ignore[operator]
+    assert stays_s["stop"] >= 20.0
+    assert stays_s["operational"] < 20.0
