@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from branchline.checking import check
+from branchline.comparing import compare
 from branchline.drilling import drill
 from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
@@ -21,6 +22,7 @@ from branchline.importing import importers
 from branchline.measuring import bench
 from branchline.reproducing import reproduce
 from branchline.running import run
+from branchline.timing import running_times
 from study.outcome import Outcome
 
 app = typer.Typer(
@@ -29,8 +31,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check):
+for command in (run, drill, bench, reproduce, check, compare):
     app.command()(command)
+app.command("running-times")(running_times)
 app.add_typer(importers, name="import")
 app.add_typer(exporters, name="export")
 

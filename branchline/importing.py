@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from branchline.importing_timetables import import_mini_tokyo
 from branchline.progress import tell
 
 importers = typer.Typer(help="Make line and timetable data from outside sources.")
@@ -25,14 +26,4 @@ def import_geometry_command(
     tell(f"wrote {out}")
 
 
-@importers.command("timetable")
-def import_timetable_command(
-    source: Annotated[Path, typer.Argument(help="Timetable in the form of mini-tokyo-3d (JSON).")],
-    out: Annotated[Path, typer.Argument(help="Timetable file (TOML) to write.")],
-    calendar: Annotated[str, typer.Option("--calendar", help="Weekday or SaturdayHoliday.")] = "Weekday",
-) -> None:
-    """Make a timetable file of the Karasuyama line from published times."""
-    from network.exchange.mini_tokyo import import_timetable
-
-    import_timetable(source, out, calendar)
-    tell(f"wrote {out}")
+importers.command("mini-tokyo")(import_mini_tokyo)

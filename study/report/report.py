@@ -50,6 +50,7 @@ def write_report(
     summary: Mapping[str, Any],
     tuned: Mapping[str, Tuned] | None = None,
     drill: DrillShown | None = None,
+    first: Sequence[Part] = (),
 ) -> Path:
     """Write `report.html` into `directory` and return its path; written aside, then renamed.
 
@@ -59,7 +60,8 @@ def write_report(
     failure), "broken_expectations" (text: what a drill expected), "changes" (objects with file, key, old and new),
     "ended_because" (text), "unfinished" (texts: what was missing then) and "outside_design" (texts). Figures of
     `study.run.summary.summarise` found in it are used as they are.
-    `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of.
+    `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of,
+    `first` parts that come before all others.
     Raises OSError when the file cannot be written.
     """
     run = Run(line, timetable, tables)
@@ -78,7 +80,7 @@ def write_report(
         subtitle=_subtitle(timetable, facts),
         headline=(*_drill_facts(drill), *_headline(run, facts)),
         broken=_broken(facts),
-        parts=parts,
+        parts=(*first, *parts),
         assumed=(*line.assumed, *timetable.assumed),
     )
     page = page.replace(FACE, japanese_face(page), 1)

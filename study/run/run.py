@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any, Final
@@ -20,12 +20,11 @@ from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
-from network.meets import meet_text, unresolvable_meets
+from study.feasibility.check import feasibility
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
 from simulation.journal import Journal
-from simulation.judge.checkers import Checker
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
@@ -34,13 +33,23 @@ from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
 from study.measures.waits import waits_of
 from study.report.drill import DrillShown
+from study.report.parts import Part
 from study.report.report import write_report
-from study.report.tasc import Tuned
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
-from study.run.directory import JOURNAL_FILE, LEARNED_FILE, Reserved, reserved
+from study.run.directory import (
+    INPUTS_FILE,
+    JOURNAL_FILE,
+    LEARNED_FILE,
+    SHOWN_FILE,
+    SUMMARY_FILE,
+    Reserved,
+    digests_of_tables,
+    reserved,
+)
 from study.run.energy import Make
 from study.run.outcome import broken_rules, outside_design, unfinished
+from study.run.shown import shown_of
 from study.run.summary import summarise
 from study.run.tables import RunTables
 from study.run.waits_table import waits_table
@@ -183,6 +192,17 @@ def _as_it_is(carrier: Carrier) -> Carrier:
     return carrier
 
 
+@dataclass(frozen=True, slots=True)
+class More:
+    """What a run directory has beside what every run has: parts of the report, and files (text, by name)."""
+
+    parts: tuple[Part, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict[str, str])
+
+
+NO_MORE: Final = More()
+
+
 def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
     """Write the run directory: all of it or nothing. Returns the path of the report.
 
@@ -192,16 +212,16 @@ def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
         return fill_run(run, place, drill)
 
 
-def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None) -> Path:
+def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None, more: More = NO_MORE) -> Path:
     """Write a run into the directory reserved, and put that in its place. Returns the path of the report."""
-    _write_files(run, place, drill)
+    _write_files(run, place, drill, more)
     place.put()
     if run.result.journal.file == place.journal:
         run.result.journal.moved(place.out / JOURNAL_FILE)
     return place.out / "report.html"
 
 
-def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
+def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More) -> None:
     """All files of a run. The journal may be there already; what is worth most comes first."""
     folder, out, journal = place.folder, place.out, run.result.journal
     setup = run.scenario.setup
@@ -212,30 +232,16 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
     run.tables.write(folder)
     if run.result.learned:
         (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
-    summary = run.summary | {"out": str(out)}
-    (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    facts = summary | {
-        "scenario": run.scenario.name,
-        "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
-        **_broken_facts(run),
-        "broken_expectations": [] if drill is None else list(drill.unmet()),
-        "assumed": list(run.scenario.assumed),
-    }
-    waves = run.result.learned_from
-    tuned = {
-        unit: Tuned(learned, waves[unit]) for unit, learned in run.result.learned.items() if unit in waves
-    }
-    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill)
-
-
-def _broken_facts(run: Run) -> dict[str, Any]:
-    """What the report lists as broken: rules with their times, then the rest; trains that did not arrive once."""
-    rules = [v for v in run.result.violations if v.checker != Checker.EVERYONE_ARRIVES]
-    told = {f"{v.checker}: {v.text}" for v in rules}
-    return {
-        "violations": [{"t_s": v.t_s, "checker": v.checker, "text": v.text} for v in rules],
-        "broken": [text for text in run.broken if text not in told],
-    }
+    summary = run.summary | {"out": str(out), "tables": digests_of_tables(folder)}
+    inputs = run.scenario.inputs
+    (folder / SUMMARY_FILE).write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    (folder / INPUTS_FILE).write_text(inputs.as_json(), "utf-8")
+    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill)
+    (folder / SHOWN_FILE).write_bytes(shown.as_json())
+    facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
+    for name, text in more.files.items():
+        (folder / name).write_text(text, "utf-8")
+    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts)
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
@@ -245,7 +251,7 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     broken += missing
     if missing:
         broken += [_waiting_text(waiting) for waiting in result.waiting]
-        broken += [meet_text(meet, setup.line) for meet in unresolvable_meets(setup.line, setup.timetable)]
+        broken += [finding.sentence for finding in feasibility(setup).impossible]
     return tuple(broken)
 
 

@@ -203,7 +203,8 @@ def test_the_run_directory_is_whole_and_its_report_opens_offline(simulated: Day)
     names = {path.name for path in simulated.folder.iterdir()}
     tables = {"trajectory", "stops", "blocks", "telegrams", "events"}
     tables |= {"energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"}
-    assert names == {"summary.json", "journal.jsonl", "report.html", *(f"{t}.parquet" for t in tables)}
+    texts = {"summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html"}
+    assert names == texts | {f"{t}.parquet" for t in tables}
     html = (simulated.folder / "report.html").read_text("utf-8")
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!#|data:)""", html)
     assert not re.search(r"@import|url\(\s*['\"]?(?!data:|#)|\bfetch\(|XMLHttpRequest|<link\b", html)

@@ -1,0 +1,82 @@
+"""One of the runs that are compared, read back from its directory or just finished."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from network.errors import InputError
+from network.model import Line
+from study.report.data import Run as Course
+from study.run.read_back import RunRead, read_run
+from study.scenario.inputs import Inputs
+
+if TYPE_CHECKING:
+    from study.run.run import Run
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """A run by the name under which it is compared; `run` has line, timetable and tables."""
+
+    label: str
+    name: str
+    inputs: Inputs
+    summary: Mapping[str, Any]
+    run: Course
+    directory: Path | None = None
+    broken: tuple[str, ...] = field(default=())
+
+
+def read_sides(directories: Sequence[Path]) -> tuple[Side, ...]:
+    """The runs of some directories. InputError for a directory that is none of a run, or is of another line."""
+    reads = [read_run(directory) for directory in directories]
+    for read in reads[1:]:
+        check_same_line(reads[0].line, read.line, read.directory)
+    return tuple(of_read(read, label) for read, label in zip(reads, labels_of(directories), strict=True))
+
+
+def of_read(read: RunRead, label: str) -> Side:
+    """A run that was read back."""
+    course = Course(read.line, read.timetable, read.tables)
+    return Side(label, read.name, read.inputs, read.summary, course, read.directory, _broken(read.summary))
+
+
+def of_run(run: Run, label: str) -> Side:
+    """A run that has just come to its end."""
+    setup, scenario = run.scenario.setup, run.scenario
+    course = Course(setup.line, setup.timetable, run.tables)
+    return Side(label, scenario.name, scenario.inputs, run.summary, course, None, _broken(run.summary))
+
+
+def labels_of(directories: Sequence[Path]) -> tuple[str, ...]:
+    """What each directory is called: its own name; its whole path where two have one name."""
+    names = [directory.resolve().name for directory in directories]
+    seen = Counter(names)
+    labels = [
+        str(path.resolve()) if seen[name] > 1 else name for path, name in zip(directories, names, strict=True)
+    ]
+    repeated = Counter(labels)
+    for i, label in enumerate(labels):
+        if repeated[label] > 1:  # one directory named twice
+            labels[i] = (
+                f"{label} ({labels[: i + 1].count(label) + sum(x.startswith(f'{label} (') for x in labels[:i])})"
+            )
+    return tuple(labels)
+
+
+def check_same_line(base: Line, other: Line, directory: Path) -> None:
+    """Two runs are of one line: it has the same id, or at least the same stations. InputError otherwise."""
+    mine, others = set(base.stations), set(other.stations)
+    if (base.id == other.id and mine & others) or mine == others:
+        return
+    expected = f"runs of one line: this one is of {other.name}, the one compared with of {base.name}"
+    raise InputError(str(directory), "line", other.id, expected)
+
+
+def _broken(summary: Mapping[str, Any]) -> tuple[str, ...]:
+    """What made the run a failure, in sentences."""
+    return tuple(str(text) for text in summary.get("broken", ()))
