@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -54,9 +54,22 @@ def courses_shown(run: Run, fineness: Fineness) -> list[dict[str, Any]]:
     alignments = {alignment_id: i for i, alignment_id in enumerate(run.line.alignments)}
     of_piece = {piece.id: alignments[piece.alignment_id] for piece in run.line.pieces.values()}
     return [
-        _course(run, unit, train, course, of_piece, fineness)
-        for (unit, train), course in run.courses.items()
+        _course(run, unit, train, course, of_piece, fineness) for (unit, train), course in run.courses.items()
     ]
+
+
+def bare_courses_shown(run: Run, fineness: Fineness, trains: Collection[str]) -> list[dict[str, Any]]:
+    """Time and place alone of the runs of some trains."""
+    tolerance = np.array([fineness.place_m - 0.5 / _PLACE_PER_M])
+    found: list[dict[str, Any]] = []
+    for (unit, train), course in run.courses.items():
+        if train not in trains:
+            continue
+        t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
+        held = kept(t_s, at_m[:, None], tolerance)
+        times, places = packed(t_s[held], _TIME_PER_S), packed(at_m[held], _PLACE_PER_M)
+        found.append({"unit": unit, "train": train, "t": times, "m": places})
+    return found
 
 
 def _course(
@@ -117,8 +130,7 @@ def trains_shown(run: Run) -> list[dict[str, Any]]:
     is joined in the order in which the train came by.
     """
     ran = {
-        train: rows.to_dicts()
-        for (train,), rows in run.tables.stops.group_by("train", maintain_order=True)
+        train: rows.to_dicts() for (train,), rows in run.tables.stops.group_by("train", maintain_order=True)
     }
     units = {number: d.stock_id for d in run.timetable.diagrams for number in d.train_numbers}
     units |= {train: unit for unit, train in run.courses}

@@ -114,3 +114,11 @@ def limits_mps(
         within = (breaks_m >= limit.from_m) & (breaks_m < limit.to_m)
         speed_mps[within] = np.minimum(speed_mps[within], limit.speed_mps)
     return breaks_m, speed_mps
+
+
+def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
+    """A station's name; a portal section's id."""
+    station = run.line.stations.get(place)
+    if station is None:
+        return place
+    return (station.name_ja or station.name) if japanese else station.name

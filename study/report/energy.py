@@ -19,7 +19,7 @@ RECEIVER_WORDS: Final[Mapping[str, str]] = {
 }
 KINDS: Final = ("traction", "auxiliary", "regenerated", "net")
 COLUMNS: Final = tuple(f"{kind}_kwh" for kind in KINDS)
-_KWH: Final = {column: (Kind.NUMBER, 2) for column in COLUMNS}
+_KWH: Final = dict.fromkeys(COLUMNS, (Kind.NUMBER, 2))
 
 
 def energy_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
@@ -29,6 +29,7 @@ def energy_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return (
         _by_train(run),
         *_sums(facts),
+        *_by_hour(run),
         _by_leg(run),
         _legs(run),
         table_of(
@@ -113,6 +114,19 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return sums, per_km, takes
 
 
+def _by_hour(run: Run) -> tuple[Table, ...]:
+    """The day's energy by the hour in which it was taken, of all stock and phases."""
+    hours = (
+        run.tables.energy_hours.group_by("hour_s")
+        .agg(pl.col(*COLUMNS).sum())
+        .sort("hour_s")
+        .with_columns((pl.col("hour_s") // 3600).alias("hour"))
+    )
+    if hours.is_empty():
+        return ()
+    return (table_of("energy_hours", hours.to_dicts(), {"hour": (Kind.NUMBER, 0), **_KWH}),)
+
+
 def _by_leg(run: Run) -> Table:
     """A row a leg, DOWN before UP, along the line."""
     sums = (
@@ -127,7 +141,7 @@ def _by_leg(run: Run) -> Table:
     )
     order = {station.id: station.position_m for station in run.stations}
 
-    def place(row: dict[str, Any]) -> tuple[int, float]:
+    def place(row: Mapping[str, Any]) -> tuple[int, float]:
         direction = run.directions[row["train"]]
         at_m = order.get(row["from_station"], -direction * float("inf"))
         return -int(direction), direction * at_m

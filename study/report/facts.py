@@ -8,7 +8,7 @@ from typing import Any, Final
 import polars as pl
 
 from network.files.raw import is_table
-from study.report.data import Run
+from study.report.data import Run, place_name
 from study.report.drill import DrillShown
 from study.report.parts import Fact, signed
 from study.report.style import clock
@@ -69,14 +69,6 @@ def _drill_fact(drill: DrillShown | None) -> tuple[Fact, ...]:
         return ()
     verdict_ja = "合格" if drill.passed else f"不合格（期待 {len(drill.unmet())} 件不成立）"
     return (Fact("Drill", drill.verdict(), not drill.passed, "訓練", verdict_ja),)
-
-
-def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
-    """A station's name; a portal section's id."""
-    station = run.line.stations.get(place)
-    if station is None:
-        return place
-    return (station.name_ja or station.name) if japanese else station.name
 
 
 def _lateness(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:

@@ -8,10 +8,11 @@ from typing import Any, Final
 
 import polars as pl
 
-from study.report.data import Run
+from study.measures.punctuality import punctuality
+from study.measures.station_papers import track_occupation
+from study.report.data import Run, place_name
 from study.report.drill import DrillShown, Mark, MarkKind
 from study.report.energy import energy_tables
-from study.report.facts import place_name
 from study.report.tabular import Column, Kind, Table, table_of
 from study.report.tasc import KMHPS_PER_MPS2, Tuned
 from study.run.summary import TELEGRAM_COUNTS
@@ -29,11 +30,59 @@ def tables_shown(
     return (
         *(() if drill is None else _drill(drill)),
         *_changes(facts.get("changes", ())),
+        _occupation(run),
+        _punctuality(run),
         *energy_tables(run, facts),
         *_margins(run),
         *_learned(tuned),
         *_telegrams(run.tables.telegrams),
         _events(run.tables.events),
+    )
+
+
+def _occupation(run: Run) -> Table:
+    """Stays at the tracks of the stations, planned and as run."""
+    stays = track_occupation(run.tables.stops, run.line, run.timetable)
+    return table_of(
+        "occupation",
+        stays.to_dicts(),
+        {
+            "station": (Kind.PLACE, 0),
+            "track": (Kind.TEXT, 0),
+            "train": (Kind.TRAIN, 0),
+            "next_train": (Kind.TRAIN, 0),
+            "unit": (Kind.TEXT, 0),
+            "kind": (Kind.CALL, 0),
+            "planned_from_s": (Kind.CLOCK, 1),
+            "planned_to_s": (Kind.CLOCK, 1),
+            "from_s": (Kind.CLOCK, 1),
+            "to_s": (Kind.CLOCK, 1),
+        },
+    )
+
+
+def _punctuality(run: Run) -> Table:
+    """Arrivals and departures of each station against the plan."""
+    rows = punctuality(run.tables.stops, run.line).with_columns(
+        (100.0 * pl.col("on_time_share")).alias("on_time_percent"),
+        pl.when("whole_minutes").then(pl.lit("minutes")).otherwise(pl.lit("seconds_too")).alias("plan_in"),
+    )
+    return table_of(
+        "punctuality",
+        rows.to_dicts(),
+        {
+            "station": (Kind.PLACE, 0),
+            "what": (Kind.WORD, 0),
+            "planned": (Kind.NUMBER, 0),
+            "came": (Kind.NUMBER, 0),
+            "on_time_percent": (Kind.NUMBER, 1),
+            "mean_s": (Kind.SIGNED, 1),
+            "sigma_s": (Kind.NUMBER, 1),
+            "p95_s": (Kind.SIGNED, 1),
+            "worst_s": (Kind.SIGNED, 1),
+            "worst_train": (Kind.TRAIN, 0),
+            "plan_in": (Kind.WORD, 0),
+        },
     )
 
 
@@ -90,8 +139,8 @@ def _margins(run: Run) -> tuple[Table, ...]:
             "from_station": from_id,
             "to_station": to_id,
             "trains": len(hop),
-            "planned_from_s": hop["planned_s"].min(),
-            "planned_to_s": hop["planned_s"].max(),
+            "planned_least_s": hop["planned_s"].min(),
+            "planned_most_s": hop["planned_s"].max(),
             **{key: least[key] for key in ("least_s", "attainable_s", "margin_s", "margin_percent", "train")},
             "run_from_s": hop["run_s"].min(),
             "run_to_s": hop["run_s"].max(),
@@ -105,8 +154,8 @@ def _margins(run: Run) -> tuple[Table, ...]:
             "from_station": (Kind.PLACE, 0),
             "to_station": (Kind.PLACE, 0),
             "trains": (Kind.NUMBER, 0),
-            "planned_from_s": (Kind.NUMBER, 0),
-            "planned_to_s": (Kind.NUMBER, 0),
+            "planned_least_s": (Kind.NUMBER, 0),
+            "planned_most_s": (Kind.NUMBER, 0),
             "least_s": (Kind.NUMBER, 0),
             "attainable_s": (Kind.NUMBER, 0),
             "margin_s": (Kind.SIGNED, 0),

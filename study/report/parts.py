@@ -1,8 +1,8 @@
-"""What the head of the page is made of: facts in two languages; and how a figure with a sign is set."""
+"""What is written into a page as it stands: facts in two languages, tables of text, and parts with a title."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,6 +14,28 @@ class Fact:
     bad: bool = False
     name_ja: str = ""
     value_ja: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table of text: numbers stand to the right from column `numbers_from` on, up to `numbers_to`."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numbers_from: int = 99
+    numbers_to: int = 99
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a page: what it shows, how to read it, its figures, its tables (folded when long)."""
+
+    title: str
+    caption: str
+    figures: tuple[str, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    folded: str = ""
+    notes: tuple[str, ...] = field(default=())
 
 
 def signed(value: float, digits: int = 0, unit: str = "") -> str:

@@ -3,33 +3,51 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, Final, TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
 
 from network.files.raw import is_table
 from onboard.driving.tuning import OFFSET_STEP_MPS2, OFFSET_ZERO, STEP_S
-from study.report.courses import Fineness, blocks_shown, courses_shown, devices_shown, line_shown, sections_shown, trains_shown
+from study.measures.wait import Cause
+from study.measures.wait_text import names_of, text_of
+from study.report.beside import Beside
+from study.report.courses import (
+    Fineness,
+    bare_courses_shown,
+    blocks_shown,
+    courses_shown,
+    devices_shown,
+    line_shown,
+    sections_shown,
+    trains_shown,
+)
 from study.report.data import Run
 from study.report.drill import DrillShown, Mark
 from study.report.packing import packed, places_in
 from study.report.papers import tables_shown
+from study.report.parts import Part
 from study.report.tasc import KMHPS_PER_MPS2, Tuned, most_telling, response_surface, waves_shown
+from study.run.waits_table import read_waits
 
 FORMAT: Final = 1
-
-# Of each stock, stretches of time (from, to, s) with one sentence each, in English and in Japanese.
-Waits: TypeAlias = Mapping[str, Sequence[tuple[float, float, str, str]]]
+_UNSAID: Final = (Cause.RUNS, Cause.OUTSIDE, Cause.LEFT)  # nothing is waited for
 
 
-def payload_of(
-    run: Run,
-    facts: Mapping[str, Any],
-    tuned: Mapping[str, Tuned],
-    drill: DrillShown | None,
-    waits: Waits,
-) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class Shows:
+    """What a page shows besides a run and its figures; see `study.report.report.write_report`."""
+
+    tuned: Mapping[str, Tuned] = field(default_factory=dict[str, Tuned])
+    drill: DrillShown | None = None
+    first: tuple[Part, ...] = ()
+    beside: Beside | None = None
+
+
+def payload_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> dict[str, Any]:
     """Everything but the courses of trains; those come with `courses_of`, by their fineness."""
     begin_s, end_s = run.window_s
+    tuned, drill = shows.tuned, shows.drill
     return {
         "format": FORMAT,
         "line": line_shown(run.line),
@@ -40,16 +58,26 @@ def payload_of(
         "blocks": blocks_shown(run),
         "marks": [] if drill is None else [_mark(mark) for mark in drill.marks],
         "broken": _broken_at(facts),
-        "waits": waits_shown(waits),
+        "waits": waits_shown(run),
         "tuning": _tuning(tuned),
         "tables": [table.as_dict() for table in tables_shown(run, facts, tuned, drill)],
     }
 
 
-def courses_of(run: Run, fineness: Fineness) -> dict[str, Any]:
-    """The courses of trains as fine as asked, and how fine that is."""
+def courses_of(run: Run, fineness: Fineness, beside: Beside | None = None) -> dict[str, Any]:
+    """The courses of trains as fine as asked, and how fine that is; of a run beside it those that moved or are gone."""
     tolerance = {"m": fineness.place_m, "kmh": fineness.speed_kmh, "notch": fineness.notch}
-    return {"courses": courses_shown(run, fineness), "tolerance": tolerance}
+    other = None
+    if beside is not None:
+        shown = beside.moved | beside.gone
+        curves = bare_courses_shown(beside.run, fineness, shown)
+        other = {
+            "label": beside.label,
+            "moved": sorted(beside.moved),
+            "gone": sorted(beside.gone),
+            "courses": curves,
+        }
+    return {"courses": courses_shown(run, fineness), "tolerance": tolerance, "beside": other}
 
 
 def _mark(mark: Mark) -> dict[str, Any]:
@@ -72,26 +100,31 @@ def _finite(value: float) -> float | None:
 def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Broken invariants that have a time, for their marks on the graph."""
     return [
-        {"t": _finite(item["t_s"]), "checker": str(item.get("checker", "")), "text": str(item.get("text", ""))}
+        {
+            "t": _finite(item["t_s"]),
+            "checker": str(item.get("checker", "")),
+            "text": str(item.get("text", "")),
+        }
         for item in facts.get("violations", ())
         if is_table(item) and item.get("t_s") is not None
     ]
 
 
-def waits_shown(waits: Waits) -> dict[str, Any]:
-    """Sentences once each, and for each stock when which of them held; whole seconds."""
-    spans = [(unit, *span) for unit, all_of in waits.items() for span in all_of]
-    pairs = [(en, ja) for _, _, _, en, ja in spans]
+def waits_shown(run: Run) -> dict[str, Any]:
+    """Why each stock waited, and when: sentences once each, in both languages; whole seconds."""
+    names = names_of(run.line)
+    waits = [wait for wait in read_waits(run.tables.waits) if wait.cause not in _UNSAID]
+    pairs = [(text_of(wait, "en", names), text_of(wait, "ja", names)) for wait in waits]
     distinct = list(dict.fromkeys(pairs))
     place = {pair: i for i, pair in enumerate(distinct)}
-    units, of = places_in([unit for unit, *_ in spans])
+    units, of = places_in([wait.unit for wait in waits])
     return {
         "en": [en for en, _ in distinct],
         "ja": [ja for _, ja in distinct],
         "units": units,
         "unit": of,
-        "from": packed([from_s for _, from_s, *_ in spans], 1),
-        "to": packed([to_s for _, _, to_s, *_ in spans], 1),
+        "from": packed([wait.from_s for wait in waits], 1),
+        "to": packed([wait.to_s for wait in waits], 1),
         "text": [place[pair] for pair in pairs],
     }
 

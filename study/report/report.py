@@ -1,13 +1,13 @@
 """The run report: one HTML file with everything inside it, which opens offline, is pointed at, searched and printed.
 
-`payload` says what the page knows, `bundle` brings the modules of `web` that draw it, and this module fits the two and the
-headline into `templates/report.html.j2`.
+`payload` says what the page knows, `bundle` brings the modules of `web` that draw it, and this module fits the two and
+the headline into `templates/report.html.j2`.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from markupsafe import Markup
 
 from network.model import Line
 from network.timetable import Timetable
+from study.report.beside import Beside
 from study.report.bundle import import_map, modules, style_sheet
 from study.report.courses import FINEST_FIRST
 from study.report.data import Run
@@ -23,7 +24,8 @@ from study.report.drill import DrillShown
 from study.report.face import FACE, japanese_face
 from study.report.facts import broken_lines, headline
 from study.report.packing import deflated
-from study.report.payload import Waits, courses_of, payload_of
+from study.report.parts import Part
+from study.report.payload import Shows, courses_of, payload_of
 from study.report.tasc import Tuned
 from study.run.summary import summarise
 from study.run.tables import RunTables
@@ -40,7 +42,8 @@ def write_report(
     summary: Mapping[str, Any],
     tuned: Mapping[str, Tuned] | None = None,
     drill: DrillShown | None = None,
-    waits: Waits | None = None,
+    first: Sequence[Part] = (),
+    beside: Beside | None = None,
 ) -> Path:
     """Write `report.html` into `directory` and return its path; written aside, then renamed.
 
@@ -50,23 +53,22 @@ def write_report(
     failure), "broken_expectations" (text: what a drill expected), "changes" (objects with file, key, old and new),
     "ended_because" (text), "unfinished" (texts: what was missing then) and "outside_design" (texts). Figures of
     `study.run.summary.summarise` found in it are used as they are.
-    `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of; `waits` why each stock
-    waited, and when. Raises OSError when the file cannot be written.
+    `tuned` is what each train learned of its stops, by unit; `drill` what the run was a drill of; `first` parts that
+    come before all others, such as what changed against the run `beside`, which the train graph shows too.
+    Raises OSError when the file cannot be written.
     """
     run = Run(line, timetable, tables)
     facts = {**summarise(tables, timetable), **summary}
-    page = page_of(run, facts, tuned or {}, drill, waits or {})
+    page = page_of(run, facts, Shows(tuned or {}, drill, tuple(first), beside))
     directory.mkdir(parents=True, exist_ok=True)
     aside, path = directory / f".{REPORT_FILE}.part", directory / REPORT_FILE
     aside.write_text(page, encoding="utf-8")
     return aside.replace(path)
 
 
-def page_of(
-    run: Run, facts: Mapping[str, Any], tuned: Mapping[str, Tuned], drill: DrillShown | None, waits: Waits
-) -> str:
+def page_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> str:
     """The page, with curves as fine as its size allows: the finest that keeps it within `BYTES_AIMED`."""
-    payload = payload_of(run, facts, tuned, drill, waits)
+    payload = payload_of(run, facts, shows)
     environment = Environment(
         loader=PackageLoader("study", "templates"),
         autoescape=True,
@@ -77,8 +79,9 @@ def page_of(
     page = environment.get_template("report.html.j2").render(
         line=run.line,
         subtitle=_subtitle(run.timetable, facts),
-        headline=headline(run, facts, drill),
+        headline=headline(run, facts, shows.drill),
         broken=broken_lines(facts),
+        parts=shows.first,
         assumed=(*run.line.assumed, *run.timetable.assumed),
         style=style_sheet(),
         payload=deflated(payload),
@@ -91,7 +94,7 @@ def page_of(
     room = BYTES_AIMED - len(page.encode("utf-8")) + len(_COURSES)
     courses = ""
     for fineness in FINEST_FIRST:
-        courses = deflated(courses_of(run, fineness))
+        courses = deflated(courses_of(run, fineness, shows.beside))
         if len(courses) <= room:
             break
     return page.replace(_COURSES, courses, 1)

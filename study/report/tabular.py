@@ -17,6 +17,7 @@ class Kind(Enum):
     PLACE = "place"  # id of a station, or of a portal's section
     CLOCK = "clock"  # s since midnight
     WORD = "word"  # a key of the page's words
+    CALL = "call"  # network.timetable.CallKind
     NUMBER = "number"
     SIGNED = "signed"
     BAD = "bad"  # text that stands out
@@ -51,7 +52,7 @@ def _rounded(value: float | None, digits: int) -> float | int | None:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of the page. `id` names it among the page's words; `notes` are sentences under it, English and Japanese."""
+    """A table. `id` names it among the page's words; `notes` are sentences under it, English and Japanese."""
 
     id: str
     columns: tuple[Column, ...]

@@ -7,6 +7,8 @@ Source: D. H. Douglas and T. K. Peucker, Cartographica 10 (1973) 112-122.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,8 +18,9 @@ Floats = NDArray[np.float64]
 def kept(t_s: Floats, values: Floats, tolerances: Floats) -> NDArray[np.int64]:
     """Indices of the samples to keep, the first and the last among them.
 
-    `t_s` (n) does not fall; `values` (n, k) are k curves over it, each with its tolerance (k). Between two samples kept,
-    each curve's straight line is within its tolerance of every sample. At one time the line has the value at its end.
+    `t_s` (n) does not fall; `values` (n, k) are k curves over it, each with its tolerance (k). Between two samples
+    kept, each curve's straight line is within its tolerance of every sample. At one time the line has the value at its
+    end.
     """
     count = len(t_s)
     if count <= 2:
@@ -53,4 +56,4 @@ def strands(values: Floats, labels: NDArray[np.int64] | None = None) -> list[sli
     if labels is not None:
         cut |= labels[1:] != labels[:-1]
     edges = [0, *(np.flatnonzero(cut) + 1).tolist(), len(values)]
-    return [slice(a, b) for a, b in zip(edges, edges[1:], strict=False) if finite[a]]
+    return [slice(a, b) for a, b in pairwise(edges) if finite[a]]

@@ -5,8 +5,10 @@ import * as panels from "./panels.js";
 import { element } from "./tables.js";
 import { wordsIn } from "./words.js";
 
+// Papers that stand in the page already have the id of an element and are moved to their place.
+const STANDING = { summary: "summary", compared: "compared" };
 const PAPERS = [
-  ["graph", null], ["summary", null], ["curve", panels.curvePaper], ["stations", panels.stationsPaper],
+  ["graph", null], ["summary", null], ["compared", null], ["curve", panels.curvePaper], ["stations", panels.stationsPaper],
   ["punctuality", panels.punctualityPaper], ["energy", panels.energyPaper], ["margins", panels.marginsPaper],
   ["stopping", panels.stoppingPaper], ["sections", panels.sectionsPaper], ["trains", panels.trainsPaper], ["events", panels.eventsPaper],
 ];
@@ -16,17 +18,18 @@ export function start(doc, data) {
   const day = dayOf(data);
   const page = {
     doc, day, layers: [], made: new Map(),
-    state: { lang: firstLanguage(doc), paper: "graph", graph: { plan: true, run: true, sections: false, lesser: false, chosen: null, moment: null }, chosen: null, station: null },
+    state: { lang: firstLanguage(doc), paper: "graph", graph: { plan: true, run: true, sections: false, lesser: false, beside: true, chosen: null, moment: null }, chosen: null, station: null },
   };
+  page.standing = new Map(Object.entries(STANDING).map(([id, name]) => [id, doc.getElementById(name)]).filter(([, found]) => found));
+  page.papers = PAPERS.filter(([id]) => !(id in STANDING) || page.standing.has(id));
   const asked = doc.defaultView.location.hash.slice(1);
-  if (PAPERS.some(([id]) => id === asked)) page.state.paper = asked;
-  page.summary = doc.getElementById("summary");
+  if (page.papers.some(([id]) => id === asked)) page.state.paper = asked;
   build(page);
   doc.defaultView.addEventListener("beforeprint", () => forPrint(page));
   doc.defaultView.addEventListener("afterprint", () => doc.body.classList.remove("printing"));
   doc.defaultView.addEventListener("hashchange", () => {
     const id = doc.defaultView.location.hash.slice(1);
-    if (PAPERS.some(([known]) => known === id) && id !== page.state.paper) show(page, id);
+    if (page.papers.some(([known]) => known === id) && id !== page.state.paper) show(page, id);
   });
   doc.defaultView.branchline = page;
   return page;
@@ -42,8 +45,10 @@ function build(page) {
   doc.body.classList.add("live");
   page.layers.length = 0;
   page.made.clear();
-  if (page.summary) page.summary.hidden = true;
-  if (page.summary) doc.body.append(page.summary);
+  for (const standing of page.standing.values()) {
+    standing.hidden = true;
+    doc.body.append(standing);
+  }
   const words = wordsIn(state.lang, day.stations);
   const live = element(doc, "div", { class: "unseen", "aria-live": "polite" });
   page.context = {
@@ -63,10 +68,10 @@ function build(page) {
       live.textContent = text;
     },
   };
-  page.tabs = new Map(PAPERS.map(([id]) => [id, element(doc, "button", {
+  page.tabs = new Map(page.papers.map(([id]) => [id, element(doc, "button", {
     type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `paper-${id}`, onclick: () => show(page, id),
   }, words.say(`paper_${id}`))]));
-  page.places = new Map(PAPERS.map(([id]) => [id, element(doc, "section", { class: "paper", role: "tabpanel", id: `paper-${id}`, "aria-labelledby": `tab-${id}` })]));
+  page.places = new Map(page.papers.map(([id]) => [id, element(doc, "section", { class: "paper", role: "tabpanel", id: `paper-${id}`, "aria-labelledby": `tab-${id}` })]));
   const tabs = element(doc, "div", { class: "tabs", role: "tablist", "aria-label": words.say("papers"), onkeydown: (event) => turnTab(page, event) }, ...page.tabs.values());
   doc.getElementById("papers").replaceChildren(bar(page), tabs, live, ...page.places.values());
   show(page, state.paper);
@@ -128,20 +133,20 @@ function make(page, id) {
   if (id === "graph") {
     page.graph = makeGraphPaper(place, context);
     page.layers.push(page.graph.layer);
-  } else if (id === "summary") {
-    if (!page.summary) return;
-    page.summary.hidden = false;
-    place.append(page.summary);
-    const more = page.summary.querySelector("#summary-more");
-    more.replaceChildren();
-    panels.summaryTables(more, context);
+  } else if (page.standing.has(id)) {
+    const standing = page.standing.get(id);
+    standing.hidden = false;
+    place.append(standing);
+    const more = standing.querySelector("#summary-more");
+    more?.replaceChildren();
+    if (more) panels.summaryTables(more, context);
   } else PAPERS.find(([name]) => name === id)[1](place, context);
 }
 
 function turnTab(page, event) {
   const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
   if (!step) return;
-  const ids = PAPERS.map(([id]) => id);
+  const ids = page.papers.map(([id]) => id);
   const next = ids[(ids.indexOf(page.state.paper) + step + ids.length) % ids.length];
   show(page, next);
   page.tabs.get(next).focus();
@@ -151,7 +156,7 @@ function turnTab(page, event) {
 /** Every paper, one after the other, at the width of a sheet. */
 function forPrint(page) {
   page.doc.body.classList.add("printing");
-  for (const [id] of PAPERS) {
+  for (const [id] of page.papers) {
     page.places.get(id).hidden = false;
     make(page, id);
   }

@@ -129,6 +129,10 @@ export function dayOf(data) {
   return {
     ...data, stations, trains, byNumber, courses, tables,
     sections: [...sections.values()],
+    beside: data.beside && {
+      ...data.beside, gone: new Set(data.beside.gone),
+      courses: data.beside.courses.map((raw) => ({ ...raw, t: column(raw.t), m: column(raw.m) })),
+    },
     blocks: blocksOf(data.blocks, sections),
     waits: waitsOf(data.waits),
     events: eventsOf(data, tables.get("events"), courses),

@@ -102,13 +102,13 @@ function tools(doc, paper, context) {
       if (name === "lesser") doc.querySelector(".legend")?.replaceWith(legend(doc, context.day, options, words));
       layer.invalidate();
     },
-  }), words.say({ sections: "sections_layer" }[name] ?? name));
+  }), words.say({ sections: "sections_layer" }[name] ?? name, { label: context.day.beside?.label }));
   return element(doc, "div", { class: "tools" },
     button("−", words.say("zoom_out"), () => pane.zoom(1.6, 1)), button("+", words.say("zoom_in"), () => pane.zoom(1 / 1.6, 1)),
     button(words.say("zoom_all"), words.say("zoom_all"), () => pane.fit()),
     button(words.say("hours_2"), words.say("hours_2"), toWidth(7200)), button(words.say("minutes_20"), words.say("minutes_20"), toWidth(1200)),
     button("↕+", words.say("taller"), () => pane.zoom(1, 1 / 1.4)), button("↕−", words.say("flatter"), () => pane.zoom(1, 1.4)),
-    ...["plan", "run", "sections", "lesser"].map(box));
+    ...["plan", "run", "sections", "lesser", ...(context.day.beside ? ["beside"] : [])].map(box));
 }
 
 function legend(doc, day, options, words) {

@@ -124,6 +124,7 @@ export function stationsPaper(host, context) {
   };
   host.append(element(doc, "div", { class: "tools" }, element(doc, "label", {}, `${words.say("station")} `, choice)), place);
   if (choice.value) fill(choice.value);
+  tables(host, context, ["occupation"]);
   host.append(makeTable(doc, papers.callsTable(day), context));
 }
 
@@ -185,18 +186,18 @@ const CLASS_COLOURS = ["#7fb2d9", "#5b8c5a", "#b7c96b", "#e6b04d", "#c4492f", "#
 export function punctualityPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
-  const rows = papers.punctuality(day);
+  const rows = papers.punctualityClasses(day);
   host.append(element(doc, "p", { class: "caption" }, words.say("punctuality_caption")));
   if (!rows.length) {
     host.append(element(doc, "p", { class: "caption" }, words.say("nothing")));
     return;
   }
   chart(host, context, 380, words.say("punctuality_label"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: rows.map((row) => `${words.place(row.station)} ${words.say(row.what === "arrivals" ? "a_short" : "d_short")}`),
+    labels: rows.map((row) => `${words.place(row.station)} ${words.say(row.what === "arrival" ? "a_short" : "d_short")}`),
     series: papers.CLASSES.map((name, i) => ({ label: words.say(name), colour: CLASS_COLOURS[i], values: rows.map((row) => (100 * row.classes[i]) / row.calls) })),
     unit: words.say("share_percent"),
   }));
-  host.append(makeTable(doc, papers.punctualityTable(rows), context, true));
+  tables(host, context, ["punctuality"], true);
   heading(doc, host, words.say("delays_title"), words.say("delays_caption"));
   for (const direction of [1, -1]) host.append(delays(doc, day, direction, context));
 }

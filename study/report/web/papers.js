@@ -1,5 +1,5 @@
 // What the papers show, worked out from the day: occupation of tracks, departures, punctuality, stops. Pure functions.
-import { lastBefore, valueAt } from "./data.js";
+import { lastBefore, rowsOf, valueAt } from "./data.js";
 import { columnOf } from "./tables.js";
 
 /** Lateness of a call on arrival and departure, s after plan; NaN where there is no plan or it did not come. */
@@ -13,88 +13,39 @@ export function classOf(late) {
   return [15, 60, 180].filter((limit) => late > limit).length + 1;
 }
 
-function share(sorted, part) {
-  if (!sorted.length) return NaN;
-  const at = part * (sorted.length - 1);
-  const low = Math.floor(at);
-  return sorted[low] + (at - low) * ((sorted[low + 1] ?? sorted[low]) - sorted[low]);
-}
-
-/** For every station and for arrivals and departures: how many were planned, how they fell into classes, and their figures. */
-export function punctuality(day) {
+/** For every station and for arrivals and departures: how many calls were planned, and how they fell into classes. */
+export function punctualityClasses(day) {
   const found = [];
   for (const station of day.line.stations) {
-    for (const [what, planned, came] of [["arrivals", "pa", "a"], ["departures", "pd", "d"]]) {
+    for (const [what, planned, came] of [["arrival", "pa", "a"], ["departure", "pd", "d"]]) {
       const calls = day.trains.flatMap((train) => train.calls)
         .filter((call) => call.station === station && !Number.isNaN(call[planned]) && call.kind !== "pass");
       if (!calls.length) continue;
       const classes = CLASSES.map(() => 0);
       for (const call of calls) classes[classOf(call[came] - call[planned])] += 1;
-      const late = calls.map((call) => call[came] - call[planned]).filter((s) => !Number.isNaN(s)).sort((a, b) => a - b);
-      const within = (limit) => (late.length ? (100 * late.filter((s) => Math.abs(s) <= limit).length) / calls.length : NaN);
-      found.push({
-        station, what, calls: calls.length, classes, came: late.length,
-        mean: late.reduce((a, b) => a + b, 0) / late.length, median: share(late, 0.5), p95: share(late, 0.95),
-        worst: late[late.length - 1] ?? NaN, earliest: late[0] ?? NaN, within15: within(15), within60: within(60),
-      });
+      found.push({ station, what, calls: calls.length, classes });
     }
   }
   return found;
 }
 
-/** The table of punctuality. */
-export function punctualityTable(rows) {
-  const pick = (name) => rows.map((row) => row[name]);
-  return {
-    id: "punctuality",
-    columns: [
-      columnOf("station", "place", rows.map((row) => row.station.id)), columnOf("what", "word", pick("what")),
-      columnOf("calls", "number", pick("calls")), columnOf("mean_s", "signed", pick("mean"), 1),
-      columnOf("median_s", "signed", pick("median"), 1), columnOf("p95_s", "signed", pick("p95"), 1),
-      columnOf("worst_s", "signed", pick("worst"), 1), columnOf("earliest_s", "signed", pick("earliest"), 1),
-      columnOf("within_15", "number", pick("within15"), 1), columnOf("within_60", "number", pick("within60"), 1),
-      columnOf("class_never", "number", rows.map((row) => row.classes[5])),
-    ],
-  };
-}
-
-/** Stays at tracks, planned or as run: station, track, train, unit, from and to (s); a stay where a set turns is one. */
+/**
+ * Stays at tracks, planned or as run, from the table of occupation: a stay where a set turns is one. Where one end is not known,
+ * a stabled set stands from the beginning or to the end of the day, and of others a minute is shown.
+ */
 export function stays(day, planned) {
-  const [arrives, leaves] = planned ? ["pa", "pd"] : ["a", "d"];
+  const [begins, ends] = planned ? ["planned_from_s", "planned_to_s"] : ["from_s", "to_s"];
   const found = [];
-  const open = new Map();
-  const seen = new Set();
-  const known = (time, other) => (Number.isNaN(time) ? other : time);
-  const trains = day.trains.filter((train) => train.calls.length);
-  const startOf = (train) => {
-    for (const call of train.calls) for (const t of [call[arrives], call[leaves]]) if (!Number.isNaN(t)) return t;
-    return NaN;
-  };
-  for (const train of trains.filter((t) => !Number.isNaN(startOf(t))).sort((a, b) => startOf(a) - startOf(b))) {
-    train.calls.forEach((call, i) => {
-      const passes = call.kind === "pass";
-      let [from, to] = [call[arrives], call[leaves]];
-      const last = i === train.calls.length - 1;
-      if (Number.isNaN(from) && Number.isNaN(to)) return;
-      const before = open.get(train.unit)?.stay;
-      if (i === 0 && before && before.station === call.station && before.track === call.track) {
-        // The set stood here since the train before.
-        open.delete(train.unit);
-        before.to = known(to, known(from, before.to));
-        before.next = train.number;
-        return;
-      }
-      open.delete(train.unit);
-      [from, to] = [known(from, to - (i === 0 ? 60 : 0)), known(to, from + (last ? 60 : 0))];
-      if (i === 0 && train.begins === "stabled" && !seen.has(train.unit)) from = Math.min(from, day.window[0]);
-      seen.add(train.unit);
-      const stay = { station: call.station, track: call.track ?? "", train: train.number, next: null, unit: train.unit, from, to, passes };
-      found.push(stay);
-      // What goes out over a portal does not stand here; what nobody knows of is taken to.
-      if (last && train.unit && train.ends !== "portal") open.set(train.unit, { stay, train });
-    });
+  for (const row of rowsOf(day.tables.get("occupation"))) {
+    let [from, to] = [row[begins], row[ends]];
+    const station = day.stations.get(row.station);
+    if ((from === null && to === null) || !station) continue;
+    const [first, last] = [day.byNumber.get(row.train), day.byNumber.get(row.next_train)];
+    if (from === null) from = first?.begins === "stabled" ? Math.min(day.window[0], to) : to - 60;
+    if (to === null) to = last?.ends === "stabled" ? Math.max(day.window[1], from) : from + 60;
+    const next = row.next_train === row.train ? null : row.next_train;
+    found.push({ station, track: row.track ?? "", train: row.train, next, unit: row.unit, from, to, passes: row.kind === "pass" });
   }
-  for (const { stay, train } of open.values()) if (train.ends === "stabled") stay.to = Math.max(stay.to, day.window[1]);
   return found;
 }
 

@@ -20,9 +20,10 @@ export function element(doc, tag, attributes = {}, ...children) {
 export function written(value, column, words) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   switch (column.kind) {
-    case "place": return words.place(value);
+    case "place": return value === "" ? words.say("whole_line") : words.place(value);
     case "clock": return clock(value, true);
     case "word": return words.say(value);
+    case "call": return words.say(`call_${value}`);
     case "number": return fixed(value, column.digits, words.lang);
     case "signed": return (value > 0 ? "+" : "") + fixed(value, column.digits, words.lang);
     default: return String(value);

@@ -67,6 +67,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   drawClockLines(context, view, scale, plot, grid);
   drawStationLines(context, day, scale, plot);
   drawTurns(context, day, view, scale);
+  if (options.beside && day.beside) drawBeside(context, day.beside, view, scale);
   if (options.run) drawRuns(context, day, view, scale);
   if (options.plan) drawPlans(context, day, view, scale);
   drawChosen(context, day, view, scale, options);
@@ -233,6 +234,22 @@ function drawChosen(context, day, view, scale, options) {
   context.beginPath();
   trace(context, train.plan.t, train.plan.m, view, scale);
   context.stroke();
+}
+
+/** Trains that moved, or are gone, as they ran in the other run: dashed, dark or red. */
+function drawBeside(context, beside, view, scale) {
+  context.setLineDash([5, 3]);
+  context.lineWidth = 1.3;
+  for (const gone of [false, true]) {
+    context.strokeStyle = gone ? COLOURS.red : "#3c3c3c";
+    context.beginPath();
+    for (const course of beside.courses) {
+      if (beside.gone.has(course.train) !== gone || !course.t.length) continue;
+      if (inView(course.t[0], course.t[course.t.length - 1], view)) trace(context, course.t, course.m, view, scale);
+    }
+    context.stroke();
+  }
+  context.setLineDash([]);
 }
 
 /** Thin dotted links from a unit's train to its next one at the same place (折返し). */
