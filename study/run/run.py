@@ -33,6 +33,7 @@ from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
 from study.measures.waits import waits_of
+from study.report.beside import Beside
 from study.report.drill import DrillShown
 from study.report.parts import Part
 from study.report.report import write_report
@@ -208,10 +209,11 @@ def _as_it_is(carrier: Carrier) -> Carrier:
 
 @dataclass(frozen=True, slots=True)
 class More:
-    """What a run directory has beside what every run has: parts of the report, and files (text, by name)."""
+    """What a run directory has beside what every run has: parts of the report, files (text, by name), another run."""
 
     parts: tuple[Part, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict[str, str])
+    beside: Beside | None = None
 
 
 NO_MORE: Final = More()
@@ -255,7 +257,9 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
     for name, text in more.files.items():
         (folder / name).write_text(text, "utf-8")
-    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts)
+    write_report(
+        folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts, more.beside
+    )
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
