@@ -79,12 +79,17 @@ def test_what_came_in_one_run_only_is_told(weekday: Run) -> None:
 
 def test_a_station_called_at_twice_is_two_calls(weekday: Run) -> None:
     """As of a train that comes by again: the second call is compared with the second."""
-    again = weekday.tables.stops.filter(pl.col("train") == "321M", pl.col("station") == "KNY")
+    stops = weekday.tables.stops
+    again = stops.filter(pl.col("train") == "321M", pl.col("station") == "KNY")
     again = again.with_columns(pl.col("arrival_s") + 900.0, pl.col("departure_s") + 900.0)
-    twice = pl.concat([weekday.tables.stops, again])
-    later = pl.concat([weekday.tables.stops, again.with_columns(pl.col("departure_s") + 4.0)])
+    twice = pl.concat([stops, again])
+    first = shifted(weekday, "321M", "KNY", "departure", 2.0)
+    later = pl.concat([first, again.with_columns(pl.col("departure_s") + 4.0)])
     times = compare_times(with_tables(weekday, stops=twice), with_tables(weekday, stops=later), 1.0)
-    assert [(m.station, m.what, m.by_s) for m in times.moved] == [("KNY", What.DEPARTURE, 4.0)]
+    assert [(m.station, m.what, m.by_s) for m in times.moved] == [
+        ("KNY", What.DEPARTURE, 2.0),
+        ("KNY", What.DEPARTURE, 4.0),
+    ]
 
 
 def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: Run) -> None:
