@@ -12,7 +12,7 @@ from study.compare.measures import Measure, Row, Value, columns_in, names_in, so
 from study.compare.meets import MeetChange, RunMeet
 from study.compare.side import Side
 from study.compare.times import Moved, What
-from study.report.energy import place_name
+from study.report.data import place_name
 from study.report.parts import Grid, signed
 
 SAME: Final = "="
