@@ -5,14 +5,17 @@ from __future__ import annotations
 import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from branchline.ending import crashes_into, end, judged, print_json
 from branchline.options import Json, LinkName, Seed, UnitsName
-from branchline.progress import progress_of
+from branchline.progress import progress_of, tell
 from network.errors import InputError
+
+if TYPE_CHECKING:
+    from study.run.drill import Drill
 
 
 def drill(
@@ -90,4 +93,16 @@ def drill(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
         sys.stdout.write(f"  {score_text(done.scores)}\n")
+    if not done.passed:
+        _tell_of_plan(done)
     end(judged(done.passed))
+
+
+def _tell_of_plan(done: Drill) -> None:
+    """A drill that fails on a plan that could not work without its faults either."""
+    from study.feasibility.check import feasibility
+
+    impossible = feasibility(done.run.scenario.setup).impossible
+    if impossible:
+        more = f" and {len(impossible) - 1} more" if len(impossible) > 1 else ""
+        tell(f"its plan cannot work, faults apart: {impossible[0].sentence}{more}")

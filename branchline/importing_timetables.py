@@ -78,6 +78,39 @@ def import_mini_tokyo(
     finish(published, wanted, as_json=as_json)
 
 
+def import_gtfs(
+    source: Annotated[Path, typer.Argument(help="A GTFS feed: a zip archive, or a folder with its tables.")],
+    out: TimetableOut = None,
+    line: LineName = None,
+    date: Annotated[str, typer.Option("--date", help="The day, YYYY-MM-DD.")] = "",
+    service: Annotated[
+        str, typer.Option("--service", help="A service id of the feed in place of a day.")
+    ] = "",
+    route: Annotated[
+        list[str] | None,
+        typer.Option("--route", help="A route by id or short name; default all by rail. Again for more."),
+    ] = None,
+    timetable_id: TimetableId = None,
+    name: ByHand = None,
+    names: ByHandFile = None,
+    add: Additions = None,
+    turn_min: TurnMin = TURN_MIN_S,
+    outside_min: OutsideMin = OUTSIDE_MIN_S,
+    as_json: Json = False,
+) -> None:
+    """Read the trains of a day from a GTFS feed; with a line, make its timetable file."""
+    from network.exchange.gtfs.reader import GtfsChoice, read_gtfs
+
+    day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
+    suffix = date.replace("-", "") or service or "day"
+    credit = f"numbers and times: GTFS feed {source.name}"
+    wanted = Wanted(
+        credit, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, in_order=False
+    )
+    counts = {"feed_trips": day.trips, "feed_stops": day.stops, "feed_calls": day.calls}
+    finish(day.published, wanted, counts, as_json=as_json)
+
+
 def finish(
     published: PublishedTimetable, wanted: Wanted, counts: dict[str, Any] | None = None, *, as_json: bool
 ) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -247,7 +248,7 @@ FAULTS = [
     ),
     (
         "another station",
-        changed('station = "B", departure = "06:10", track = "1"', 'station = "H", departure = "06:10"'),
+        changed('  { station = "B", departure = "06:10", track = "1" },\n', ""),
         "diagrams[0].trains[1]",
         "2",
         "a train from B",
@@ -345,8 +346,14 @@ def test_meet_at_a_halt_or_with_one_usable_track_is_unresolvable() -> None:
 def test_following_one_another_is_no_meet() -> None:
     up = '{station="B", departure="10:15"}, {station="A", arrival="10:25"}'
     assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, up), "f", LINE)) == ()
-    before = '{station="H", departure="10:09"}, {station="A", arrival="10:15"}'  # D has long passed H
-    assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, before), "f", LINE)) == ()
+    later = parse_timetable(opposing(DOWN_RUN, up), "f", LINE)
+    ups = [train for train in later.trains.values() if train.direction is Direction.UP]
+    calls = (
+        Call("H", None, None, 36_540),
+        Call("A", None, 36_900, None),
+    )  # 10:09: the other has long passed H
+    trains = {**later.trains, ups[0].number: replace(ups[0], calls=calls)}
+    assert planned_meets(LINE, replace(later, trains=trains)) == ()
 
 
 def test_load_from_a_file(tmp_path: Path) -> None:

@@ -1,0 +1,164 @@
+"""Whether a plan can work: everything that is looked at, in one list; `study.feasibility.finding` has the rule."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from network.errors import InputError, one_line
+from network.model import SectionKind
+from network.timetable import clock
+from simulation.setup import Setup
+from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of, severity
+from study.feasibility.equipment import equipment_of
+from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, minute
+from study.feasibility.holdings import clashes_of, holds_of
+from study.feasibility.meets import day_meets
+from study.feasibility.places import track_place
+from study.feasibility.planned import PlannedDay, planned_day
+from study.feasibility.rehearsal import Lateness, Rehearsal, Waits
+from study.feasibility.timing import timing_of
+
+TOLD_FROM_S = 60.0  # lateness that adds up to less is within what plans in whole minutes hide
+
+
+def feasibility(setup: Setup) -> Feasibility:
+    """All meets of the day and all that is wrong with it; nothing is run.
+
+    The times of the plan are looked at first: what each set holds when, what each leg, stop and turn-back takes, what
+    units need of the line. A day in which all that can be is then played through in blocks (`Rehearsal`): for what
+    follows from the whole of it, and whether trains that are in each other's way by the rules of blocks alone make up
+    for it, so that nobody comes more than a minute late; then that is tight, and not impossible.
+    """
+    day = planned_day(setup)
+    by_section = holds_of(day)
+    pairs = pairs_of(clashes_of(by_section))
+    impossible = frozenset(
+        pair for pair, found in pairs.items() if any(severity(c) is Severity.IMPOSSIBLE for c in found)
+    )
+    meets = day_meets(day, impossible)
+    met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
+    findings = [
+        *_missing(setup, day),
+        *conflicts_of(day.line, pairs, met, by_section),
+        *timing_of(setup, day),
+        *equipment_of(setup, day),
+    ]
+    paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
+    sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]
+    if not sure:
+        rehearsal = Rehearsal(setup, day)
+        found_late = [*_circles(day, rehearsal.waits), *_lateness(day, rehearsal.late)]
+        if not found_late:
+            findings = [replace(f, severity=Severity.TIGHT) for f in findings]
+        findings += found_late
+    findings.sort(key=lambda f: (f.severity is not Severity.IMPOSSIBLE, f.time_s, f.trains, f.kind.value))
+    return Feasibility(meets, tuple(findings))
+
+
+def _by_blocks(finding: Finding, paper: frozenset[Pair]) -> bool:
+    """Whether the day played through decides about a finding."""
+    return (
+        finding.kind in BY_BLOCKS and len(finding.trains) == 2 and frozenset(finding.trains) not in paper
+    )
+
+
+class PlanRefusedError(InputError):
+    """A plan that cannot work is not run: the first thing that is wrong with it, and how many more."""
+
+    def __init__(self, scenario: str, found: Feasibility) -> None:
+        super().__init__(scenario, "", None, "a plan that can work")
+        self._found = found
+
+    def __str__(self) -> str:
+        """One line for the person who has to mend the plan."""
+        first, *more = self._found.impossible
+        further = f"; {len(more)} more" if more else ""
+        can_run = not any(finding.kind is Kind.NO_WAY for finding in self._found.impossible)
+        anyway = ", --anyway runs it all the same" if can_run else ""
+        shows = f"branchline check {one_line(self.file)} shows all{anyway}"
+        return f"{one_line(self.file)} cannot work: {first.sentence}{further}; {shows}"
+
+
+def refuse(scenario: str, setup: Setup, *, anyway: bool = False) -> Feasibility:
+    """Look at a plan before it is run. Raises PlanRefusedError where it cannot work, `anyway` only where no way leads on."""
+    found = feasibility(setup)
+    no_way = any(finding.kind is Kind.NO_WAY for finding in found.impossible)
+    if no_way or not (found.good or anyway):
+        raise PlanRefusedError(scenario, found)
+    return found
+
+
+def _missing(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
+    """Trains for which the line has no way."""
+    for missing in day.missing:
+        first = setup.timetable.trains[missing.number].calls[0]
+        text = f"{missing.number} cannot run at {minute(first.last_s)}: {missing.why}"
+        remedy = "other tracks, or points that lead there"
+        trains = (missing.number,)
+        yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy)
+
+
+def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:
+    """Trains that never get on, each circle of them once; those that only wait behind one are not told."""
+    by_stock = {one.train.stock_id: one for one in waits}
+    told: set[str] = set()
+    for one in sorted(waits, key=_planned_s):
+        circle = _circle(one, by_stock)
+        if not circle or told & {each.train.stock_id for each in circle}:
+            continue
+        told |= {each.train.stock_id for each in circle}
+        yield _circle_finding(day, circle)
+
+
+def _planned_s(one: Waits) -> float:
+    return one.train.nodes[one.node].departs_s
+
+
+def _circle(first: Waits, by_stock: dict[str, Waits]) -> list[Waits]:
+    """From a waiting train on to whom it waits for, until one comes again: those from there on."""
+    chain: list[Waits] = []
+    one: Waits | None = first
+    while one is not None and one not in chain:
+        chain.append(one)
+        holder = one.held_by[0] if one.held_by else ""
+        one = by_stock.get(holder)
+    return chain if one is None else chain[chain.index(one) :]
+
+
+def _circle_finding(day: PlannedDay, circle: Sequence[Waits]) -> Finding:
+    line = day.line
+    last = max(circle, key=_planned_s)
+    parts: list[str] = []
+    for one in circle:
+        node = one.train.nodes[one.node]
+        _, where = track_place(line, node.section_id)
+        parts.append(f"{one.train.number} on {where} waits for section {one.section_id}")
+    time_s = _planned_s(last)
+    text = f"from {minute(time_s)} nothing moves: {', '.join(parts)}"
+    in_portal = any(line.sections[one.section_id].kind is SectionKind.PORTAL for one in circle)
+    remedy = (
+        "a shorter operation.portal_lead_s, or the train from the portal later"
+        if in_portal
+        else "another track for one of them, or another order"
+    )
+    place, _ = track_place(line, last.train.nodes[last.node].section_id)
+    trains = tuple(one.train.number for one in circle)
+    return Finding(Kind.CIRCLE, Severity.IMPOSSIBLE, trains, place, time_s, text, remedy)
+
+
+def _lateness(day: PlannedDay, late: Sequence[Lateness]) -> Iterator[Finding]:
+    """Trains that come late by what adds up: one finding a train, where it is latest."""
+    worst: dict[str, Lateness] = {}
+    for one in late:
+        if one.late_s > TOLD_FROM_S and one.late_s > worst.get(one.train.number, one).late_s - 1e-9:
+            worst[one.train.number] = one
+    for number, one in worst.items():
+        name = day.line.stations[one.station_id].name
+        text = f"{number} would come to {name} at {clock(round(one.due_s + one.late_s))}, {one.late_s:.0f} s late"
+        if one.behind:
+            text += f", behind {' and '.join(one.behind)}"
+        severity = Severity.IMPOSSIBLE if one.late_s >= LATE_S else Severity.TIGHT
+        trains = (number, *(b for b in one.behind if b != number))
+        remedy = "more time on its way before that"
+        yield Finding(Kind.LATE, severity, trains, one.station_id, one.due_s, text, remedy, one.late_s)

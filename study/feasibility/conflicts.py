@@ -1,0 +1,238 @@
+"""What two trains want of one section at a time, as one finding a pair: by what they do there and where they meet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from network.model import Line, SectionKind
+from network.timetable import clock
+from study.feasibility.finding import Finding, Kind, PlannedMeet, Severity, minute, severity_of
+from study.feasibility.holdings import Clash, Hold
+from study.feasibility.places import (
+    free_track,
+    has_two_tracks,
+    station_of,
+    track_place,
+    where_to_pass,
+)
+from study.feasibility.planned import PlannedTrain
+
+Pair = frozenset[str]
+# What follows from how a run gives sections, not from the plan's own times: the trains may still make it.
+BY_BLOCKS: Final = (Kind.FOLLOWING, Kind.CROSSING, Kind.PORTAL, Kind.TRACK, Kind.TERMINAL)
+
+
+def pairs_of(clashes: Sequence[Clash]) -> dict[Pair, list[Clash]]:
+    """Clashes by the numbers of the two trains, the longest wait first."""
+    pairs: dict[Pair, list[Clash]] = {}
+    for clash in clashes:
+        pairs.setdefault(frozenset(train.number for train in clash.trains), []).append(clash)
+    for found in pairs.values():
+        found.sort(key=lambda clash: -clash.wait_s)
+    return pairs
+
+
+def severity(clash: Clash) -> Severity:
+    """Whether the second train could wait that long."""
+    times_s = [time_s for train in clash.trains for time_s in _given_s(train)]
+    first, second = clash.trains
+    whole = all(t % 60 == 0 for t in _given_s(first)) or all(t % 60 == 0 for t in _given_s(second))
+    return severity_of(clash.wait_s, *([] if whole else times_s))
+
+
+def on_paper(found: Sequence[Clash]) -> bool:
+    """Whether two trains would stand on one track at once by the plan's own times, whatever a run makes of them."""
+    return any(c.together_s > 0.0 and severity_of(c.together_s) is Severity.IMPOSSIBLE for c in found)
+
+
+def _given_s(train: PlannedTrain) -> list[int]:
+    """All times that the plan gives for a train."""
+    calls = train.duty.train.calls
+    return [time_s for call in calls for time_s in (call.arrival_s, call.departure_s) if time_s is not None]
+
+
+def conflicts_of(
+    line: Line,
+    pairs: Mapping[Pair, list[Clash]],
+    meets: Mapping[Pair, PlannedMeet],
+    by_section: Mapping[str, list[Hold]],
+) -> list[Finding]:
+    """One finding a pair of trains."""
+    return [_finding(line, found, meets.get(pair), by_section) for pair, found in pairs.items()]
+
+
+def _finding(
+    line: Line, found: Sequence[Clash], meet: PlannedMeet | None, by_section: Mapping[str, list[Hold]]
+) -> Finding:
+    portal = next((c for c in found if _kind_of(line, c) is SectionKind.PORTAL), None)
+    between = next((c for c in found if _kind_of(line, c) is SectionKind.BETWEEN), None)
+    worst = found[0]
+    if portal is not None:
+        return _at_portal(line, portal)
+    first, second = worst.trains
+    opposing = first.direction is not second.direction
+    if meet is not None and opposing:
+        station = line.stations.get(meet.station or "")
+        if station is None or not has_two_tracks(station):
+            return _meeting(line, worst, meet)
+        return _on_track(line, _on_a_track(line, found, station.id) or worst, by_section)
+    if between is not None and (severity(between) is Severity.IMPOSSIBLE or between is worst):
+        return _follows(line, between) if not opposing else _towards(line, between)
+    if _kind_of(line, worst) is SectionKind.TRACK:
+        return _on_track(line, worst, by_section)
+    return _crossing(line, worst)
+
+
+def _kind_of(line: Line, clash: Clash) -> SectionKind:
+    return line.sections[clash.section_id].kind
+
+
+def _on_a_track(line: Line, found: Sequence[Clash], station_id: str) -> Clash | None:
+    """The clash on a track of that station, if there is one."""
+    for clash in found:
+        station = station_of(line, clash.section_id)
+        if _kind_of(line, clash) is SectionKind.TRACK and station is not None and station.id == station_id:
+            return clash
+    return None
+
+
+def _numbers(*trains: PlannedTrain) -> tuple[str, ...]:
+    return tuple(train.number for train in trains)
+
+
+def _short(clash: Clash) -> float | None:
+    return clash.wait_s if math.isfinite(clash.wait_s) else None
+
+
+def _until(time_s: float) -> str:
+    return clock(math.ceil(time_s)) if time_s % 60 else minute(time_s)
+
+
+def _later(clash: Clash, what: str) -> str:
+    """The remedy of waiting, where there is an end to it."""
+    if not math.isfinite(clash.wait_s):
+        return "one of them needs another track, or has to leave first"
+    return f"{what} {math.ceil(clash.wait_s)} s later, at {_until(clash.first.to_s)}"
+
+
+def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
+    """They meet where there are no two tracks for them."""
+    at = line.stations.get(meet.station or "")
+    low, high = (line.stations.get(name or "") for name in (meet.low, meet.high))
+    if at is not None:
+        where, place = f"at {at.name}", at.id
+        why = "a halt has no second track" if at.is_halt else "it has one track"
+    elif low is None or high is None:
+        end = low or high
+        where = f"beyond {end.name}" if end is not None else "on the line"
+        place, why = clash.section_id, "the line is single there"
+    else:
+        where, place = f"between {low.name} and {high.name}", f"{low.id}-{high.id}"
+        why = "the line is single there"
+    trains = (meet.down_train, meet.up_train)
+    text = f"{trains[0]} and {trains[1]} would meet {where} at {minute(meet.time_s)}: {why}"
+    remedy = where_to_pass(line, meet.position_m, None if at is None else at.id)
+    return Finding(Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash))
+
+
+def _towards(line: Line, clash: Clash) -> Finding:
+    """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
+    first, second = clash.trains
+    text = (
+        f"{second.number} is to leave at {_until(clash.second.from_s)} into {clash.section_id}, where"
+        f" {first.number} comes the other way until {_until(clash.first.to_s)}"
+    )
+    return Finding(
+        Kind.OPPOSING,
+        severity(clash),
+        _numbers(first, second),
+        clash.section_id,
+        clash.second.from_s,
+        text,
+        _later(clash, f"{second.number} leaves"),
+        _short(clash),
+    )
+
+
+def _follows(line: Line, clash: Clash) -> Finding:
+    """One train behind another, into a stretch that is not free yet."""
+    first, second = clash.trains
+    text = (
+        f"{second.number} is to follow {first.number} at {_until(clash.second.from_s)} into {clash.section_id},"
+        f" which is taken until {_until(clash.first.to_s)}"
+    )
+    return Finding(
+        Kind.FOLLOWING,
+        severity(clash),
+        _numbers(first, second),
+        clash.section_id,
+        clash.second.from_s,
+        text,
+        _later(clash, f"{second.number} leaves"),
+        _short(clash),
+    )
+
+
+def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) -> Finding:
+    """A train is to come to a track, or to leave for it, that another still has."""
+    first, second = clash.trains
+    place, track = track_place(line, clash.section_id)
+    stays = not math.isfinite(clash.first.to_s) or len(clash.first.trains) > 1
+    ends = second.nodes[-1].section_id == clash.section_id and not second.duty.leaves
+    kind = Kind.TERMINAL if stays or ends else Kind.TRACK
+    time_s = max(clash.second.arrives_s, clash.first.from_s)
+    if not math.isfinite(time_s):
+        time_s = min(train.nodes[0].departs_s for train in (first, second))
+    if not math.isfinite(clash.second.from_s):
+        text = (
+            f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        )
+    elif math.isfinite(clash.first.to_s):
+        text = (
+            f"{second.number} is to come to {track} at {minute(time_s)}, and needs it from"
+            f" {_until(clash.second.from_s)}; {first.number} has it until {_until(clash.first.to_s)}"
+        )
+    else:
+        text = f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
+    other = free_track(line, clash, by_section)
+    remedy = f"track {other} is free then" if other else _later(clash, f"{second.number} leaves for it")
+    trains = _numbers(first, second)
+    return Finding(kind, severity(clash), trains, place, time_s, text, remedy, _short(clash))
+
+
+def _crossing(line: Line, clash: Clash) -> Finding:
+    first, second = clash.trains
+    text = (
+        f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.second.from_s)};"
+        f" {first.number} has them until {_until(clash.first.to_s)}"
+    )
+    return Finding(
+        Kind.CROSSING,
+        severity(clash),
+        _numbers(first, second),
+        clash.section_id,
+        clash.second.from_s,
+        text,
+        _later(clash, f"{second.number} goes"),
+        _short(clash),
+    )
+
+
+def _at_portal(line: Line, clash: Clash) -> Finding:
+    first, second = clash.trains
+    text = (
+        f"{second.number} needs the portal {clash.section_id} from {_until(clash.second.from_s)}, and"
+        f" {first.number} is in it until {_until(clash.first.to_s)}"
+    )
+    return Finding(
+        Kind.PORTAL,
+        severity(clash),
+        _numbers(first, second),
+        clash.section_id,
+        clash.second.from_s,
+        text,
+        _later(clash, f"{second.number} comes" if second.duty.enters else f"{second.number} goes"),
+        _short(clash),
+    )

@@ -1,0 +1,161 @@
+"""What the feasibility check says: the meets of a plan, and what in it cannot work or leaves no room.
+
+When a finding refuses a plan (`Severity.IMPOSSIBLE`), by what the run would make of it:
+
+- a train would never get on: no way, no tag or no radio where its unit needs them, a track that never becomes free,
+  trains that wait for each other in a circle;
+- a time in the plan is short by 60 s or more at one place (a leg, a turn-back, a section still taken). What is
+  published in whole minutes may hide up to 59 s of the truth, and no more. Where a plan gives seconds, by 30 s or more;
+- or many small ones add up: a train would come 180 s or more after its time.
+
+Anything less is told as tight and refuses nothing: the trains run, late by about that much, and may recover.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Final
+
+from network.timetable import clock
+
+HIDDEN_BY_MINUTES_S: Final = 60.0  # a plan in whole minutes is short of the truth by less than this
+HIDDEN_BY_SECONDS_S: Final = 30.0  # assumed: two steps of 15 s, in which railways plan
+LATE_S: Final = 180.0  # assumed: later than this, trains miss those that they are to meet
+
+
+class Kind(Enum):
+    """What is wrong."""
+
+    NO_WAY = "no way"  # the line has no route for a train
+    OPPOSING = "opposing trains"  # meet where they cannot pass each other
+    FOLLOWING = "following trains"  # one is still in the section that the next needs
+    CROSSING = "crossing routes"  # two routes over the same points
+    TRACK = "track occupied"  # two trains on one track of a station
+    TERMINAL = "terminal track occupied"  # by a set that turns back or is stabled there
+    PORTAL = "portal"  # cannot deliver, or not take, a train in time
+    LEG = "running time"
+    DWELL = "dwell"
+    TURN_BACK = "turn-back time"
+    LAYOVER = "layover"
+    TAG = "tag missing"
+    COVERAGE = "no radio"
+    CIRCLE = "trains wait for each other"
+    LATE = "lateness"  # what adds up
+
+
+class Severity(Enum):
+    """Whether a plan is refused for it."""
+
+    IMPOSSIBLE = "impossible"
+    TIGHT = "tight"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that is wrong with a plan; `place` is a station's id, or a section's where there is no station.
+
+    `time_s` is of the plan, s after midnight; `short_s` by how much a time is short, None where no time would do.
+    `text` says who, where, when and why; `remedy` what would mend it nearest at hand.
+    """
+
+    kind: Kind
+    severity: Severity
+    trains: tuple[str, ...]
+    place: str
+    time_s: float
+    text: str
+    remedy: str
+    short_s: float | None = None
+
+    @property
+    def minute(self) -> str:
+        """HH:MM of the plan."""
+        return minute(self.time_s)
+
+    @property
+    def sentence(self) -> str:
+        """Text and remedy."""
+        return f"{self.text}; {self.remedy}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "kind": self.kind.value,
+            "severity": self.severity.value,
+            "trains": list(self.trains),
+            "place": self.place,
+            "minute": self.minute,
+            "time_s": round(self.time_s, 1),
+            "short_s": None if self.short_s is None else round(self.short_s, 1),
+            "text": self.text,
+            "remedy": self.remedy,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedMeet:
+    """Two opposing trains at one place at one time, as planned, each on its track of the drawn missions.
+
+    `station` is where they pass each other; None between stations, where `low` and `high` are the stations on either
+    side and each has a track of its own if they can pass. Tracks are empty between stations.
+    """
+
+    down_train: str
+    up_train: str
+    time_s: float
+    position_m: float
+    station: str | None
+    low: str | None
+    high: str | None
+    down_track: str
+    up_track: str
+    possible: bool
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "trains": [self.down_train, self.up_train],
+            "station": self.station,
+            "between": None if self.station is not None else [self.low, self.high],
+            "minute": minute(self.time_s),
+            "time_s": round(self.time_s, 1),
+            "km": round(self.position_m / 1000.0, 3),
+            "tracks": [self.down_track, self.up_track],
+            "possible": self.possible,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Feasibility:
+    """All of it, in order of time; what refuses the plan comes first."""
+
+    meets: tuple[PlannedMeet, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def impossible(self) -> tuple[Finding, ...]:
+        """What refuses the plan."""
+        return tuple(f for f in self.findings if f.severity is Severity.IMPOSSIBLE)
+
+    @property
+    def tight(self) -> tuple[Finding, ...]:
+        """What leaves no room and refuses nothing."""
+        return tuple(f for f in self.findings if f.severity is Severity.TIGHT)
+
+    @property
+    def good(self) -> bool:
+        """Whether the plan can work."""
+        return not self.impossible
+
+
+def minute(time_s: float) -> str:
+    """HH:MM of the minute that a time (s after midnight) lies in."""
+    return clock(time_s // 60 * 60)[:-3]
+
+
+def severity_of(short_s: float, *planned_s: float | None) -> Severity:
+    """Whether a time short by that much can be; `planned_s` are the times of the plan that it follows from."""
+    whole = all(time_s is None or time_s % 60 == 0 for time_s in planned_s)
+    hidden_s = HIDDEN_BY_MINUTES_S if whole else HIDDEN_BY_SECONDS_S
+    return Severity.IMPOSSIBLE if short_s >= hidden_s else Severity.TIGHT

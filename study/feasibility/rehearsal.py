@@ -1,0 +1,257 @@
+"""The day played through in blocks and minutes: who waits for whom, how late that makes trains, and who never gets on.
+
+The rules of the run without its metres: a route is asked for `request_lead_s` before the train may leave and granted
+whole, refused ones are asked for again every 5 s, a train leaves when its points are thrown, runs its time, and gives
+back what lies behind as it arrives. Trains come in by their portals as early as the operation sends them. So it also
+finds what the plan's own times do not show: trains that take each other's way because one of them comes early or late.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final
+
+from onboard.authority.tables import REFUSED_REPEAT_S
+from simulation.setup import Setup
+from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
+from study.feasibility.timing import throws_s
+
+OPENING_S: Final = 600.0  # the run begins this long before the first train
+COMES_S: Final = 40.0  # assumed: from the approach tag to the track
+RESTARTS_S: Final = 30.0  # assumed: what a train loses that must stop where it was to run through
+
+
+@dataclass(frozen=True, slots=True)
+class Waits:
+    """A train that never gets on: at a node it wants sections, which others hold."""
+
+    train: PlannedTrain
+    node: int
+    wants: tuple[str, ...]
+    held_by: tuple[str, ...]  # stock ids
+    section_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lateness:
+    """How late a train comes to a stop, s, and behind whom it had to wait on its way there."""
+
+    train: PlannedTrain
+    station_id: str
+    due_s: float
+    late_s: float
+    behind: tuple[str, ...]
+
+
+@dataclass(slots=True)
+class _Set:
+    """One set of the day. `asks` is the route of its train that it asks for, `granted` the last one granted."""
+
+    stock_id: str
+    trains: Sequence[PlannedTrain]
+    at: int = 0  # index of its train
+    node: int = 0  # where its train is, or was last
+    moving: bool = False
+    holds: set[str] = field(default_factory=set[str])
+    ready_s: float = -math.inf  # when it may leave the node
+    asks: int = 0
+    granted: int = -1
+    waits_since_s: float | None = None
+    blocked_by: str = ""  # a section
+    behind: list[str] = field(default_factory=list[str])
+    done: bool = False
+
+    @property
+    def train(self) -> PlannedTrain:
+        return self.trains[self.at]
+
+    @property
+    def wants(self) -> tuple[str, ...]:
+        """The sections that it needs next."""
+        if not self.holds:
+            return (self.train.nodes[0].section_id,)
+        routes = self.train.routes
+        return routes[self.asks].section_ids if self.asks < len(routes) else ()
+
+
+class Rehearsal:
+    """The day played through; `waits` and `late` say what came of it."""
+
+    def __init__(self, setup: Setup, day: PlannedDay) -> None:
+        self._setup = setup
+        self._day = day
+        self._holder: dict[str, _Set] = {}
+        self._sets = [_Set(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
+        self._heap: list[tuple[float, int, Callable[[float], None]]] = []
+        self._count = 0
+        self.late: list[Lateness] = []
+        self._play()
+
+    @property
+    def waits(self) -> list[Waits]:
+        """Trains that never get on."""
+        found: list[Waits] = []
+        for one in self._sets:
+            if one.done:
+                continue
+            others = [self._holder[s] for s in one.wants if self._holder.get(s, one) is not one]
+            held_by = tuple(dict.fromkeys(other.stock_id for other in others))
+            found.append(Waits(one.train, one.node, one.wants, held_by, one.blocked_by))
+        return found
+
+    # the course of the day --------------------------------------------------------------------------------------------
+
+    def _at(self, time_s: float, what: Callable[[float], None]) -> None:
+        self._count += 1
+        heapq.heappush(self._heap, (time_s, self._count, what))
+
+    def _play(self) -> None:
+        opens_s = min((one.train.nodes[0].arrives_s for one in self._sets), default=0.0) - OPENING_S
+        for one in self._sets:
+            if one.train.duty.enters:
+                self._at(one.train.duty.enter_s, partial(self._wait, one))
+                continue
+            section_id = one.train.nodes[0].section_id
+            if section_id in self._holder:  # two sets on one track: the second is never let on
+                one.blocked_by = section_id
+                continue
+            self._take(one, (section_id,))
+            self._at(opens_s, partial(self._begin, one))
+        while self._heap:
+            now_s, _, what = heapq.heappop(self._heap)
+            what(now_s)
+
+    def _take(self, one: _Set, sections: Sequence[str]) -> None:
+        self._holder.update(dict.fromkeys(sections, one))
+        one.holds.update(sections)
+
+    def _give_back(self, one: _Set, keep: set[str], now_s: float) -> None:
+        """All but what is kept; those that wait for something ask again when it is their turn."""
+        for section_id in one.holds - keep:
+            del self._holder[section_id]
+        one.holds &= keep
+        for other in self._sets:
+            if other.waits_since_s is not None:
+                turns = math.ceil(max(now_s - other.waits_since_s, 0.0) / REFUSED_REPEAT_S)
+                self._at(other.waits_since_s + turns * REFUSED_REPEAT_S, partial(self._try, other))
+
+    def _begin(self, one: _Set, now_s: float) -> None:
+        """Takes up its train where it stands."""
+        train = one.train
+        one.node, one.asks, one.granted, one.moving, one.behind = 0, 0, -1, False, []
+        one.ready_s = now_s if train.duty.enters else max(now_s, train.nodes[0].departs_s)
+        if not train.routes:  # all its stops are on one track
+            self._at(max(now_s, train.stands[-1].arrives_s), partial(self._end, one))
+            return
+        self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
+
+    def _wait(self, one: _Set, now_s: float) -> None:
+        """Asks for the first time; what is refused is asked for again when something becomes free."""
+        one.waits_since_s = now_s
+        self._try(one, now_s)
+
+    def _try(self, one: _Set, now_s: float) -> None:
+        if one.waits_since_s is None:
+            return
+        taken = next((s for s in one.wants if self._holder.get(s, one) is not one), None)
+        if taken is not None:
+            one.blocked_by = taken
+            ahead = self._holder[taken].train.number
+            if ahead not in one.behind:
+                one.behind.append(ahead)
+            return
+        one.waits_since_s = None
+        signs_on = not one.holds
+        self._take(one, one.wants)
+        if signs_on:
+            self._at(now_s + SIGNS_S, partial(self._begin, one))
+            return
+        one.granted = one.asks
+        if not one.moving:
+            self._leave(one, now_s)
+
+    def _leave(self, one: _Set, granted_s: float) -> None:
+        """The way from its node is granted: it leaves when its points are thrown and its time has come."""
+        train, here, there = one.train, one.train.nodes[one.node], one.train.nodes[one.node + 1]
+        leaves_s = max(one.ready_s, granted_s)
+        if here.target is not None:
+            thrown_s = throws_s(self._day.line, train.duty.mission) if one.node == 0 else 0.0
+            leaves_s = max(leaves_s, granted_s + SIGNS_S / 2.0 + thrown_s)
+        elif granted_s > one.ready_s:  # it had to stop where it was to run through
+            leaves_s += RESTARTS_S
+        runs_s, not_before_s = self._run(train, one.node)
+        arrives_s = max(leaves_s + runs_s, not_before_s)
+        one.moving = True
+        if there.target is None:
+            one.asks = one.node + 1
+            self._at(max(arrives_s - COMES_S, leaves_s), partial(self._wait, one))
+        self._at(arrives_s, partial(self._arrive, one))
+
+    def _run(self, train: PlannedTrain, node: int) -> tuple[float, float]:
+        """Running time to the next node, and the time before which the train does not come there, s."""
+        here, there = train.nodes[node], train.nodes[node + 1]
+        if here.target is None or there.target is None:  # part of a run: its share of the way
+            ahead = next(i for i, s in enumerate(train.stands) if s.target.mark_m >= there.position_m)
+            whole_m = train.stands[ahead].target.mark_m - train.stands[ahead - 1].target.mark_m
+            share = (there.position_m - here.position_m) / max(whole_m, 1.0)
+            return train.stands[ahead].run_s * min(
+                share, 1.0
+            ), there.arrives_s - self._setup.unit.time_margin_s
+        stands = [s for s in train.stands if here.position_m < s.target.mark_m <= there.position_m]
+        halts = sum(stand.target.passengers for stand in stands[:-1])
+        runs_s = sum(stand.run_s for stand in stands) + halts * self._setup.unit.dwell_min_s
+        given = there.target.arrival_s is not None
+        return runs_s, there.arrives_s - self._setup.unit.time_margin_s if given else -math.inf
+
+    def _arrive(self, one: _Set, now_s: float) -> None:
+        """At the next track: what lies behind is given back, the next route asked for."""
+        train = one.train
+        one.node += 1
+        one.moving = False
+        node = train.nodes[one.node]
+        ahead = train.routes[one.node].section_ids if one.granted >= one.node else ()
+        self._note(one, now_s)
+        self._give_back(one, {node.section_id, *ahead}, now_s)
+        if one.node == len(train.nodes) - 1:
+            self._end(one, now_s)
+        elif node.target is None:
+            one.ready_s = now_s
+            if one.granted >= one.node:
+                self._leave(one, now_s)
+        else:
+            one.behind = []
+            dwell_s = self._setup.unit.dwell_min_s if node.target.passengers else 0.0
+            one.ready_s = max(now_s + dwell_s, node.departs_s)
+            one.asks = one.node
+            self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
+
+    def _note(self, one: _Set, now_s: float) -> None:
+        node = one.train.nodes[one.node]
+        if node.target is not None and node.target.station_id is not None:
+            late_s = now_s - node.arrives_s
+            behind = tuple(one.behind)
+            self.late.append(Lateness(one.train, node.target.station_id, node.arrives_s, late_s, behind))
+
+    def _end(self, one: _Set, now_s: float) -> None:
+        """The train's journey is over: it leaves the line, becomes the next one, or stays."""
+        follows = one.at + 1 < len(one.trains)
+        if one.train.duty.leaves:
+            self._at(now_s + SIGNS_S, partial(self._left, one))
+        elif follows:
+            one.at += 1
+            one.node = 0
+            self._at(now_s + self._setup.operation.change_ends_s, partial(self._begin, one))
+        else:
+            one.done = True
+
+    def _left(self, one: _Set, now_s: float) -> None:
+        self._give_back(one, set(), now_s)
+        one.done = one.at + 1 >= len(one.trains)
+        if not one.done:
+            one.at += 1
+            one.node = one.asks = 0
+            self._at(max(one.train.duty.enter_s, now_s), partial(self._wait, one))

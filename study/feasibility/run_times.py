@@ -1,0 +1,45 @@
+"""How long a kind of train takes from a stand to a stand, asked for many trains of a day that run the same ways.
+
+The one formula is `study.measures.running_times.least_running_time_s`; here each way is asked for once, and as no
+more than the track that it takes: what lies beyond its end, or further behind than the train is long, changes nothing.
+"""
+
+from __future__ import annotations
+
+from network.model import Line
+from network.path import Path, path_of
+from simulation.setup import Setup
+from study.measures.running_times import Way, least_running_time_s
+
+
+class RunTimes:
+    """Running times of one setup's trains, with its mean load and the distance to limits that units keep, s."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup
+        self._known: dict[tuple[str, tuple[str, ...], float, float], float] = {}
+
+    def run_s(self, stock_id: str, path: Path, from_m: float, to_m: float) -> float:
+        """From a stand at a path coordinate (m) of the front to a stand at another; infinite where it cannot climb."""
+        kind = self._setup.trains[stock_id]
+        length_m = float(kind.row[0]["length_m"])
+        way = _cut(self._setup.believed_line, path, from_m, to_m, length_m)
+        key = (kind.id, way.path.piece_ids, round(way.from_m, 3), round(way.to_m, 3))
+        if key not in self._known:
+            driving = self._setup.driving
+            self._known[key] = least_running_time_s(
+                kind,
+                way,
+                self._setup.load.load_share_mean,
+                driving.stop_deceleration_mps2,
+                driving.driving_margin_mps,
+            )
+        return self._known[key]
+
+
+def _cut(line: Line, path: Path, from_m: float, to_m: float, length_m: float) -> Way:
+    """A run on the part of its path that it needs."""
+    steps = [s for s in path.steps if s.end_m > from_m - length_m - 1.0 and s.start_m < to_m + 1.0]
+    begin_m = steps[0].start_m
+    part = path_of(line, [step.piece_id for step in steps], path.direction)
+    return Way(line, part, from_m - begin_m, to_m - begin_m)
