@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from branchline.gtfs import export_gtfs
 from branchline.oudia import export_oudia
 
 exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
@@ -15,3 +16,4 @@ def _of_all_exports() -> None:
 
 
 exporters.command("oudia")(export_oudia)
+exporters.command("gtfs")(export_gtfs)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from branchline.importing_timetables import import_gtfs, import_mini_tokyo
+from branchline.gtfs import import_gtfs
 from branchline.importing_timetables import import_mini_tokyo
 from branchline.oudia import import_oudia
 from branchline.progress import tell
