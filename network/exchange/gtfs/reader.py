@@ -382,7 +382,7 @@ def _portal(text: str) -> str:
 
 
 def _call(call: _Call, index: int, count: int, stops: Mapping[str, Stop], *, revenue: bool) -> PublishedCall:
-    """A call; at the ends of a trip the feed has to write a second time, which is none of the plan's."""
+    """A call; at the ends of a trip a feed has to write two times, and the same one again is none of the plan's."""
     arrival_s, departure_s = call.arrival_s, call.departure_s
     kind = _KINDS.get(call.kind)
     if kind is None:
@@ -390,9 +390,9 @@ def _call(call: _Call, index: int, count: int, stops: Mapping[str, Stop], *, rev
     first, last = index == 0, index == count - 1
     if kind is CallKind.PASS:
         arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
-    elif call.given == "departure" or (not call.given and first and departure_s is not None):
+    elif call.given == "departure" or (not call.given and first and departure_s == arrival_s):
         arrival_s = None
-    elif call.given == "arrival" or (not call.given and last and arrival_s is not None):
+    elif call.given == "arrival" or (not call.given and last and departure_s == arrival_s):
         departure_s = None
     stop = stops[call.stop]
     track = stop.track if call.track is None else call.track
