@@ -11,6 +11,7 @@ from typing import Final
 
 from host.parties import PartyBug, PartyError
 from network.errors import InputError, wanting
+from simulation.carriers.carrier import CarrierLostError
 
 SIGNALLED: Final = 128  # plus the number of the signal, as shells have it
 
@@ -52,7 +53,7 @@ MEANINGS: Final = {
     Outcome.GOOD: "it ran, and all that is expected of it holds",
     Outcome.BROKEN: "it ran, and an expectation or an invariant is broken, or a figure misses its criterion",
     Outcome.BAD_INPUT: "a file, an option or an argument cannot be used",
-    Outcome.COULD_NOT_RUN: "what the run needs is gone: a process of a party, an endpoint, room on the disk, memory",
+    Outcome.COULD_NOT_RUN: "what the run needs is gone: a process of a party, an endpoint, the window, room on the disk, memory",
     Outcome.BUG: "the program is at fault; the line says where its log is",
     Outcome.HUNG_UP: "SIGHUP",
     Outcome.INTERRUPTED: "SIGINT, Ctrl-C",
@@ -89,7 +90,7 @@ def outcome_of(error: BaseException) -> Outcome:
             return Outcome.BAD_INPUT
         case PartyBug():
             return Outcome.BUG
-        case PartyError() | CutShortError():
+        case PartyError() | CarrierLostError() | CutShortError():
             return Outcome.COULD_NOT_RUN
         case _:
             return Outcome.COULD_NOT_RUN if wanting(error) else Outcome.BUG

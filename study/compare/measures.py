@@ -12,7 +12,7 @@ import polars as pl
 from study.compare.meets import meets_of
 from study.compare.side import Side
 from study.compare.times import What
-from study.report.energy import place_name
+from study.report.data import place_name
 from study.run.summary import ENERGIES, TELEGRAM_COUNTS, arrived_trains, energy_summary
 
 # Minutes as punctuality is told in, and the 15 s in which Japanese timetables are planned.

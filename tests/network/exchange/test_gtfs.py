@@ -451,3 +451,18 @@ def test_places_on_the_earth(east_m: float, north_m: float, latitude: float) -> 
     lon, lat = pyproj.Transformer.from_crs(plane, "EPSG:4326", always_xy=True).transform(east_m, north_m)
     got = degrees_of(east_m, north_m, (latitude, 140.0))
     assert got == pytest.approx((lat, lon), abs=1e-5)  # a metre
+
+
+@pytest.mark.parametrize("name", ["karasuyama", "busy_line"])
+@given(data=st.data())
+def test_any_timetable_comes_back_as_it_was(
+    tmp_path_factory: pytest.TempPathFactory, name: str, data: st.DataObject
+) -> None:
+    timetable = data.draw(timetables(LINES[name]))
+    path = tmp_path_factory.mktemp("drawn") / "feed.zip"
+    write_gtfs(path, LINES[name], timetable)
+    day = read_gtfs(path, GtfsChoice(service="DAY"))
+    assert day.written is not None
+    file, why = read_back(day.written, LINES[name], "feed.zip")
+    assert file is not None, why
+    assert timetable_of(file, "again", LINES[name]) == timetable
