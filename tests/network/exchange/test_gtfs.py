@@ -27,10 +27,13 @@ from network.files.shipped import shipped_line, shipped_names, shipped_timetable
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import parse_toml
 from network.timetable import CallKind, Timetable, timetable_of
+from tests.network.exchange.random_timetables import timetables
 
 ROOT = Path(__file__).resolve().parents[3]
 WKD = ROOT / "../shared/data/timetables/wkd_gtfs"
 needs_shared = pytest.mark.skipif(not WKD.exists(), reason="the timetable data is not beside this checkout")
+
+LINES = {name: load_line(shipped_line(name)) for name in ("karasuyama", "busy_line")}
 
 Table = Sequence[Sequence[str]]
 
