@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from branchline.comparing import OVER_S, Over, check_over, print_comparison
 from branchline.ending import crashes_into, end, judged, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
 from branchline.progress import progress_of, tell
 from network.errors import InputError
 
 if TYPE_CHECKING:
+    from study.compare.side import Side
     from study.run.run import Run
+    from study.scenario.scenario import Scenario
 
 
 def run(
@@ -25,6 +28,10 @@ def run(
         str, typer.Option("--carrier", help="sumo, or plain: one train on plain track.")
     ] = "sumo",
     seed: Seed = None,
+    against: Annotated[
+        Path | None, typer.Option("--against", help="Run directory of the same line: say what changed.")
+    ] = None,
+    over: Over = OVER_S,
     out: Out = None,
     anyway: Annotated[
         bool,
@@ -39,19 +46,22 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
+    from study.compare.against import against as compared_with
     from study.feasibility.check import refuse
     from study.run.directory import reserved
-    from study.run.run import CarrierKind, execute, fill_run, link_of, units_at
+    from study.run.run import NO_MORE, CarrierKind, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
     hosted = units_at(units, chosen)
     if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
+    check_over(over)
     if gui and carrier != CarrierKind.SUMO.value:
         raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
     loaded = load_scenario(scenario, seed)
     refuse(scenario, loaded.setup, anyway=anyway)
+    base = None if against is None else _base_of(against, loaded)
     directory = (out or Path("runs") / loaded.id).resolve()
     with reserved(directory) as place:
         with crashes_into(directory), progress_of(loaded.id) as progress:
@@ -65,17 +75,28 @@ def run(
                 delay_ms=gui_delay,
             )
         tell("writing the report")
-        report = fill_run(done, place)
+        compared = None if base is None else compared_with(done, base, over)
+        report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
     outcome = judged(not done.broken)
     if as_json:
-        print_json(done.summary | {"out": str(directory)}, outcome)
+        found = {} if compared is None else {"against": compared.found.as_dict()}
+        print_json(done.summary | {"out": str(directory)} | found, outcome)
     else:
         _print_run(done, report)
+        if compared is not None:
+            print_comparison(compared.found)
     for text in done.summary["outside_design"]:
         tell(f"outside the design: {text}")
     for text in done.broken:
         tell(f"broken: {text}")
     end(outcome)
+
+
+def _base_of(directory: Path, scenario: Scenario) -> Side:
+    """The run to compare with; read before the new one, which may be bound for its place."""
+    from study.compare.against import base_of
+
+    return base_of(directory, scenario.setup.line)
 
 
 def _latest(late_s: float | None) -> str:

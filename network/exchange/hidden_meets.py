@@ -29,7 +29,7 @@ class HiddenMeet:
     def text(self, line: Line) -> str:
         """For reports: who, where, when."""
         low, high = (line.stations[name].name or name for name in (self.low_id, self.high_id))
-        place = f"at {low}" if low == high else f"at {low} or {high}, or between"
+        place = f"at {low}" if low == high else f"at {low} or {high} or between them,"
         return (
             f"{self.down} and {self.up} meet {place} about {clock(self.time_s)[:-3]}, where the source has no stop for"
             " it: one of them may stand there (運転停車)"

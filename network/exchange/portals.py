@@ -14,7 +14,7 @@ class PortalWay:
     """A way between a portal and a place: over how many routes, and where a set that is outside waits.
 
     `outside` names the station nearest the portal: sets that leave by one of its portals may come back by another.
-    `only` is False where a second portal would do as well.
+    `only` is False where nothing tells it from a second portal.
     """
 
     section_id: str
@@ -23,19 +23,20 @@ class PortalWay:
     only: bool = True
 
 
-def portal_of(line: Line, station_id: str, direction: Direction, *, entering: bool) -> PortalWay | None:
+def portal_of(
+    line: Line, station_id: str, direction: Direction, *, entering: bool, named: str = ""
+) -> PortalWay | None:
     """The portal by which a train in `direction` gets to (entering) or from a station; None where there is none.
 
-    The nearest one, by routes; of several as near the left one in the direction of travel (assumed: trains keep to
-    the left on a main line of two tracks). Raises KeyError for an unknown station.
+    The nearest one, by routes; of several as near the left one in the direction of travel, as trains keep to the left
+    on the two tracks of a main line; of several in one place the first by name. `named`: that one or none. Raises
+    KeyError for an unknown station.
     """
     wanted = {track.section_id for track in line.stations[station_id].tracks if direction in track.marks_m}
-    into = (
-        direction if entering else direction.opposite
-    )  # from the portal the way out is the way in, turned round
+    into = direction if entering else direction.opposite  # a way out is a way in, run the other way
     found: list[tuple[int, float, str, str]] = []
     for section in line.sections.values():
-        if section.kind is not SectionKind.PORTAL:
+        if section.kind is not SectionKind.PORTAL or named not in ("", section.id):
             continue
         ways = _ways_from(line, section.id, into)
         hops = [ways[section_id] for section_id in wanted if section_id in ways]
@@ -44,8 +45,9 @@ def portal_of(line: Line, station_id: str, direction: Direction, *, entering: bo
             found.append((min(hops), offset_m, section.id, _nearest_station(line, section.id, ways)))
     if not found:
         return None
-    routes, _, section_id, outside = min(found, key=lambda way: way[:2])
-    return PortalWay(section_id, routes, outside, sum(way[0] == routes for way in found) == 1)
+    nearest = min(found)
+    routes, _, section_id, outside = nearest
+    return PortalWay(section_id, routes, outside, sum(way[:2] == nearest[:2] for way in found) == 1)
 
 
 def _ways_from(line: Line, portal: str, direction: Direction) -> dict[str, int]:

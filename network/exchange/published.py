@@ -38,7 +38,8 @@ class PublishedTrain:
     """A train of the source. `direction` is "down" (下り) or "up" in the order of the source's stations.
 
     `follows` and `becomes` name trains that the same set runs before and after, where the source says so; `comes_from`
-    and `goes_to` name places beyond the source's stations.
+    and `goes_to` name places beyond the source's stations. `working` names what one set runs in the day (運用), where
+    the source numbers that. `begins` and `ends` are as timetable files write them, in what we have written ourselves.
     """
 
     number: str
@@ -51,14 +52,21 @@ class PublishedTrain:
     becomes: tuple[str, ...] = ()
     comes_from: str = ""
     goes_to: str = ""
+    working: str = ""
+    begins: str = ""
+    ends: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class PublishedTimetable:
-    """One operating day. `left` says in sentences what the source holds and this does not; `source` names it."""
+    """One operating day. `left` says in sentences what the source holds and this does not; `source` names it.
+
+    `dwell_min_s` is the shortest stop for passengers, where the source says so.
+    """
 
     name: str
     stations: tuple[PublishedStation, ...]
     trains: tuple[PublishedTrain, ...]
     source: str
     left: tuple[str, ...] = ()
+    dwell_min_s: float | None = None

@@ -29,19 +29,22 @@ _NAMES: dict[Direction, DirectionName] = {DIRECTIONS[name]: name for name in ("d
 
 def timetable_toml(file: TimetableFile) -> str:
     """The whole file as TOML."""
-    head = file.timetable
-    rows = ["[timetable]", f"id = {_text(head.id)}"]
-    if head.name:
-        rows.append(f"name = {_text(head.name)}")
-    rows += [f"line = {_text(head.line)}", f"dwell_min_s = {_number(head.dwell_min_s)}"]
-    rows += _list("sources", head.sources)
-    rows += _list("assumed", head.assumed)
+    rows = head_toml(file.timetable)
     for train in file.trains:
         rows += ["", *_train(train)]
     for diagram in file.diagrams:
-        names = ", ".join(_text(number) for number in diagram.trains)
-        rows += ["", "[[diagrams]]", f"stock = {_text(diagram.stock)}", f"trains = [{names}]"]
+        names = ", ".join(text_toml(number) for number in diagram.trains)
+        rows += ["", "[[diagrams]]", f"stock = {text_toml(diagram.stock)}", f"trains = [{names}]"]
     return "\n".join(rows) + "\n"
+
+
+def head_toml(head: HeadTable) -> list[str]:
+    """Lines of `[timetable]`."""
+    rows = ["[timetable]", f"id = {text_toml(head.id)}"]
+    if head.name:
+        rows.append(f"name = {text_toml(head.name)}")
+    rows += [f"line = {text_toml(head.line)}", f"dwell_min_s = {_number(head.dwell_min_s)}"]
+    return [*rows, *_list("sources", head.sources), *_list("assumed", head.assumed)]
 
 
 def file_of_trains(head: HeadTable, trains: Iterable[PlannedTrain], workings: Workings) -> TimetableFile:
@@ -119,6 +122,11 @@ def time_text(time_s: int) -> str:
     return text.removesuffix(":00") if text.count(":") == 2 else text
 
 
+def text_toml(text: str) -> str:
+    """A basic string of TOML: that of JSON, with the one control character escaped that JSON lets stand."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
 def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:
     times = {
         "arrival": None if call.arrival_s is None else time_text(call.arrival_s),
@@ -131,15 +139,15 @@ def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:
 
 
 def _train(train: TrainTable) -> list[str]:
-    rows = ["[[trains]]", f"number = {_text(train.number)}", f"direction = {_text(train.direction)}"]
+    rows = ["[[trains]]", f"number = {text_toml(train.number)}", f"direction = {text_toml(train.direction)}"]
     if not train.revenue:
         rows.append("revenue = false")
-    rows += [f"begins = {_text(train.begins)}", f"ends = {_text(train.ends)}", "calls = ["]
+    rows += [f"begins = {text_toml(train.begins)}", f"ends = {text_toml(train.ends)}", "calls = ["]
     return [*rows, *(f"  {{ {', '.join(_call_items(call))} }}," for call in train.calls), "]"]
 
 
 def _call_items(call: CallTable) -> Iterable[str]:
-    yield f"station = {_text(call.station)}"
+    yield f"station = {text_toml(call.station)}"
     texts = (
         ("track", call.track),
         ("arrival", call.arrival),
@@ -148,7 +156,7 @@ def _call_items(call: CallTable) -> Iterable[str]:
     )
     for key, value in texts:
         if value is not None:
-            yield f"{key} = {_text(value)}"
+            yield f"{key} = {text_toml(value)}"
     for key, mark in (("operational", call.operational), ("inferred", call.inferred)):
         if mark:
             yield f"{key} = true"
@@ -159,13 +167,8 @@ def _list(key: str, texts: Sequence[str]) -> list[str]:
     if not texts:
         return []
     if len(texts) == 1 and key == "sources":
-        return [f"{key} = [{_text(texts[0])}]"]
-    return [f"{key} = [", *(f"  {_text(text)}," for text in texts), "]"]
-
-
-def _text(text: str) -> str:
-    """A basic string of TOML: that of JSON, with the one control character escaped that JSON lets stand."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return [f"{key} = [{text_toml(texts[0])}]"]
+    return [f"{key} = [", *(f"  {text_toml(text)}," for text in texts), "]"]
 
 
 def _number(value: float) -> str:

@@ -16,8 +16,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from network.errors import InputError
-from network.exchange.planned import PlannedTrain, Working, Workings
+from network.exchange.planned import PlannedTrain, Workings
 from network.exchange.portals import PortalWay, portal_of
+from network.exchange.sets import SetPlan, give_sets
 from network.exchange.standing import Stand, give_tracks, night_warnings, standing_tracks
 from network.files.names import is_identifier
 from network.model import Direction, Line
@@ -56,6 +57,7 @@ class _Day:
     )
     assumed: list[str] = field(default_factory=list[str])
     warnings: list[str] = field(default_factory=list[str])
+    waited: list[str] = field(default_factory=list[str])  # trains for which a set stood there too short
 
     def link(self, before: str, after: str) -> None:
         """The set of one train goes on as another."""
@@ -85,16 +87,21 @@ def workings_of(
     """
     day = _Day(line, rules or SetRules(), _in_order(trains, file))
     _check_stock(day.rules.stock, file)
+    whole = _as_written(day)
     _over_portals(day)
     published = _follow_links(day)
     turned = 0
     for station_id in dict.fromkeys(place for train in day.trains.values() for place in _ends_of(train)):
         turned += _turn_round(day, station_id)
-    diagrams = _give_sets(day, file)
-    _say_rules(day, published, turned, len(diagrams))
+    terminals = {points.terminal_id for points in line.points.values()}
+    rest = (day.rules.outside_min_s, day.rules.stock, terminals)
+    diagrams = give_sets(SetPlan(day.trains, day.begins, day.ends, day.outside, *rest), file)
+    _say_rules(day, published, turned)
     stands = tuple(_stands(day))
     day.assumed += _morning_and_evening(day, stands)
     day.warnings += night_warnings(line, stands)
+    if whole:  # tracks too are as they were written
+        return Workings(day.begins, day.ends, diagrams, tuple(day.assumed), tuple(day.warnings))
     tracks, conflicts = give_tracks(line, tuple(day.trains.values()), stands)
     day.warnings += conflicts
     if tracks:
@@ -133,13 +140,31 @@ def _ends_of(train: PlannedTrain) -> tuple[str, str]:
     return train.calls[0].station_id, train.calls[-1].station_id
 
 
+def _as_written(day: _Day) -> bool:
+    """How trains begin and end in what we have written ourselves; whether it says so of all of them."""
+    for train in day.trains.values():
+        for text, entering in ((train.begins, True), (train.ends, False)):
+            known = day.begins if entering else day.ends
+            if text == _STABLED:
+                known[train.number] = text
+            elif text.startswith("portal:"):
+                station_id = _ends_of(train)[0 if entering else 1]
+                named = text.removeprefix("portal:")
+                way = portal_of(day.line, station_id, train.direction, entering=entering, named=named)
+                if way is None:
+                    day.warnings.append(f"{train.number}: the line has no way over {text} at {station_id}")
+                else:
+                    known[train.number] = day.by_portal(way)
+    return all(train.begins and train.ends for train in day.trains.values())
+
+
 def _over_portals(day: _Day) -> None:
     """Trains of other lines come in and go out; where the line has no portal there, they end like any other."""
     missing: dict[str, list[str]] = {}
     chosen: set[str] = set()
     for train in day.trains.values():
         for beyond, entering in ((train.from_beyond, True), (train.to_beyond, False)):
-            if not beyond:
+            if not beyond or train.number in (day.begins if entering else day.ends):
                 continue
             station_id = _ends_of(train)[0 if entering else 1]
             way = day.way(station_id, train.direction, entering=entering)
@@ -155,9 +180,7 @@ def _over_portals(day: _Day) -> None:
             f"{_named(numbers)}: beyond {name} there is no portal; treated as beginning or ending there"
         )
     if chosen:
-        day.assumed.append(
-            f"portals: of two as near, the left one in the direction of travel ({', '.join(sorted(chosen))})"
-        )
+        day.assumed.append(f"portals: nothing tells {', '.join(sorted(chosen))} from another one as near")
 
 
 def _follow_links(day: _Day) -> int:
@@ -165,6 +188,7 @@ def _follow_links(day: _Day) -> int:
     used = 0
     pairs = [(t.number, after) for t in day.trains.values() for after in t.becomes]
     pairs += [(before, t.number) for t in day.trains.values() for before in t.follows]
+    pairs += _of_workings(day)
     for before, after in dict.fromkeys(pairs):
         why = _no_link(day, before, after)
         if why:
@@ -173,6 +197,18 @@ def _follow_links(day: _Day) -> int:
         day.link(before, after)
         used += 1
     return used
+
+
+def _of_workings(day: _Day) -> Iterator[tuple[str, str]]:
+    """Trains that follow each other in a published working, where the set does not leave the line between them."""
+    last: dict[str, str] = {}
+    for train in day.trains.values():
+        if not train.working:
+            continue
+        before = last.get(train.working)
+        last[train.working] = train.number
+        if before is not None and before not in day.ends and train.number not in day.begins:
+            yield before, train.number
 
 
 def _no_link(day: _Day, before: str, after: str) -> str:
@@ -192,6 +228,19 @@ def _no_link(day: _Day, before: str, after: str) -> str:
     return next((text for holds, text in reasons if holds), "")
 
 
+@dataclass(slots=True)
+class _Turns:
+    """At one place: pairs of trains with one set, sets never called for, sets that found no room and have a portal.
+
+    `waited` are trains for which a set stood there, but had not stood long enough.
+    """
+
+    pairs: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
+    idle: list[str] = field(default_factory=list[str])
+    full: list[str] = field(default_factory=list[str])
+    waited: list[str] = field(default_factory=list[str])
+
+
 def _turn_round(day: _Day, station_id: str) -> int:
     """Give sets at one place to its departures; how many turned.
 
@@ -200,55 +249,54 @@ def _turn_round(day: _Day, station_id: str) -> int:
     """
     gone: set[str] = set()
     while True:
-        pairs, idle, full = _first_in_first_out(day, station_id, gone)
-        leaving = {number for number in idle if _portal_behind(day, station_id, number, entering=False)}
+        turns = _first_in_first_out(day, station_id, gone)
+        leaving = {number for number in turns.idle if _portal_behind(day, station_id, number, entering=False)}
         if not leaving:
             break
         gone |= leaving
-    for before, after in pairs:
+    for before, after in turns.pairs:
         day.link(before, after)
-    for number in (*gone, *full):
+    for number in (*gone, *turns.full):
         way = _portal_behind(day, station_id, number, entering=False)
         day.ends[number] = day.by_portal(way) if way else _STABLED
-    for number in idle:
+    for number in turns.idle:
         day.ends[number] = _STABLED
     for train in day.trains.values():
         if train.calls[0].station_id == station_id and train.number not in day.begins:
             way = _portal_behind(day, station_id, train.number, entering=True)
             day.begins[train.number] = day.by_portal(way) if way else _STABLED
-    return len(pairs)
+    day.waited += turns.waited
+    return len(turns.pairs)
 
 
-def _first_in_first_out(
-    day: _Day, station_id: str, gone: set[str]
-) -> tuple[list[tuple[str, str]], list[str], list[str]]:
-    """Pairs of trains with one set; sets never called for; and sets that found no room and have a portal."""
+def _first_in_first_out(day: _Day, station_id: str, gone: set[str]) -> _Turns:
+    """Sets at one place to its departures, where those in `gone` leave at once."""
     room = len(_standing_places(day.line, station_id))
-    pairs: list[tuple[str, str]] = []
-    standing: list[str] = []
-    full: list[str] = []
+    turns = _Turns()
     linked = 0  # sets that stand here by a published link
     # a set that arrives in the minute in which another leaves was there in time
     for _, leaves, number in sorted(_movements(day, station_id)):
         train = day.trains[number]
-        if leaves:
-            if number in day.begins:
-                linked -= day.begins[number].startswith("from:")
+        if leaves and number in day.begins:
+            linked -= day.begins[number].startswith("from:")
+        elif leaves:
+            served = [n for n in turns.idle if standing_tracks(day.line, day.trains[n], train)]
+            if not served:
                 continue
-            ready = (n for n in standing if _may_become(day, day.trains[n], train))
-            before = next(ready, None)
-            if before is not None:
-                standing.remove(before)
-                pairs.append((before, number))
+            if begins_s(train) - ends_s(day.trains[served[0]]) < day.rules.turn_min_s:
+                turns.waited.append(number)
+                continue
+            turns.idle.remove(served[0])
+            turns.pairs.append((served[0], number))
         elif number in day.ends:
             linked += day.ends[number].startswith("becomes:")
         elif number in gone:
             continue
-        elif len(standing) + linked >= room and _portal_behind(day, station_id, number, entering=False):
-            full.append(number)
+        elif len(turns.idle) + linked >= room and _portal_behind(day, station_id, number, entering=False):
+            turns.full.append(number)
         else:
-            standing.append(number)
-    return pairs, standing, full
+            turns.idle.append(number)
+    return turns
 
 
 def _movements(day: _Day, station_id: str) -> Iterator[tuple[int, int, str]]:
@@ -258,11 +306,6 @@ def _movements(day: _Day, station_id: str) -> Iterator[tuple[int, int, str]]:
             yield ends_s(train), 0, train.number
         if first == station_id:
             yield begins_s(train), 1, train.number
-
-
-def _may_become(day: _Day, ended: PlannedTrain, begun: PlannedTrain) -> bool:
-    stood_s = begins_s(begun) - ends_s(ended)
-    return stood_s >= day.rules.turn_min_s and bool(standing_tracks(day.line, ended, begun))
 
 
 def _standing_places(line: Line, station_id: str) -> tuple[str, ...]:
@@ -278,66 +321,6 @@ def _portal_behind(day: _Day, station_id: str, number: str, *, entering: bool) -
     return way if way is not None and way.routes == 1 else None
 
 
-def _give_sets(day: _Day, file: str) -> tuple[Working, ...]:
-    """Names of sets: those that stand on the line in the morning first, then as trains come in by portals."""
-    names = _names(day, file)
-    runs: dict[str, list[str]] = {}
-    waiting: dict[str, list[tuple[int, str]]] = {}
-
-    def run(name: str, number: str) -> None:
-        numbers = _chain(day, number)
-        runs.setdefault(name, []).extend(numbers)
-        end = day.ends[numbers[-1]]
-        if end != _STABLED:
-            place = day.outside[end.removeprefix("portal:")]
-            waiting.setdefault(place, []).append((ends_s(day.trains[numbers[-1]]), name))
-
-    for number in day.trains:
-        if day.begins[number] == _STABLED:
-            run(next(names), number)
-    spare = list(day.rules.stock[len(runs) :])
-    for number, train in day.trains.items():
-        if not day.begins[number].startswith("portal:"):
-            continue
-        place = day.outside[day.begins[number].removeprefix("portal:")]
-        back = [
-            set_ for set_ in waiting.get(place, ()) if set_[0] + day.rules.outside_min_s <= begins_s(train)
-        ]
-        if spare:
-            run(spare.pop(0), number)
-        elif back:
-            longest = min(back, key=lambda set_: set_[0])
-            waiting[place].remove(longest)
-            run(longest[1], number)
-        elif day.rules.stock:
-            expected = f"a day that {len(day.rules.stock)} sets can run: none is free for {number}"
-            raise InputError(file, "", None, expected)
-        else:
-            run(next(names), number)
-    return tuple(Working(name, tuple(numbers)) for name, numbers in runs.items())
-
-
-def _names(day: _Day, file: str) -> Iterator[str]:
-    """Names of sets; those given, which must suffice, or V1, V2, ... that no point terminal has."""
-    if day.rules.stock:
-        yield from day.rules.stock
-        raise InputError(file, "", None, f"a day that {len(day.rules.stock)} sets can run")
-    taken = {points.terminal_id for points in day.line.points.values()}
-    number = 0
-    while True:
-        number += 1
-        if f"V{number}" not in taken:
-            yield f"V{number}"
-
-
-def _chain(day: _Day, number: str) -> list[str]:
-    """Numbers of a train and of those its set becomes without leaving the line."""
-    numbers = [number]
-    while (end := day.ends[numbers[-1]]).startswith("becomes:"):
-        numbers.append(end.removeprefix("becomes:"))
-    return numbers
-
-
 def _stands(day: _Day) -> Iterator[Stand]:
     """Every time that a set stands between two trains, before its first or after its last one."""
     for number, train in day.trains.items():
@@ -350,19 +333,23 @@ def _stands(day: _Day) -> Iterator[Stand]:
             yield Stand(train.calls[-1].station_id, train, day.trains[end.removeprefix("becomes:")])
 
 
-def _say_rules(day: _Day, published: int, turned: int, sets: int) -> None:
-    rules = day.rules
-    day.assumed.append(f"sets: {sets} run the day")
+def _say_rules(day: _Day, published: int, turned: int) -> None:
+    """What was assumed of how sets go round; a least time that decided nothing is not an assumption."""
+    outside = f"at least {_minutes(day.rules.outside_min_s)} outside the line"
     if published:
         day.assumed.append(f"diagrams: {published} links between trains are the source's")
-    if turned:
+    if turned and day.outside:
         day.assumed.append(
-            f"diagrams: {turned} sets turn back first in, first out, after {_minutes(rules.turn_min_s)} at least"
+            f"diagrams: sets turn back and come back from the portal first in, first out, {outside}"
         )
-    if day.outside:
+    elif turned:
+        day.assumed.append("diagrams: sets turn back first in, first out")
+    elif day.outside:
+        day.assumed.append(f"diagrams: sets come back from the portal first in, first out, {outside}")
+    if day.waited:
+        least = _minutes(day.rules.turn_min_s)
         day.assumed.append(
-            "diagrams: sets come back from a portal first in, first out, "
-            f"after {_minutes(rules.outside_min_s)} at least outside the line"
+            f"turning back takes {least} at least, so that {_named(day.waited)} had another set"
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from network.model import Line, SectionKind
 from network.timetable import clock
@@ -19,6 +20,8 @@ from study.feasibility.places import (
 from study.feasibility.planned import PlannedTrain
 
 Pair = frozenset[str]
+# What follows from how a run gives sections, not from the plan's own times: the trains may still make it.
+BY_BLOCKS: Final = (Kind.FOLLOWING, Kind.CROSSING, Kind.PORTAL, Kind.TRACK, Kind.TERMINAL)
 
 
 def pairs_of(clashes: Sequence[Clash]) -> dict[Pair, list[Clash]]:
@@ -37,6 +40,11 @@ def severity(clash: Clash) -> Severity:
     first, second = clash.trains
     whole = all(t % 60 == 0 for t in _given_s(first)) or all(t % 60 == 0 for t in _given_s(second))
     return severity_of(clash.wait_s, *([] if whole else times_s))
+
+
+def on_paper(found: Sequence[Clash]) -> bool:
+    """Whether two trains would stand on one track at once by the plan's own times, whatever a run makes of them."""
+    return any(c.together_s > 0.0 and severity_of(c.together_s) is Severity.IMPOSSIBLE for c in found)
 
 
 def _given_s(train: PlannedTrain) -> list[int]:
@@ -105,7 +113,7 @@ def _until(time_s: float) -> str:
 def _later(clash: Clash, what: str) -> str:
     """The remedy of waiting, where there is an end to it."""
     if not math.isfinite(clash.wait_s):
-        return "the set that stands there has to go first"
+        return "one of them needs another track, or has to leave first"
     return f"{what} {math.ceil(clash.wait_s)} s later, at {_until(clash.first.to_s)}"
 
 
@@ -175,6 +183,8 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     ends = second.nodes[-1].section_id == clash.section_id and not second.duty.leaves
     kind = Kind.TERMINAL if stays or ends else Kind.TRACK
     time_s = max(clash.second.arrives_s, clash.first.from_s)
+    if not math.isfinite(time_s):
+        time_s = min(train.nodes[0].departs_s for train in (first, second))
     if not math.isfinite(clash.second.from_s):
         text = (
             f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"

@@ -9,7 +9,7 @@ behind is given back there, and a throw is commanded under way: each where the r
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from network.model import Line, SectionKind, TagPurpose
@@ -29,12 +29,16 @@ LOOK_EVERY_M: Final = 20.0  # a covered stretch shorter than this is not looked 
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """One train on its way; `since_m` is how far its set ran since the last tag before this train began."""
+    """One train on its way; `since_m` is how far its set ran since the last tag before this train began.
+
+    `mended_m`: where a tag is already said to be missing. What lies beyond is looked at as if it lay there.
+    """
 
     setup: Setup
     line: Line
     train: PlannedTrain
     since_m: float
+    mended_m: list[float] = field(default_factory=list[float])
 
     @property
     def mission(self) -> Mission:
@@ -46,11 +50,15 @@ class _Way:
 
     def bound_m(self, at_m: float) -> float:
         """How far ahead the front may be of where the unit believes it at `at_m`."""
-        before = [tag.position_m for tag in self.mission.tags if tag.position_m <= at_m]
-        start_m = self.mission.targets[0].mark_m
-        run_m = at_m - before[-1] if before and before[-1] >= start_m else self.since_m + at_m - start_m
         unit = self.setup.unit
-        return unit.tag_accuracy_m + unit.wheel_error_share * max(run_m, 0.0)
+        return unit.tag_accuracy_m + unit.wheel_error_share * max(self.run_since_tag_m(at_m), 0.0)
+
+    def run_since_tag_m(self, at_m: float) -> float:
+        """How far the train has run at a place since it last knew where it was."""
+        start_m = self.mission.targets[0].mark_m
+        tags = [tag.position_m for tag in self.mission.tags]
+        known = [tag_m for tag_m in (*tags, *self.mended_m) if start_m <= tag_m <= at_m]
+        return at_m - max(known) if known else self.since_m + at_m - start_m
 
     def stops_before_m(self, limit_m: float) -> float:
         """Where the front stops before a limit, which it comes to with what tags have told it up to there."""
@@ -93,26 +101,17 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
         since_m = 0.0
         for train in trains:
             way = _Way(setup, day.line, train, 0.0 if train.duty.enters else since_m)
-            found += _marks(way)
-            found += _points(way)
+            found += _position(way)
             found += _radio(way)
-            since_m = _run_since_tag_m(way)
+            since_m = way.run_since_tag_m(way.mission.targets[-1].mark_m)
     return _gathered(found)
-
-
-def _run_since_tag_m(way: _Way) -> float:
-    end_m = way.mission.targets[-1].mark_m
-    start_m = way.mission.targets[0].mark_m
-    read = [tag.position_m for tag in way.mission.tags if start_m <= tag.position_m <= end_m]
-    return end_m - read[-1] if read else way.since_m + end_m - start_m
 
 
 def _gathered(found: Iterable[Finding]) -> list[Finding]:
     """One finding for what several trains lack at one place."""
     by_what: dict[tuple[Kind, Severity, str, str], list[Finding]] = {}
     for finding in found:
-        reason = finding.text.partition(": ")[2]
-        by_what.setdefault((finding.kind, finding.severity, finding.place, reason), []).append(finding)
+        by_what.setdefault((finding.kind, finding.severity, finding.place, finding.remedy), []).append(finding)
     gathered: list[Finding] = []
     for same in by_what.values():
         first = min(same, key=lambda finding: finding.time_s)
@@ -128,27 +127,38 @@ def _time(finding: Finding) -> float:
 # position ------------------------------------------------------------------------------------------------------------
 
 
-def _marks(way: _Way) -> Iterator[Finding]:
-    """Stops that a unit could not make because no tag has told it where it is."""
-    for target in way.mission.targets[1:]:
-        if target.station_id is None:
-            continue
-        limit_m = _limit_m(way, target)
-        bound_m = way.bound_m(target.mark_m)
-        short_m = target.mark_m - (limit_m - bound_m - BEFORE_LIMIT_M)
-        lost = bound_m > way.setup.unit.doubt_bound_max_m and short_m > ARRIVED_WITHIN_M
-        if not lost and short_m <= max(CALLS_SHORT_M, _spare_m(way, target)):
-            continue
-        stand, (_, name) = way.stand_at(target), way.place(target)
-        text = (
-            f"{way.train.number} would stop {short_m:.0f} m short of its mark at {name} at"
-            f" {minute(stand.arrives_s)}: no position tag tells it nearer than {bound_m:.0f} m where it is"
-        )
-        unit = way.setup.unit
-        room_m = (limit_m - target.mark_m - BEFORE_LIMIT_M - unit.tag_accuracy_m) / unit.wheel_error_share
-        within_m = max(min(room_m, 300.0), 15.0)
-        remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
-        yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+def _position(way: _Way) -> Iterator[Finding]:
+    """Along the way: points that are to be thrown, and stops to be made."""
+    spans = way.mission.spans
+    places: list[tuple[float, int, int]] = [
+        (span.start_m, 0, index) for index, span in enumerate(spans) if span.kind is SectionKind.POINTS
+    ]
+    places += [(target.mark_m, 1, index) for index, target in enumerate(way.mission.targets) if index > 0]
+    for _, what, index in sorted(places):
+        yield from _mark(way, way.mission.targets[index]) if what else _points(way, index)
+
+
+def _mark(way: _Way, target: Target) -> Iterator[Finding]:
+    """A stop that a unit could not make because no tag has told it where it is."""
+    if target.station_id is None:
+        return
+    unit = way.setup.unit
+    limit_m = _limit_m(way, target)
+    bound_m = way.bound_m(target.mark_m)
+    short_m = target.mark_m - (limit_m - bound_m - BEFORE_LIMIT_M)
+    lost = bound_m > unit.doubt_bound_max_m and short_m > ARRIVED_WITHIN_M
+    if not lost and short_m <= max(CALLS_SHORT_M, _spare_m(way, target)):
+        return
+    stand, (_, name) = way.stand_at(target), way.place(target)
+    text = (
+        f"{way.train.number} would stop {short_m:.0f} m short of its mark at {name} at"
+        f" {minute(stand.arrives_s)}: no position tag tells it nearer than {bound_m:.0f} m where it is"
+    )
+    room_m = (limit_m - target.mark_m - BEFORE_LIMIT_M - unit.tag_accuracy_m) / unit.wheel_error_share
+    within_m = max(min(room_m, 300.0), 15.0)
+    remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
+    way.mended_m.append(target.mark_m)
+    yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
 def _limit_m(way: _Way, target: Target) -> float:
@@ -178,32 +188,31 @@ def _spare_m(way: _Way, target: Target) -> float:
 # points ----------------------------------------------------------------------------------------------------------------
 
 
-def _points(way: _Way) -> Iterator[Finding]:
+def _points(way: _Way, index: int) -> Iterator[Finding]:
     """Points that are to be thrown under way: their approach tag, and the radio to command them."""
     spans = way.mission.spans
-    for index, span in enumerate(spans[1:], start=1):
-        arrives = span.kind is SectionKind.POINTS and spans[index - 1].kind is SectionKind.BETWEEN
-        needed = [one for group in _group(spans, index) for one in group.points]
-        if not arrives or not needed:
-            continue
-        tags = _approach_tags(way, span)
-        stops_m = way.stops_before_m(span.start_m)
-        stand = way.next_stand(span.start_m)
-        head = f"{way.train.number} comes to points {needed[0][0]} before {minute(stand.arrives_s)}: "
-        if tags:
-            if not way.covered(tags[0], max(stops_m, tags[0])):
-                text = f"{head}no radio between their approach tag and them, so they cannot be thrown"
-                yield way.finding(
-                    Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, _coverage_to(way, stops_m))
-                )
-            continue
-        yield from _without_approach_tag(way, stand, stops_m, head)
+    span = spans[index]
+    needed = [one for group in _group(spans, index) for one in group.points]
+    if index == 0 or spans[index - 1].kind is not SectionKind.BETWEEN or not needed:
+        return
+    tags = _approach_tags(way, span)
+    stops_m = way.stops_before_m(span.start_m)
+    stand = way.next_stand(span.start_m)
+    head = f"{way.train.number} comes to points {needed[0][0]} before {minute(stand.arrives_s)}: "
+    if not tags:
+        yield from _without_approach_tag(way, stand, span, head)
+        way.mended_m.append(span.start_m)
+    elif not way.covered(tags[0], max(stops_m, tags[0])):
+        text = f"{head}no radio between their approach tag and them, so they cannot be thrown"
+        remedy = _coverage_to(way, stops_m)
+        yield way.finding(Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
-def _without_approach_tag(way: _Way, stand: Stand, stops_m: float, head: str) -> Iterator[Finding]:
+def _without_approach_tag(way: _Way, stand: Stand, span: SectionSpan, head: str) -> Iterator[Finding]:
     """The train stops before the points: it can go on if it still knows where it is, and has radio there."""
+    stops_m = way.stops_before_m(span.start_m)
     bound_m = way.bound_m(stops_m)
-    remedy = f"an approach tag before {way.km(stops_m)}"
+    remedy = f"an approach tag well before them ({way.km(span.start_m)})"
     if bound_m > way.setup.unit.doubt_bound_max_m:
         text = (
             f"{head}no approach tag has them thrown, and no position tag tells the train nearer than {bound_m:.0f} m"

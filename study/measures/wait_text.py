@@ -222,6 +222,8 @@ def _why(wait: Wait, language: Language, parts: Mapping[str, str]) -> str:
         )
     if wait.reason == "clock":
         return " by its own clock, which is wrong" if language == "en" else "（車上の時計が狂っています）"
+    if wait.reason == "operational":
+        return ", without passengers" if language == "en" else "（運転停車）"
     limited = _LIMITED_BY.get(wait.reason)
     said = parts["reason"] if limited is None else limited.in_(language).format(**parts)
     if not said:

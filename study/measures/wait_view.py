@@ -139,7 +139,7 @@ def _arrived(view: View, t_s: float, event: notes.Arrived) -> None:
         (i for i in range(view.at, len(places)) if places[i] == event.station and (i > view.at or i == 0)),
         view.at,
     )
-    view.schedule(t_s, dwells=True)
+    view.schedule(t_s, dwells=bool(targets) and targets[view.at].passengers)
     if view.doing is Doing.RUNNING:
         view.doing = Doing.STANDING
 

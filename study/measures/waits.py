@@ -33,6 +33,7 @@ AT_ITS_STOP: Final = (Phase.AT_STOP, Phase.LAYOVER)
 SLOWED_SHARE: Final = 0.5  # of the braking to a stop: with less to go, its pattern holds a train back
 ASKS_AGAIN: Final = "asks again"
 WRONG_CLOCK: Final = "clock"
+NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
@@ -132,6 +133,7 @@ class _Finder:
         self._where = where
         self._drawn = drawn
         self._stretch = Stretch("", "", None, "", "", 0.0, 0.0)
+        self._held_back_by: tuple[str, float] | None = None  # the stop limit that slows the train down
 
     def day(self, days: Sequence[Stretch], entries: Sequence[Entry]) -> list[Wait]:
         """The waits of the stock's day."""
@@ -139,6 +141,7 @@ class _Finder:
         taken = 0
         for stretch in days:
             self._stretch = stretch
+            self._held_back_by = None
             if stretch.phase is Phase.RUNNING:
                 self._view.departed = True
             times_s = {e.t_s for e in entries if stretch.from_s < e.t_s < stretch.to_s}
@@ -163,12 +166,20 @@ class _Finder:
 
     def _make(self, cause: Cause, **known: Unpack[Known]) -> Wait:
         stretch, view = self._stretch, self._view
-        at_m = None if stretch.phase is None else self._where.kilometrage_m(view.unit, stretch.from_s)
+        at = None if stretch.phase is None else self._here(stretch.from_s)
+        at_m = None if at is None else at[1]
         place = stretch.from_id if stretch.phase in (*AT_ITS_STOP, Phase.STABLED) else ""
         following = view.next_duty
         train = stretch.train or view.train or ("" if following is None else following.train.number)
         blank = Wait(view.unit, train, 0.0, 0.0, cause, place, at_m)
         return replace(blank, **known)
+
+    def _here(self, t_s: float) -> tuple[str, float] | None:
+        """Piece and kilometrage (m) of its front; of stock that never moves, the mark where its train begins."""
+        at, duty = self._where.piece(self._view.unit, t_s), self._view.duty
+        if at is None and duty is not None:
+            return duty.mission.path.locate(duty.mission.targets[0].mark_m)
+        return at
 
     def _wait(self, t_s: float) -> tuple[Wait, float]:
         """What the stock waits for at a moment, and until when that holds if the unit says nothing, s."""
@@ -261,8 +272,9 @@ class _Finder:
         if t_s < leave_s and view.ready_s >= shown_s and view.dwells:
             return self._make(Cause.DWELL, until_s=leave_s), leave_s
         if t_s < leave_s and planned_s is not None:
-            wrong = "" if shown_s == planned_s else WRONG_CLOCK
-            return self._make(Cause.DEPARTURE_TIME, until_s=planned_s, reason=wrong), leave_s
+            why = "" if targets[view.at].passengers else NO_PASSENGERS
+            why = why if shown_s == planned_s else WRONG_CLOCK
+            return self._make(Cause.DEPARTURE_TIME, until_s=planned_s, reason=why), leave_s
         if view.emergency:
             return self._make(Cause.EMERGENCY), math.inf
         return self._on_sight(t_s) if view.doing is Doing.ON_SIGHT else self._way_ahead(t_s)
@@ -297,10 +309,10 @@ class _Finder:
     def _limit_is_near(self, t_s: float) -> bool:
         """Whether the stop limit lies as near before the front as a train stands before one."""
         view = self._view
-        here_m = self._where.kilometrage_m(view.unit, t_s)
-        if view.limit_before is None or view.limit_at is None or here_m is None:
+        here = self._here(t_s)
+        if view.limit_before is None or view.limit_at is None or here is None:
             return False
-        return abs(view.limit_at[1] - here_m) <= 1.0 + 2.0 * self._setup.unit.standoff_m
+        return abs(view.limit_at[1] - here[1]) <= 1.0 + 2.0 * self._setup.unit.standoff_m
 
     def _way_ahead(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
@@ -395,7 +407,7 @@ class _Finder:
 
     def _covered(self, t_s: float) -> bool:
         """Whether the radio reaches the train where it stands; a train outside stands where it is."""
-        at = self._where.piece(self._view.unit, t_s)
+        at = self._here(t_s)
         if self._stretch.phase is None or at is None:
             return True
         line, (piece, at_m) = self._setup.believed_line, at
@@ -428,25 +440,28 @@ class _Finder:
             yield replace(runs, from_s=ends_s, to_s=to_s)
 
     def _slowed(self, from_s: float, to_s: float) -> tuple[float, float] | None:
-        """When it brakes or coasts since it could not stop before the limit much later, s; None: it does not."""
+        """When its stop limit holds it back, s: since it had to brake for that, until it pulls again; None: never."""
         view, driving = self._view, self._setup.driving
+        goes_on, self._held_back_by = (
+            self._held_back_by is not None and self._held_back_by == view.limit_at,
+            None,
+        )
         if view.limit_before is None or view.limit_at is None or view.duty is None or not self._is_short():
             return None
-        path = view.duty.mission.path
-        limit_m = path.to_path_m(*view.limit_at)
+        limit_m = view.duty.mission.path.to_path_m(*view.limit_at)
         rows = self._where.samples(view.unit, from_s, to_s)
-        if not rows.size:
-            return None
+        times_s = rows["step"] / STEPS_PER_S
         left_m = np.maximum(limit_m - rows["position_m"] - self._setup.unit.standoff_m, 1.0)
         needed_mps2 = rows["speed_mps"] ** 2 / (2.0 * left_m)
         near = needed_mps2 >= SLOWED_SHARE * driving.stop_deceleration_mps2
-        slowed = np.flatnonzero(near & (rows["notch"] <= 0.0) & (rows["position_m"] < limit_m))
-        if not slowed.size:
+        begins = times_s[near & (rows["notch"] <= 0.0) & (rows["position_m"] < limit_m)]
+        if not goes_on and not begins.size:
             return None
-        times_s = rows["step"] / STEPS_PER_S
-        begins_s, ends_s = float(times_s[slowed[0]]), float(times_s[slowed[-1]])
-        begins_s = from_s if begins_s - from_s < SAMPLES_S else begins_s
-        ends_s = to_s if to_s - ends_s < SAMPLES_S else ends_s
+        begins_s = from_s if goes_on or begins[0] - from_s < SAMPLES_S else float(begins[0])
+        pulls = times_s[~near & (rows["notch"] > 0.0) & (times_s > begins_s)]
+        if not pulls.size:
+            self._held_back_by = view.limit_at
+        ends_s = float(pulls[0]) if pulls.size else to_s
         return (begins_s, ends_s) if begins_s < ends_s else None
 
     def _is_short(self) -> bool:

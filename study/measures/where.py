@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
+from simulation.world.records import TRACE
 from study.run.spans import rows_by_span
 
 HALF_STEP_S: Final = 0.5 / STEPS_PER_S
@@ -41,13 +42,8 @@ class Whereabouts:
             return None
         return self._at[unit][max(bisect_right(times_s, t_s + HALF_STEP_S) - 1, 0)]
 
-    def kilometrage_m(self, unit: str, t_s: float) -> float | None:
-        """Kilometrage (m) of the front; None: no sample."""
-        at = self.piece(unit, t_s)
-        return None if at is None else at[1]
-
     def samples(self, unit: str, from_s: float, to_s: float) -> NDArray[np.void]:
         """Rows of the trace (simulation.world.records.TRACE) of a stock from one moment to another, shape (n,)."""
         times_s = self._times_s.get(unit, [])
         low, high = bisect_left(times_s, from_s - HALF_STEP_S), bisect_right(times_s, to_s + HALF_STEP_S)
-        return self._rows[unit][low:high] if times_s else np.zeros(0, dtype=[("step", "i8")])
+        return self._rows[unit][low:high] if times_s else np.zeros(0, dtype=TRACE)

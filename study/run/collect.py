@@ -22,6 +22,7 @@ from simulation.setup import STEPS_PER_S
 from study.measures.passings import PlannedPassing
 from study.measures.running_times import PlannedLeg
 from study.run.energy import Make, energy_tables
+from study.run.energy_hours import energy_hours_of
 from study.run.margins import margins_of
 from study.run.spans import rows_by_span
 from study.run.stops import passed, stops_table
@@ -74,6 +75,7 @@ def tables_of(
         blocks=_blocks(result, spans, line, lengths_m),
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
+        energy_hours=energy_hours_of(result.energy, fleet),
         margins=margins_of(legs, stops),
         comparisons=make_table("comparisons"),
         waits=make_table("waits"),

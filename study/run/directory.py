@@ -22,6 +22,7 @@ LEARNED_FILE: Final = (
 )
 INPUTS_FILE: Final = "inputs.json"  # `study.scenario.inputs`
 SHOWN_FILE: Final = "shown.json"  # `study.run.shown`
+COMPARE_FILE: Final = "compare.json"  # only of a run that was compared with another
 SUMMARY_FILE: Final = "summary.json"
 JOURNAL_FILE: Final = "journal.jsonl"
 CRASH_FILE: Final = "crash.txt"  # only of a run that a bug has ended
@@ -31,6 +32,7 @@ RUN_FILES: Final = TABLE_FILES | {
     SUMMARY_FILE,
     INPUTS_FILE,
     SHOWN_FILE,
+    COMPARE_FILE,
     LEARNED_FILE,
     JOURNAL_FILE,
     CRASH_FILE,

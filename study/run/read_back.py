@@ -186,7 +186,9 @@ def _summary(directory: Path, settings: ScenarioFile) -> Mapping[str, Any]:
         raise InputError(file, "scenario", data["scenario"], f"{settings.id}, as {INPUTS_FILE} has it")
     digests = data.get("tables")
     if not is_table(digests):
-        raise InputError(file, "tables", digests, "the digests of the tables")
+        raise InputError(
+            file, "tables", digests, "the digests of the tables, which runs of older versions do not have"
+        )
     try:
         found = digests_of_tables(directory)
     except OSError as error:

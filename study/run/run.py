@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any, Final
@@ -33,7 +33,9 @@ from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
 from study.measures.waits import waits_of
+from study.report.beside import Beside
 from study.report.drill import DrillShown
+from study.report.parts import Part
 from study.report.report import write_report
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
@@ -205,6 +207,18 @@ def _as_it_is(carrier: Carrier) -> Carrier:
     return carrier
 
 
+@dataclass(frozen=True, slots=True)
+class More:
+    """What a run directory has beside what every run has: parts of the report, files (text, by name), another run."""
+
+    parts: tuple[Part, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict[str, str])
+    beside: Beside | None = None
+
+
+NO_MORE: Final = More()
+
+
 def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
     """Write the run directory: all of it or nothing. Returns the path of the report.
 
@@ -214,16 +228,16 @@ def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
         return fill_run(run, place, drill)
 
 
-def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None) -> Path:
+def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None, more: More = NO_MORE) -> Path:
     """Write a run into the directory reserved, and put that in its place. Returns the path of the report."""
-    _write_files(run, place, drill)
+    _write_files(run, place, drill, more)
     place.put()
     if run.result.journal.file == place.journal:
         run.result.journal.moved(place.out / JOURNAL_FILE)
     return place.out / "report.html"
 
 
-def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
+def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More) -> None:
     """All files of a run. The journal may be there already; what is worth most comes first."""
     folder, out, journal = place.folder, place.out, run.result.journal
     setup = run.scenario.setup
@@ -241,7 +255,11 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
     shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill)
     (folder / SHOWN_FILE).write_bytes(shown.as_json())
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
-    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill)
+    for name, text in more.files.items():
+        (folder / name).write_text(text, "utf-8")
+    write_report(
+        folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts, more.beside
+    )
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:

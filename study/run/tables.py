@@ -104,6 +104,16 @@ ENERGY_LEGS: Final[Schema] = {
         if name not in ("unit", "train", "revenue", "regenerated_to")
     },
 }
+# One row an hour, stock and phase: what it took and gave in that hour, stabled stock too.
+ENERGY_HOURS: Final[Schema] = {
+    "hour_s": pl.Float64,  # when the hour begins
+    "unit": pl.String,
+    "phase": pl.String,  # simulation.result.Phase
+    "traction_kwh": pl.Float64,
+    "regenerated_kwh": pl.Float64,
+    "auxiliary_kwh": pl.Float64,
+    "net_kwh": pl.Float64,
+}
 # One row a stay where one train of a stock ends and the next begins.
 LAYOVERS: Final[Schema] = {
     "unit": pl.String,
@@ -174,6 +184,7 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "telegrams": TELEGRAMS,
     "energy": ENERGY,
     "energy_legs": ENERGY_LEGS,
+    "energy_hours": ENERGY_HOURS,
     "layovers": LAYOVERS,
     "margins": MARGINS,
     "comparisons": COMPARISONS,
@@ -211,6 +222,7 @@ class RunTables:
     telegrams: pl.DataFrame
     energy: pl.DataFrame
     energy_legs: pl.DataFrame
+    energy_hours: pl.DataFrame
     layovers: pl.DataFrame
     margins: pl.DataFrame
     comparisons: pl.DataFrame

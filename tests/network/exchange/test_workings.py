@@ -253,7 +253,7 @@ def test_the_left_of_two_portals_is_taken() -> None:
     assert up is not None
     assert (down.section_id, up.section_id) == ("HSK.MD", "HSK.MU")
     assert down.outside == up.outside == "HSK"
-    assert not down.only
+    assert down.only
     # a halt is reached too, and from Karasuyama the far end of the line
     assert portal_of(KARASUYAMA, "TAK", Direction.UP, entering=False) is not None
     assert portal_of(KARASUYAMA, "KRS", Direction.DOWN, entering=False) is None

@@ -84,9 +84,8 @@ def later(train: Planned, by_s: int, only_from: str | None = None) -> Planned:
     begun = only_from is None
     calls: list[Call] = []
     for call in train.calls:
-        arrives = begun
         begun = begun or call.station == only_from
-        arrival_s = call.arrival_s if call.arrival_s is None or not arrives else call.arrival_s + by_s
+        arrival_s = call.arrival_s if call.arrival_s is None or not begun else call.arrival_s + by_s
         departure_s = call.departure_s if call.departure_s is None or not begun else call.departure_s + by_s
         calls.append(replace(call, arrival_s=arrival_s, departure_s=departure_s))
     return replace(train, calls=tuple(calls))

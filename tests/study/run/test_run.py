@@ -40,7 +40,7 @@ from study.scenario.scenario import load_scenario
 
 TABLES = (
     *("trajectory", "stops", "blocks", "telegrams", "events"),
-    *("energy", "energy_legs", "layovers", "margins", "comparisons", "waits"),
+    *("energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"),
 )
 TEXTS = ("summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html")
 WRITTEN = {*TEXTS, *(f"{name}.parquet" for name in TABLES)}
