@@ -20,6 +20,7 @@ from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
 from branchline.importing import importers
 from branchline.measuring import bench
+from branchline.plotting import plot
 from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.timing import running_times
@@ -31,7 +32,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare):
+for command in (run, drill, bench, reproduce, check, compare, plot):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

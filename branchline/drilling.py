@@ -17,6 +17,7 @@ from network.errors import InputError
 if TYPE_CHECKING:
     from study.run.drill import Drill
 
+
 def drill(
     file: Annotated[
         str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")

@@ -83,9 +83,7 @@ def _missing(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
         text = f"{missing.number} cannot run at {minute(first.last_s)}: {missing.why}"
         remedy = "other tracks, or points that lead there"
         trains = (missing.number,)
-        yield Finding(
-            Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy
-        )
+        yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy)
 
 
 def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:

@@ -126,9 +126,7 @@ def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
     trains = (meet.down_train, meet.up_train)
     text = f"{trains[0]} and {trains[1]} would meet {where} at {minute(meet.time_s)}: {why}"
     remedy = where_to_pass(line, meet.position_m, None if at is None else at.id)
-    return Finding(
-        Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash)
-    )
+    return Finding(Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash))
 
 
 def _towards(line: Line, clash: Clash) -> Finding:
@@ -178,16 +176,16 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     kind = Kind.TERMINAL if stays or ends else Kind.TRACK
     time_s = max(clash.second.arrives_s, clash.first.from_s)
     if not math.isfinite(clash.second.from_s):
-        text = f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        text = (
+            f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        )
     elif math.isfinite(clash.first.to_s):
         text = (
             f"{second.number} is to come to {track} at {minute(time_s)}, and needs it from"
             f" {_until(clash.second.from_s)}; {first.number} has it until {_until(clash.first.to_s)}"
         )
     else:
-        text = (
-            f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
-        )
+        text = f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
     other = free_track(line, clash, by_section)
     remedy = f"track {other} is free then" if other else _later(clash, f"{second.number} leaves for it")
     trains = _numbers(first, second)

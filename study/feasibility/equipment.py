@@ -211,7 +211,9 @@ def _without_approach_tag(way: _Way, stand: Stand, stops_m: float, head: str) ->
         )
         yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
     elif not way.covered(stops_m, stops_m):
-        text = f"{head}no approach tag has them thrown, and there is no radio where the train stops before them"
+        text = (
+            f"{head}no approach tag has them thrown, and there is no radio where the train stops before them"
+        )
         yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, f"{remedy}, where the radio reaches"))
     else:
         text = f"{head}no approach tag has them thrown, so that the train stops before them"

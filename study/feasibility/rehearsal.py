@@ -198,7 +198,9 @@ class Rehearsal:
             ahead = next(i for i, s in enumerate(train.stands) if s.target.mark_m >= there.position_m)
             whole_m = train.stands[ahead].target.mark_m - train.stands[ahead - 1].target.mark_m
             share = (there.position_m - here.position_m) / max(whole_m, 1.0)
-            return train.stands[ahead].run_s * min(share, 1.0), there.arrives_s - self._setup.unit.time_margin_s
+            return train.stands[ahead].run_s * min(
+                share, 1.0
+            ), there.arrives_s - self._setup.unit.time_margin_s
         stands = [s for s in train.stands if here.position_m < s.target.mark_m <= there.position_m]
         halts = sum(stand.target.passengers for stand in stands[:-1])
         runs_s = sum(stand.run_s for stand in stands) + halts * self._setup.unit.dwell_min_s
