@@ -140,7 +140,13 @@ _KINDS: Final = (
         _ALL,
     ),
     Kind("duties", "Duties", "運用", days.duties_table, days.draw_duties, _TIME),
-    Kind("energy-train", "Energy by train", "列車別電力量", lambda run: run.tables.energy, draw_energy),
+    Kind(
+        "energy-train",
+        "Energy by train; above, net kWh a train-km",
+        "列車別電力量（数値は正味kWh/列車キロ）",
+        lambda run: run.tables.energy,
+        draw_energy,
+    ),
     Kind(
         "energy-leg",
         "Net energy by leg",

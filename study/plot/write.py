@@ -9,6 +9,7 @@ from typing import Final
 
 import matplotlib as mpl
 import polars as pl
+from matplotlib.figure import Figure
 
 from network.errors import InputError
 from network.files.json_input import write_bytes_aside
@@ -81,19 +82,23 @@ def _check(run: Seen, kind: Kind, choice: Choice, form: Format) -> None:
 
 def _picture(run: Seen, kind: Kind, form: Format) -> bytes:
     with drawing(), mpl.rc_context({"svg.hashsalt": kind.name}):
-        figure = kind.draw(run)
-        if figure is None:
-            raise InputError(
-                "command line", "KIND", kind.name, "a kind of which the run has something to show"
-            )
-        figure.suptitle(title_of(run, kind), x=0.008, ha="left", fontsize=9.5)
-        translate(figure, run.choice.language)
+        figure = figure_of(run, kind)
         buffer = BytesIO()
         if form is Format.SVG:
             figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
         else:
             figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
         return buffer.getvalue()
+
+
+def figure_of(run: Seen, kind: Kind) -> Figure:
+    """The picture, with its title, in the language chosen; call within `drawing()`. InputError where there is none."""
+    figure = kind.draw(run)
+    if figure is None:
+        raise InputError("command line", "KIND", kind.name, "a kind of which the run has something to show")
+    figure.suptitle(title_of(run, kind), x=0.008, ha="left", fontsize=9.5)
+    translate(figure, run.choice.language)
+    return figure
 
 
 def title_of(run: Seen, kind: Kind) -> str:
