@@ -7,9 +7,16 @@ from typing import Annotated
 
 import typer
 
+from branchline.gtfs import import_gtfs
+from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
+from branchline.importing_timetables import import_mini_tokyo
+from branchline.oudia import import_oudia
 from branchline.progress import tell
 
 importers = typer.Typer(help="Make line and timetable data from outside sources.")
+importers.command("railml")(import_railml_command)
+importers.command("osm")(import_osm_command)
+importers.command("sumo")(import_sumo_command)
 
 
 @importers.command("geometry")
@@ -25,14 +32,6 @@ def import_geometry_command(
     tell(f"wrote {out}")
 
 
-@importers.command("timetable")
-def import_timetable_command(
-    source: Annotated[Path, typer.Argument(help="Timetable in the form of mini-tokyo-3d (JSON).")],
-    out: Annotated[Path, typer.Argument(help="Timetable file (TOML) to write.")],
-    calendar: Annotated[str, typer.Option("--calendar", help="Weekday or SaturdayHoliday.")] = "Weekday",
-) -> None:
-    """Make a timetable file of the Karasuyama line from published times."""
-    from network.exchange.mini_tokyo import import_timetable
-
-    import_timetable(source, out, calendar)
-    tell(f"wrote {out}")
+importers.command("mini-tokyo")(import_mini_tokyo)
+importers.command("gtfs")(import_gtfs)
+importers.command("oudia")(import_oudia)

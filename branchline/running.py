@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from branchline.comparing import OVER_S, Over, check_over, print_comparison
 from branchline.ending import crashes_into, end, judged, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
 from branchline.progress import progress_of, tell
 from network.errors import InputError
 
 if TYPE_CHECKING:
+    from study.compare.side import Side
     from study.run.run import Run
+    from study.scenario.scenario import Scenario
 
 
 def run(
@@ -25,25 +28,40 @@ def run(
         str, typer.Option("--carrier", help="sumo, or plain: one train on plain track.")
     ] = "sumo",
     seed: Seed = None,
+    against: Annotated[
+        Path | None, typer.Option("--against", help="Run directory of the same line: say what changed.")
+    ] = None,
+    over: Over = OVER_S,
     out: Out = None,
     anyway: Annotated[
         bool,
         typer.Option("--anyway", help="Also run a plan that cannot work, as branchline check says it."),
     ] = False,
+    gui: Annotated[
+        bool, typer.Option("--gui", help="Watch the run in sumo-gui (extra net); the result is the same.")
+    ] = False,
+    gui_delay: Annotated[
+        int, typer.Option("--gui-delay", min=0, max=10_000, help="Of --gui: ms for each step of 0.1 s.")
+    ] = 20,
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
+    from study.compare.against import against as compared_with
     from study.feasibility.check import refuse
     from study.run.directory import reserved
-    from study.run.run import CarrierKind, execute, fill_run, link_of, units_at
+    from study.run.run import NO_MORE, CarrierKind, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
     hosted = units_at(units, chosen)
-    if carrier not in {kind.value for kind in CarrierKind}:
+    if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
+    check_over(over)
+    if gui and carrier != CarrierKind.SUMO.value:
+        raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
     loaded = load_scenario(scenario, seed)
     refuse(scenario, loaded.setup, anyway=anyway)
+    base = None if against is None else _base_of(against, loaded)
     directory = (out or Path("runs") / loaded.id).resolve()
     with reserved(directory) as place:
         with crashes_into(directory), progress_of(loaded.id) as progress:
@@ -51,22 +69,34 @@ def run(
                 loaded,
                 chosen,
                 units=hosted,
-                carrier=CarrierKind(carrier),
+                carrier=CarrierKind.SUMO_GUI if gui else CarrierKind(carrier),
                 progress=progress,
                 journal=place.journal,
+                delay_ms=gui_delay,
             )
         tell("writing the report")
-        report = fill_run(done, place)
+        compared = None if base is None else compared_with(done, base, over)
+        report = fill_run(done, place, more=NO_MORE if compared is None else compared.more)
     outcome = judged(not done.broken)
     if as_json:
-        print_json(done.summary | {"out": str(directory)}, outcome)
+        found = {} if compared is None else {"against": compared.found.as_dict()}
+        print_json(done.summary | {"out": str(directory)} | found, outcome)
     else:
         _print_run(done, report)
+        if compared is not None:
+            print_comparison(compared.found)
     for text in done.summary["outside_design"]:
         tell(f"outside the design: {text}")
     for text in done.broken:
         tell(f"broken: {text}")
     end(outcome)
+
+
+def _base_of(directory: Path, scenario: Scenario) -> Side:
+    """The run to compare with; read before the new one, which may be bound for its place."""
+    from study.compare.against import base_of
+
+    return base_of(directory, scenario.setup.line)
 
 
 def _latest(late_s: float | None) -> str:

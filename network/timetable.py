@@ -202,8 +202,12 @@ def _train(file: str, key: str, entry: TrainTable, line: Line) -> TimetableTrain
     ends = _end(file, f"{key}.ends", entry.ends)
     if isinstance(begins, AtPortal):
         _check_portal(file, f"{key}.begins", line, begins, calls[0], direction, entering=True)
+    else:
+        _check_has_track(file, f"{key}.calls[0].station", line, calls[0])
     if isinstance(ends, AtPortal):
         _check_portal(file, f"{key}.ends", line, ends, calls[-1], direction, entering=False)
+    else:
+        _check_has_track(file, f"{key}.calls[{len(calls) - 1}].station", line, calls[-1])
     return TimetableTrain(entry.number, direction, entry.revenue, tuple(calls), begins, ends)
 
 
@@ -273,6 +277,16 @@ def _check_place(file: str, key: str, line: Line, call: Call, direction: Directi
     if call.track is not None and call.track not in usable:
         expected = f"a track with a mark for trains going {direction.name.lower()}, {one_of(usable)}"
         raise InputError(file, f"{key}.track", call.track, expected)
+
+
+def _check_has_track(file: str, key: str, line: Line, call: Call) -> None:
+    """A train that does not come from, or go to, a portal begins and ends on a track of its own."""
+    if line.stations[call.station_id].is_halt:
+        stations = [station.id for station in line.stations.values() if not station.is_halt]
+        expected = (
+            f"a station where a train can begin and end, {one_of(stations, call.station_id)}: this is a halt"
+        )
+        raise InputError(file, key, call.station_id, expected)
 
 
 def _check_platform(file: str, key: str, line: Line, call: Call, direction: Direction) -> None:

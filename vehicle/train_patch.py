@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from network.errors import InputError
-from network.files.edits import Asked, Change, Patched, Words, differences, words_of
+from network.files.edits import Asked, Change, Data, Patched, Words, differences, words_of
 from vehicle.train_file import TrainType, read_train, train_of
 
 
-def patched_train(path: Path, patches: Sequence[Asked]) -> tuple[TrainType, tuple[Change, ...]]:
-    """The kind of train of a file with patches, one after the other, and what they changed.
+def patched_train(path: Path, patches: Sequence[Asked]) -> tuple[TrainType, Data, tuple[Change, ...]]:
+    """The kind of train of a file with patches, one after the other, its tables then, and what the patches changed.
 
     Raises InputError, which names the train file when it is wrong as it stands, else the file of the patch.
     """
@@ -32,7 +32,7 @@ def patched_train(path: Path, patches: Sequence[Asked]) -> tuple[TrainType, tupl
         except InputError as error:
             raise patched.blame(error) from error
     changes = differences(path.name, _figures(before), _figures(data))
-    return train, tuple(changes)
+    return train, data, tuple(changes)
 
 
 def _patched(data: Mapping[str, Any], asked: Asked) -> Patched:

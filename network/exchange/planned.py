@@ -5,7 +5,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from network.model import Direction
 from network.timetable import Call
@@ -17,7 +18,8 @@ class PlannedTrain:
 
     `follows` and `becomes` are numbers of this day's trains that the same set runs before and after, where the source
     says so. `from_beyond`, `to_beyond`: it comes from, goes on to, a place beyond the line, over a portal. `inferred`:
-    indices of calls whose arrival is not the source's but computed.
+    indices of calls with a time that is not the source's but computed. `working`: what one set runs, where the source
+    numbers that.
     """
 
     number: str
@@ -29,6 +31,7 @@ class PlannedTrain:
     from_beyond: bool = False
     to_beyond: bool = False
     inferred: frozenset[int] = frozenset()
+    working: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +44,15 @@ class Working:
 
 @dataclass(frozen=True, slots=True)
 class Workings:
-    """How every train begins and ends, as timetable files write it, and the diagrams; `assumed` are sentences."""
+    """How every train begins and ends, as timetable files write it, and the diagrams.
+
+    `assumed` and `warnings` are sentences: what nobody has published, and what cannot work on these tracks. `tracks`
+    are those that sets must take, by (train number, index of its call), where the usual one would not do.
+    """
 
     begins: dict[str, str]
     ends: dict[str, str]
     diagrams: tuple[Working, ...]
     assumed: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    tracks: Mapping[tuple[str, int], str] = field(default_factory=dict[tuple[str, int], str])

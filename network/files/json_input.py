@@ -33,9 +33,17 @@ def read_json(file: Path, kind: type[_T]) -> _T:
 
 def write_aside(out_file: Path, text: str) -> None:
     """Write a file under another name, then rename it. Raises InputError where it cannot be written."""
-    aside = out_file.with_name(out_file.name + ".part")
+    write_bytes_aside(out_file, text.encode("utf-8"))
+
+
+def write_bytes_aside(out_file: Path, data: bytes) -> None:
+    """The same for what is no text in UTF-8."""
     try:
-        aside.write_text(text, encoding="utf-8")
+        aside = out_file.with_name(out_file.name + ".part")
+    except ValueError as error:
+        raise InputError(str(out_file), "", None, "the name of a file") from error
+    try:
+        aside.write_bytes(data)
         aside.replace(out_file)
     except OSError as error:
         raise InputError(str(out_file), "", None, f"a writable path ({error.strerror})") from error

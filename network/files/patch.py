@@ -54,8 +54,8 @@ class LineWords(Words):
     remove_tags: Annotated[TagsOut | None, about("tags taken out by purpose")] = None
 
 
-def patched_line(path: Path, patches: Sequence[Asked]) -> tuple[Line, tuple[Change, ...]]:
-    """The line of a line file with patches, one after the other, and what they changed.
+def patched_line(path: Path, patches: Sequence[Asked]) -> tuple[Line, Data, tuple[Change, ...]]:
+    """The line of a line file with patches, one after the other, its tables then, and what the patches changed.
 
     Raises InputError, which names the line file when it is wrong as it stands, else the file of the patch.
     """
@@ -69,7 +69,7 @@ def patched_line(path: Path, patches: Sequence[Asked]) -> tuple[Line, tuple[Chan
             line = line_of(entry, file)
         except InputError as error:
             raise patched.blame(error) from error
-    return line, tuple(differences(path.name, before, data))
+    return line, data, tuple(differences(path.name, before, data))
 
 
 def load_patched_line(path: Path, patch: Mapping[str, Any], patch_file: str) -> Line:

@@ -40,6 +40,11 @@ def existing_file(path: Path) -> bool:
 
 def read_text(path: Path, bytes_max: int = TOML_BYTES_MAX) -> str:
     """Text of a UTF-8 file, without its mark. Raises InputError when it cannot be read."""
+    return _decoded(str(path), read_bytes(path, bytes_max))
+
+
+def read_bytes(path: Path, bytes_max: int) -> bytes:
+    """What a file holds. Raises InputError for what is no file, cannot be read or is larger than `bytes_max`."""
     file = str(path)
     try:
         if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
@@ -51,11 +56,11 @@ def read_text(path: Path, bytes_max: int = TOML_BYTES_MAX) -> str:
         raise InputError(file, "", None, f"a readable file ({why})") from error
     if len(data) > bytes_max:
         raise InputError(file, "", None, f"a file of at most {bytes_max >> 20} MiB")
-    return _decoded(file, data)
+    return data
 
 
 def _decoded(file: str, data: bytes) -> str:
-    other = _marked(data)
+    other = wide_encoding(data)
     if other:
         raise InputError(file, "", None, _converted(other, other))
     data = data.removeprefix(codecs.BOM_UTF8)
@@ -63,7 +68,7 @@ def _decoded(file: str, data: bytes) -> str:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        found = _japanese(data)
+        found = japanese_encoding(data)
         if found is None:
             where = f"byte 0x{data[error.start]:02x} in line {line} is none"
             raise InputError(file, "", None, f"text in UTF-8 ({where})") from error
@@ -74,7 +79,7 @@ def _converted(name: str, codec: str) -> str:
     return f"text in UTF-8, but it is in {name}; convert it: iconv -f {codec} -t UTF-8 OLD > NEW"
 
 
-def _marked(data: bytes) -> str:
+def wide_encoding(data: bytes) -> str:
     """The wide encoding of a text, by its mark or by the zeros between its letters; empty if it has none."""
     for mark, name in _MARKS:
         if data.startswith(mark):
@@ -85,8 +90,8 @@ def _marked(data: bytes) -> str:
     return ""
 
 
-def _japanese(data: bytes) -> tuple[str, str] | None:
-    """The Japanese encoding that a text which is no UTF-8 has; None for a damaged UTF-8 or anything else."""
+def japanese_encoding(data: bytes) -> tuple[str, str] | None:
+    """The Japanese encoding of a text that is no UTF-8, and what iconv calls it; None for any other."""
     shown = data.decode("utf-8", errors="replace")
     beyond = shown.count(_SHOWN_BEYOND)
     if sum(not c.isascii() for c in shown) - beyond > beyond:

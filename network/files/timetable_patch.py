@@ -49,8 +49,8 @@ class TimetableWords(Words):
 
 def patched_timetable(
     path: Path, line: Line, patches: Sequence[Asked]
-) -> tuple[Timetable, tuple[Change, ...]]:
-    """The timetable of a file with patches, one after the other, and what they changed.
+) -> tuple[Timetable, Data, tuple[Change, ...]]:
+    """The timetable of a file with patches, one after the other, its tables then, and what the patches changed.
 
     Raises InputError, which names the timetable file when it is wrong as it stands, else the file of the patch.
     """
@@ -64,7 +64,7 @@ def patched_timetable(
             timetable = timetable_of(validate(data, file, TimetableFile), file, line)
         except InputError as error:
             raise patched.blame(error) from error
-    return timetable, tuple(differences(path.name, before, data))
+    return timetable, data, tuple(differences(path.name, before, data))
 
 
 def _patched(data: Data, asked: Asked) -> Patched:

@@ -43,6 +43,7 @@ class CallTable(Record):
         str | None, Field(alias="pass"), about(f"when it runs through (通過), {_CLOCK}; no other time then")
     ] = None
     operational: Annotated[bool, about("true: it stands, but not for passengers (運転停車)")] = False
+    inferred: Annotated[bool, about("true: one of its times is not the source's but computed")] = False
 
 
 class TrainTable(Record):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -37,7 +37,19 @@ class Way:
 def least_running_time_s(
     kind: TrainType, way: Way, load_share: float, deceleration_mps2: float, below_limit_mps: float = 0.0
 ) -> float:
-    """Shortest time, s, in which a train of a kind runs from one stand to the next.
+    """Shortest time, s, in which a train of a kind runs from one stand to the next; see `least_times_s`."""
+    return least_times_s(kind, way, (), load_share, deceleration_mps2, below_limit_mps)[-1]
+
+
+def least_times_s(
+    kind: TrainType,
+    way: Way,
+    passing_m: Sequence[float],
+    load_share: float,
+    deceleration_mps2: float,
+    below_limit_mps: float = 0.0,
+) -> tuple[float, ...]:
+    """Shortest times, s, from a stand to where the front passes each of `passing_m`, and to the next stand.
 
     Full power up to the lowest limit under any part of the train, or `below_limit_mps` below it, and one constant
     deceleration towards lower limits and the stop; gradients and curves as `vehicle.running_time` counts them.
@@ -49,18 +61,25 @@ def least_running_time_s(
     if below_limit_mps > 0.0:
         limit_mps = lowered_by(limit_mps, below_limit_mps)
     climbs_m = climb_m(train, profile["elevation_m"], profile["turn_rad"])
-    time_s, _ = predicted_run(
-        kind.row[0],
-        load_share,
-        np.ascontiguousarray(climbs_m),
-        np.ascontiguousarray(limit_mps),
-        way.from_m,
-        way.to_m,
-        math.inf,
-        deceleration_mps2,
-        STEP_S,
+    climbs_m, limit_mps = np.ascontiguousarray(climbs_m), np.ascontiguousarray(limit_mps)
+    return tuple(
+        float(
+            predicted_run(
+                kind.row[0],
+                load_share,
+                climbs_m,
+                limit_mps,
+                way.from_m,
+                way.to_m,
+                math.inf,
+                deceleration_mps2,
+                STEP_S,
+                0.0,
+                until_m,
+            )[0]
+        )
+        for until_m in (*passing_m, math.inf)
     )
-    return float(time_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +119,7 @@ def _legs_of(
     """Hops of one duty; a kind of train needs the same time for the same way again."""
     kind, mission = setup.trains[duty.stock_id], duty.mission
     for here, there in pairwise(target for target in mission.targets if target.station_id is not None):
-        due_s = _due_s(there, setup.timetable.dwell_min_s if there.passengers else 0.0)
+        due_s = latest_arrival_s(there, setup.timetable.dwell_min_s)
         if here.departure_s is None or due_s is None:
             continue
         key = (kind.id, mission.path.piece_ids, here.mark_m, there.mark_m)
@@ -125,9 +144,9 @@ def _legs_of(
         )
 
 
-def _due_s(there: Target, dwell_min_s: float) -> float | None:
-    """The latest arrival, s: that of the plan, and early enough for the least dwell before the departure."""
+def latest_arrival_s(there: Target, dwell_min_s: float) -> float | None:
+    """The latest arrival, s: that of the plan, and early enough for the least dwell before the departure, if any."""
     if there.departure_s is None:
         return there.arrival_s
-    ready_s = there.departure_s - dwell_min_s
+    ready_s = there.departure_s - (dwell_min_s if there.passengers else 0.0)
     return ready_s if there.arrival_s is None else min(there.arrival_s, ready_s)

@@ -58,7 +58,7 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
     for index, (band, part) in enumerate(zip(bands, shown, strict=True)):
         axes = next(panels)
         graphs.append(axes)
-        _frame(axes, run, band, grid)
+        draw_frame(axes, run, band, grid)
         mark_graph(axes, part, band)
         if part:
             draw_strip(next(panels), part, band, grid)
@@ -71,11 +71,11 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
         _draw_turns(axes, run, band)
     figure.draw_without_rendering()  # lays the panels out: numbers are placed on the screen
     for axes, band in zip(graphs, bands, strict=True):
-        _draw_numbers(axes, run, band)
+        write_numbers(axes, numbers_of(run, band))
     return figure, tips
 
 
-def _frame(axes: Axes, run: Run, band: TimeBand, grid: TimeGrid) -> None:
+def draw_frame(axes: Axes, run: Run, band: TimeBand, grid: TimeGrid) -> None:
     """Axes with a line for every station; DOWN trains run downwards, as the Japanese graph is drawn."""
     draw_clock_axis(axes, band, grid)
     low_m, high_m = run.extent_m
@@ -145,7 +145,7 @@ def _draw_turns(axes: Axes, run: Run, band: TimeBand) -> None:
         last[unit] = float(course["t_s"][-1]), float(course["kilometrage_m"][-1])
 
 
-def _draw_numbers(axes: Axes, run: Run, band: TimeBand) -> None:
+def numbers_of(run: Run, band: TimeBand) -> list[Number]:
     """Each train's number beside its plan, or its run where it has no plan; none for what is hardly seen here."""
     numbers: list[Number] = []
     for number in run.trains:
@@ -167,6 +167,11 @@ def _draw_numbers(axes: Axes, run: Run, band: TimeBand) -> None:
         course = np.array(corners, dtype=np.float64)
         colour = DIRECTION_COLOUR[run.directions[number]]
         numbers.append(Number(number, colour, course[:, 0], course[:, 1]))
+    return numbers
+
+
+def write_numbers(axes: Axes, numbers: Sequence[Number]) -> None:
+    """Write numbers beside their courses, on no other line of the panel where there is room; it must be laid out."""
     taken = [_screen_box(text) for text in axes.texts if text.get_transform() is axes.get_xaxis_transform()]
     courses = [np.asarray(line.get_xydata()) for line in axes.lines]
     lines = [course for course in courses if len(course) > 2]  # the others are the grid

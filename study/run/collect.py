@@ -22,6 +22,7 @@ from simulation.setup import STEPS_PER_S
 from study.measures.passings import PlannedPassing
 from study.measures.running_times import PlannedLeg
 from study.run.energy import Make, energy_tables
+from study.run.energy_hours import energy_hours_of
 from study.run.margins import margins_of
 from study.run.spans import rows_by_span
 from study.run.stops import passed, stops_table
@@ -64,7 +65,7 @@ def tables_of(
     legs: Sequence[PlannedLeg] = (),
     passings: Sequence[PlannedPassing] = (),
 ) -> RunTables:
-    """All tables of a run but the comparisons; `fleet` says of each stock id what it is, the rest what was planned."""
+    """All tables of a run but comparisons and waits; `fleet` says what each stock is, the rest what was planned."""
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
     lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
     stops = stops_table(result.stops, passed(passings, spans))
@@ -74,8 +75,10 @@ def tables_of(
         blocks=_blocks(result, spans, line, lengths_m),
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
+        energy_hours=energy_hours_of(result.energy, fleet),
         margins=margins_of(legs, stops),
         comparisons=make_table("comparisons"),
+        waits=make_table("waits"),
         events=_events(result),
     )
 

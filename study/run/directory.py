@@ -6,6 +6,7 @@ import errno
 import tempfile
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
@@ -19,12 +20,19 @@ from study.run.tables import SCHEMAS
 LEARNED_FILE: Final = (
     "learned.json"  # only where trains learn; `[tuning] learned` of another scenario may name it
 )
+INPUTS_FILE: Final = "inputs.json"  # `study.scenario.inputs`
+SHOWN_FILE: Final = "shown.json"  # `study.run.shown`
+COMPARE_FILE: Final = "compare.json"  # only of a run that was compared with another
+SUMMARY_FILE: Final = "summary.json"
 JOURNAL_FILE: Final = "journal.jsonl"
 CRASH_FILE: Final = "crash.txt"  # only of a run that a bug has ended
 INCOMPLETE_FILE: Final = "incomplete.txt"  # only of a run that is under way or was cut short
 TABLE_FILES: Final = frozenset(f"{name}.parquet" for name in SCHEMAS)
 RUN_FILES: Final = TABLE_FILES | {
-    "summary.json",
+    SUMMARY_FILE,
+    INPUTS_FILE,
+    SHOWN_FILE,
+    COMPARE_FILE,
     LEARNED_FILE,
     JOURNAL_FILE,
     CRASH_FILE,
@@ -35,6 +43,11 @@ INCOMPLETE: Final = "-incomplete"  # ends the name of the directory of a run tha
 ROOM_BYTES: Final = 1 << 18  # where not even so much can be written no run begins: the shortest takes more
 _FULL: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 _UNDER_WAY: Final = "This is no whole run: it is under way, or it was killed.\n"
+
+
+def digests_of_tables(folder: Path) -> dict[str, str]:
+    """SHA-256 of each table's file, by name: a damaged one must not come before a decoder that trusts it."""
+    return {name: sha256((folder / name).read_bytes()).hexdigest() for name in sorted(TABLE_FILES)}
 
 
 def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run") -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any, Final
@@ -23,8 +23,8 @@ from network.graph import all_routes
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.sumo_api import STEP_DELAY_MS, Window
 from simulation.journal import Journal
-from simulation.judge.checkers import Checker
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
@@ -32,23 +32,38 @@ from study.feasibility.check import feasibility
 from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
+from study.measures.waits import waits_of
+from study.report.beside import Beside
 from study.report.drill import DrillShown
+from study.report.parts import Part
 from study.report.report import write_report
-from study.report.tasc import Tuned
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
-from study.run.directory import JOURNAL_FILE, LEARNED_FILE, Reserved, reserved
+from study.run.directory import (
+    INPUTS_FILE,
+    JOURNAL_FILE,
+    LEARNED_FILE,
+    SHOWN_FILE,
+    SUMMARY_FILE,
+    Reserved,
+    digests_of_tables,
+    reserved,
+)
 from study.run.energy import Make
 from study.run.outcome import broken_rules, outside_design, unfinished
+from study.run.shown import shown_of
 from study.run.summary import summarise
 from study.run.tables import RunTables
+from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
+from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import read_net
 from wayside.config import manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
+SCENERY_FILE: Final = "scenery.add.xml"
 
 
 class Link(Enum):
@@ -70,6 +85,12 @@ class CarrierKind(Enum):
 
     SUMO = "sumo"
     PLAIN = "plain"
+    SUMO_GUI = "sumo-gui"  # SUMO with a window on the run
+
+    @property
+    def shown(self) -> bool:
+        """Whether a window shows the run."""
+        return self is CarrierKind.SUMO_GUI
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +114,14 @@ def execute(
     wrap: Callable[[Carrier], Carrier] | None = None,
     watch: Callable[[Parties], Parties] | None = None,
     journal: Path | None = None,
+    delay_ms: int = STEP_DELAY_MS,
 ) -> Run:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
-    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties.
+    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
+    `delay_ms` is how long sumo-gui takes over a step.
     """
     setup = scenario.setup
     with scratch(TEMPORARY) as folder:
@@ -109,7 +132,10 @@ def execute(
         specs = specs_of(setup, master_key)
         if units is UnitsAt.PROCESSES:
             specs = (*specs, *unit_specs(on_board))
-        make = carrier_factory(carrier, setup.line, net)
+        window = Window(folder / SCENERY_FILE, delay_ms)
+        make = carrier_factory(carrier, setup.line, net, window)
+        # Days of learning pass without a window.
+        make_before = carrier_factory(CarrierKind.SUMO, setup.line, net) if carrier.shown else make
         wrapped = wrap or _as_it_is
         started = time.perf_counter()
         while True:
@@ -119,7 +145,7 @@ def execute(
             with parties_of(link, setup.line.id, specs, state) as parties:
                 simulation = Simulation(
                     setup,
-                    (lambda begin_s: wrapped(make(begin_s))) if last else make,
+                    (lambda begin_s: wrapped(make(begin_s))) if last else make_before,
                     parties if watch is None else watch(parties),
                     read_net(net),
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
@@ -135,7 +161,7 @@ def execute(
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
     booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
-    tables = replace(booked, comparisons=opinions)
+    tables = replace(booked, comparisons=opinions, waits=waits_table(waits_of(result, setup)))
     broken = broken_by(result, setup)
     summary = {
         "scenario": scenario.id,
@@ -181,6 +207,18 @@ def _as_it_is(carrier: Carrier) -> Carrier:
     return carrier
 
 
+@dataclass(frozen=True, slots=True)
+class More:
+    """What a run directory has beside what every run has: parts of the report, files (text, by name), another run."""
+
+    parts: tuple[Part, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict[str, str])
+    beside: Beside | None = None
+
+
+NO_MORE: Final = More()
+
+
 def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
     """Write the run directory: all of it or nothing. Returns the path of the report.
 
@@ -190,16 +228,16 @@ def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
         return fill_run(run, place, drill)
 
 
-def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None) -> Path:
+def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None, more: More = NO_MORE) -> Path:
     """Write a run into the directory reserved, and put that in its place. Returns the path of the report."""
-    _write_files(run, place, drill)
+    _write_files(run, place, drill, more)
     place.put()
     if run.result.journal.file == place.journal:
         run.result.journal.moved(place.out / JOURNAL_FILE)
     return place.out / "report.html"
 
 
-def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
+def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More) -> None:
     """All files of a run. The journal may be there already; what is worth most comes first."""
     folder, out, journal = place.folder, place.out, run.result.journal
     setup = run.scenario.setup
@@ -210,30 +248,18 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None) -> None:
     run.tables.write(folder)
     if run.result.learned:
         (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
-    summary = run.summary | {"out": str(out)}
-    (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    facts = summary | {
-        "scenario": run.scenario.name,
-        "parties": [*run.result.stock_ids, "block-manager", *terminals_of(setup.line)],
-        **_broken_facts(run),
-        "broken_expectations": [] if drill is None else list(drill.unmet()),
-        "assumed": list(run.scenario.assumed),
-    }
-    waves = run.result.learned_from
-    tuned = {
-        unit: Tuned(learned, waves[unit]) for unit, learned in run.result.learned.items() if unit in waves
-    }
-    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill)
-
-
-def _broken_facts(run: Run) -> dict[str, Any]:
-    """What the report lists as broken: rules with their times, then the rest; trains that did not arrive once."""
-    rules = [v for v in run.result.violations if v.checker != Checker.EVERYONE_ARRIVES]
-    told = {f"{v.checker}: {v.text}" for v in rules}
-    return {
-        "violations": [{"t_s": v.t_s, "checker": v.checker, "text": v.text} for v in rules],
-        "broken": [text for text in run.broken if text not in told],
-    }
+    summary = run.summary | {"out": str(out), "tables": digests_of_tables(folder)}
+    inputs = run.scenario.inputs
+    (folder / SUMMARY_FILE).write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    (folder / INPUTS_FILE).write_text(inputs.as_json(), "utf-8")
+    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill)
+    (folder / SHOWN_FILE).write_bytes(shown.as_json())
+    facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
+    for name, text in more.files.items():
+        (folder / name).write_text(text, "utf-8")
+    write_report(
+        folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts, more.beside
+    )
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
@@ -270,8 +296,20 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     )
 
 
-def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:
-    """How the loop makes its carrier, given the time at which the run begins (s)."""
+def carrier_factory(
+    kind: CarrierKind, line: Line, net: Path, window: Window | None = None
+) -> Callable[[float], Carrier]:
+    """How the loop makes its carrier, given the time at which the run begins (s).
+
+    Where the kind is `shown`, the scenery of the line is written where `window` has it.
+    """
+    if kind is CarrierKind.SUMO_GUI:
+        from simulation.carriers.window import WindowCarrier
+
+        shown = window or Window()
+        if shown.scenery is not None:
+            shown.scenery.write_bytes(scenery_xml(line))
+        return lambda begin_s: WindowCarrier(net, begin_s, shown)
     if kind is CarrierKind.SUMO:
         from simulation.carriers.sumo import SumoCarrier
 

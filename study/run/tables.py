@@ -104,6 +104,16 @@ ENERGY_LEGS: Final[Schema] = {
         if name not in ("unit", "train", "revenue", "regenerated_to")
     },
 }
+# One row an hour, stock and phase: what it took and gave in that hour, stabled stock too.
+ENERGY_HOURS: Final[Schema] = {
+    "hour_s": pl.Float64,  # when the hour begins
+    "unit": pl.String,
+    "phase": pl.String,  # simulation.result.Phase
+    "traction_kwh": pl.Float64,
+    "regenerated_kwh": pl.Float64,
+    "auxiliary_kwh": pl.Float64,
+    "net_kwh": pl.Float64,
+}
 # One row a stay where one train of a stock ends and the next begins.
 LAYOVERS: Final[Schema] = {
     "unit": pl.String,
@@ -142,6 +152,24 @@ COMPARISONS: Final[Schema] = {
     "source": pl.String,
     "comparable": pl.String,
 }
+# One row a thing that a stock waits for, or does meanwhile, from the run's begin to its end: study.measures.wait.Wait.
+WAITS: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "from_s": pl.Float64,
+    "to_s": pl.Float64,
+    "cause": pl.String,  # study.measures.wait.Cause
+    "place": pl.String,  # the station where it stands; "" elsewhere
+    "at_m": pl.Float64,  # kilometrage of its front; of the stop limit where that slows it down
+    "asked": pl.String,  # study.measures.wait.Asked
+    "section": pl.String,
+    "points": pl.String,
+    "party": pl.String,  # who is waited for
+    "party_train": pl.String,
+    "since_s": pl.Float64,
+    "until_s": pl.Float64,
+    "reason": pl.String,
+}
 # Interventions, refusals, faults: what a person should hear of.
 EVENTS: Final[Schema] = {
     "t_s": pl.Float64,
@@ -156,9 +184,11 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "telegrams": TELEGRAMS,
     "energy": ENERGY,
     "energy_legs": ENERGY_LEGS,
+    "energy_hours": ENERGY_HOURS,
     "layovers": LAYOVERS,
     "margins": MARGINS,
     "comparisons": COMPARISONS,
+    "waits": WAITS,
     "events": EVENTS,
 }
 
@@ -192,9 +222,11 @@ class RunTables:
     telegrams: pl.DataFrame
     energy: pl.DataFrame
     energy_legs: pl.DataFrame
+    energy_hours: pl.DataFrame
     layovers: pl.DataFrame
     margins: pl.DataFrame
     comparisons: pl.DataFrame
+    waits: pl.DataFrame
     events: pl.DataFrame
 
     def __post_init__(self) -> None:

@@ -50,7 +50,7 @@ def belief_of(
     believed = line
     if table.line is not None:
         words = table.line.model_dump(by_alias=True, exclude_unset=True)
-        believed, _ = patched_line(line_file, [*patches, Asked(words, str(path), f"{KEY}.line")])
+        believed, _, _ = patched_line(line_file, [*patches, Asked(words, str(path), f"{KEY}.line")])
         for piece_id in sorted({*line.pieces, *believed.pieces}):
             if line.pieces.get(piece_id) != believed.pieces.get(piece_id):
                 expected = "a belief that leaves the track layout as it is"

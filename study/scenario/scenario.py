@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from network.errors import InputError
-from network.files.edits import Change
+from network.files.edits import Change, Data
 from network.files.line_file import validate_train_fits
 from network.files.patch import patched_line
 from network.files.quantities import SEED
@@ -33,6 +33,7 @@ from study.scenario.fleet_file import (
     check_vision,
     learned_of,
 )
+from study.scenario.inputs import Inputs
 from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
@@ -45,7 +46,7 @@ FOLDER: Final = "scenarios"
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A scenario ready to run. `changes` says what differs from the files it names or extends."""
+    """A scenario ready to run. `changes` says what differs from what it names or extends; `inputs` are all tables."""
 
     id: str
     name: str
@@ -53,6 +54,7 @@ class Scenario:
     setup: Setup
     changes: tuple[Change, ...]
     assumed: tuple[str, ...]
+    inputs: Inputs
 
 
 def shipped_scenarios() -> tuple[str, ...]:
@@ -73,11 +75,12 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
     model = pile.validated(path)
     line_file = _named(path, "line", model.line, shipped_line)
-    line, of_line = patched_line(line_file, pile.files.get("line", ()))
+    line, line_data, of_line = patched_line(line_file, pile.files.get("line", ()))
     file = _named(path, "timetable", model.timetable, shipped_timetable)
-    timetable, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
+    timetable, times_data, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
     check_parties(str(file), str(line_file), line, timetable)
-    trains, of_trains = _trains(path, model, timetable, pile)
+    stock, loaded = _trains(path, model, timetable, pile)
+    trains = {stock_id: loaded[name][0] for stock_id, name in stock.items()}
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), model.scatter, trains)
@@ -106,8 +109,19 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     )
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
+    of_trains = (change for _, _, changes in loaded.values() for change in changes)
     changes = (*pile.changes, *of_line, *of_timetable, *of_trains)
-    return Scenario(model.id, model.name, str(path), setup, changes, assumed)
+    inputs = Inputs(
+        scenario=pile.data | {"seed": setup.seed},
+        line=line_data,
+        timetable=times_data,
+        trains={name: data for name, (_, data, _) in loaded.items()},
+        stock=stock,
+        learned={stock_id: learned.as_dict() for stock_id, learned in setup.learned.items()},
+        changes=changes,
+        assumed=assumed,
+    )
+    return Scenario(model.id, model.name, str(path), setup, changes, assumed, inputs)
 
 
 def _folder() -> Path:
@@ -127,8 +141,8 @@ def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> P
 
 def _trains(
     path: Path, model: ScenarioFile, timetable: Timetable, pile: Pile
-) -> tuple[dict[str, TrainType], tuple[Change, ...]]:
-    """The kind of train of each stock, and what patches have changed of them."""
+) -> tuple[dict[str, str], dict[str, tuple[TrainType, Data, tuple[Change, ...]]]]:
+    """The name of the train of each stock; by it the kind, its tables, and what patches have changed of them."""
     known = {diagram.stock_id for diagram in timetable.diagrams}
     for stock_id in model.trains.stock:
         if stock_id not in known:
@@ -146,11 +160,9 @@ def _trains(
         name: patched_train(_named(path, key, name, shipped_train), pile.trains.get(name, ()))
         for key, name in named.items()
     }
-    kinds = {
-        stock_id: loaded[model.trains.stock.get(stock_id, model.trains.default)][0]
-        for stock_id in sorted(known)
-    }
-    return kinds, tuple(change for _, changes in loaded.values() for change in changes)
+    return {
+        stock_id: model.trains.stock.get(stock_id, model.trains.default) for stock_id in sorted(known)
+    }, loaded
 
 
 def _unit(unit: UnitParameters, timetable: Timetable) -> UnitParameters:

@@ -88,3 +88,10 @@ def test_a_track_without_a_platform_is_for_trains_alone() -> None:
     assert (found.value.key, "operational" in found.value.expected) == ("trains[0].calls[1].station", True)
     parse_timetable(day(FIRST, LAST.replace(" }", ", operational = true }")), "day.toml", line)
     parse_timetable(day(FIRST, LAST, revenue=False), "day.toml", line)
+
+
+@pytest.mark.parametrize(("calls", "key"), [((FIRST, '{ station = "H", arrival = "06:05" }'), "calls[1]")])
+def test_no_train_ends_where_it_has_no_track_of_its_own(calls: Sequence[str], key: str) -> None:
+    with pytest.raises(InputError, match="this is a halt") as found:
+        parse_timetable(day(*calls), "day.toml", LINE)
+    assert found.value.key == f"trains[0].{key}.station"

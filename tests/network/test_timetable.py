@@ -246,7 +246,7 @@ FAULTS = [
     ),
     (
         "another station",
-        changed('station = "B", departure = "06:10", track = "1"', 'station = "H", departure = "06:10"'),
+        changed('  { station = "B", departure = "06:10", track = "1" },\n', ""),
         "diagrams[0].trains[1]",
         "2",
         "a train from B",

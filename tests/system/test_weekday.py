@@ -202,8 +202,9 @@ def test_the_journal_is_one_readable_object_a_line(simulated: Day) -> None:
 def test_the_run_directory_is_whole_and_its_report_opens_offline(simulated: Day) -> None:
     names = {path.name for path in simulated.folder.iterdir()}
     tables = {"trajectory", "stops", "blocks", "telegrams", "events"}
-    tables |= {"energy", "energy_legs", "layovers", "margins", "comparisons"}
-    assert names == {"summary.json", "journal.jsonl", "report.html", *(f"{t}.parquet" for t in tables)}
+    tables |= {"energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"}
+    texts = {"summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html"}
+    assert names == texts | {f"{t}.parquet" for t in tables}
     html = (simulated.folder / "report.html").read_text("utf-8")
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!#|data:)""", html)
     assert not re.search(r"@import|url\(\s*['\"]?(?!data:|#)|\bfetch\(|XMLHttpRequest|<link\b", html)

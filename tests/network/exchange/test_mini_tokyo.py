@@ -1,35 +1,30 @@
-"""From the public timetable to trains, turnings and diagrams."""
+"""From the files of mini-tokyo-3d to a published timetable, of any railway that they have."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from network.errors import InputError
-from network.exchange.mini_tokyo import (
-    KARASUYAMA,
-    ImportedCall,
-    ImportedTrain,
-    assemble,
-    import_timetable,
-    read_trains,
-    turn_round,
-)
+from network.exchange.additions import read_additions, shipped_additions
+from network.exchange.import_timetable import ImportOrder, import_timetable, write_timetable
+from network.exchange.mini_tokyo import SOURCE as CREDIT
+from network.exchange.mini_tokyo import read_mini_tokyo
+from network.exchange.published import PublishedTimetable
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line
 
-SOURCE = (
-    Path(__file__).resolve().parents[3] / "../shared/data/timetables/mini_tokyo_3d/jreast-karasuyama.json"
-)
-SHIPPED = Path(__file__).resolve().parents[3] / "network/timetables"
+ROOT = Path(__file__).resolve().parents[3]
+FOLDER = ROOT / "../shared/data/timetables/mini_tokyo_3d"
+SHIPPED = ROOT / "network/timetables"
 needs_shared = pytest.mark.skipif(
-    not SOURCE.exists(), reason="the timetable data is not beside this checkout"
+    not FOLDER.exists(), reason="the timetable data is not beside this checkout"
 )
 
-CALENDARS = [("Weekday", "karasuyama_weekday.toml"), ("SaturdayHoliday", "karasuyama_holiday.toml")]
+CALENDARS = [("Weekday", "karasuyama_weekday"), ("SaturdayHoliday", "karasuyama_holiday")]
 PREFIX = "JR-East.Karasuyama."
 
 
@@ -37,6 +32,7 @@ def row(number: str = "1M", changes: Mapping[str, object] | None = None) -> dict
     data: dict[str, object] = {
         "id": f"{PREFIX}{number}.Weekday",
         "n": number,
+        "r": "JR-East.Karasuyama",
         "d": "Outbound",
         "os": [f"{PREFIX}Hoshakuji"],
         "ds": [f"{PREFIX}Karasuyama"],
@@ -45,139 +41,144 @@ def row(number: str = "1M", changes: Mapping[str, object] | None = None) -> dict
     return data | dict(changes or {})
 
 
-def source(tmp_path: Path, *rows: dict[str, object]) -> Path:
+def read(tmp_path: Path, *rows: dict[str, object], railway: str = "") -> PublishedTimetable:
     path = tmp_path / "source.json"
     path.write_text(json.dumps(rows), encoding="utf-8")
-    return path
-
-
-def train(number: str, direction: str, begins: str, ends: str, leave: str, arrive: str) -> ImportedTrain:
-    low, high = ("HSK", "KRS") if direction == "down" else ("KRS", "HSK")
-    calls = (ImportedCall(low, departure=leave), ImportedCall(high, arrive))
-    return ImportedTrain(number, direction, calls, begins, ends)
+    return read_mini_tokyo(path, "Weekday", railway=railway)
 
 
 @needs_shared
-@pytest.mark.parametrize(("calendar", "shipped"), CALENDARS)
-def test_shipped_file_is_what_the_importer_writes(tmp_path: Path, calendar: str, shipped: str) -> None:
-    out_file = tmp_path / shipped
-    import_timetable(SOURCE, out_file, calendar)
-    assert out_file.read_text(encoding="utf-8") == (SHIPPED / shipped).read_text(encoding="utf-8")
+@pytest.mark.parametrize(("calendar", "name"), CALENDARS)
+@pytest.mark.parametrize("stations", [None, FOLDER / "stations.json"])
+def test_shipped_file_is_what_the_importer_writes(
+    tmp_path: Path, calendar: str, name: str, stations: Path | None
+) -> None:
+    line = load_line(shipped_line("karasuyama"))
+    published = read_mini_tokyo(FOLDER / "jreast-karasuyama.json", calendar, stations)
+    order = ImportOrder(name, CREDIT, additions=read_additions(shipped_additions("karasuyama"), line))
+    imported = import_timetable(published, line, order)
+    out_file = tmp_path / f"{name}.toml"
+    write_timetable(imported, out_file)
+    assert out_file.read_text(encoding="utf-8") == (SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
     assert list(tmp_path.iterdir()) == [out_file]
+    assert imported.warnings == ()
 
 
 @needs_shared
-@pytest.mark.parametrize("calendar", [calendar for calendar, _ in CALENDARS])
-def test_trains_are_those_of_the_source(calendar: str) -> None:
-    trains = read_trains(SOURCE, calendar, KARASUYAMA)
-    assert sum(t.revenue for t in trains) == 27
-    assert [t.number for t in trains if not t.revenue] == ["E346M"]
-    first = {t.number: t for t in trains}["321M"]
-    assert first.calls[0] == ImportedCall("HSK", None, "05:37")
-    assert first.calls[-1] == ImportedCall("KRS", "06:11", None)
-    assert first.begins == "portal:HSK.MD"
+@pytest.mark.parametrize(
+    ("file", "trains", "stations", "first", "last", "name"),
+    [
+        ("jreast-karasuyama", 27, 8, "宝積寺", "烏山", "Karasuyama Line, weekdays"),
+        ("jreast-kururi", 40, 14, "木更津", "上総亀山", "Kururi Line, weekdays"),
+        ("isumi-isumi", 29, 14, "大原", "上総中野", "Isumi Line, weekdays"),
+        ("hitachinaka-minato", 68, 11, "勝田", "阿字ヶ浦", "Minato Line, weekdays"),
+    ],
+)
+def test_published_weekdays(file: str, trains: int, stations: int, first: str, last: str, name: str) -> None:
+    published = read_mini_tokyo(FOLDER / f"{file}.json", "Weekday", FOLDER / "stations.json")
+    assert len(published.trains) == trains
+    assert len(published.stations) == stations
+    assert (published.stations[0].name_ja, published.stations[-1].name_ja) == (first, last)
+    assert published.name == name
+    order = {station.key: i for i, station in enumerate(published.stations)}
+    for train in published.trains:
+        places = [order[call.station] for call in train.calls]
+        assert places == sorted(places, reverse=train.direction == "up")
 
 
 @needs_shared
-@pytest.mark.parametrize("calendar", [calendar for calendar, _ in CALENDARS])
-def test_sets_turn_as_the_stations_allow(calendar: str) -> None:
-    trains = {t.number: t for t in turn_round(read_trains(SOURCE, calendar, KARASUYAMA))}
-    assert trains["322M"].begins == "stabled"
-    assert trains["347M"].ends == "stabled"
-    assert trains["345M"].ends == "becomes:E346M"
-    for arrived, leaves in (("336M", "337M"), ("338M", "339M"), ("340M", "341M")):
-        assert trains[arrived].ends == f"becomes:{leaves}"
-        assert trains[leaves].begins == f"from:{arrived}"
-    assert sum(t.begins == "stabled" for t in trains.values()) == 1
-    assert sum(t.ends == "stabled" for t in trains.values()) == 1
+def test_what_lies_beyond_the_junction_is_known() -> None:
+    published = read_mini_tokyo(FOLDER / "jreast-karasuyama.json", "Weekday")
+    away = {train.number for train in published.trains if train.comes_from}
+    assert len(away) == 11
+    assert {train.comes_from for train in published.trains} == {"", "JR-East.Utsunomiya.Utsunomiya"}
+    assert sum(bool(train.goes_to) for train in published.trains) == 10
 
 
-@needs_shared
-@pytest.mark.parametrize("calendar", [calendar for calendar, _ in CALENDARS])
-def test_four_sets_run_the_day(calendar: str) -> None:
-    trains = turn_round(read_trains(SOURCE, calendar, KARASUYAMA))
-    diagrams = dict(assemble("source", trains, KARASUYAMA))
-    assert list(diagrams) == ["V1", "V2", "V3", "V4"]
-    assert sorted(n for numbers in diagrams.values() for n in numbers) == sorted(t.number for t in trains)
-    # the set that stands at Karasuyama in the morning stands there in the evening: the day can be repeated
-    assert (diagrams["V1"][0], diagrams["V1"][-1]) == ("322M", "347M")
-    by_number = {t.number: t for t in trains}
-    for numbers in diagrams.values():
-        for before, after in pairwise(numbers):
-            gap_s = by_number[after].begins_s() - by_number[before].ends_s()
-            assert gap_s >= (1800 if by_number[before].ends.startswith("portal:") else 0)
+def test_names_are_made_from_ids(tmp_path: Path) -> None:
+    calls = [{"s": "X.Y.KazusaKameyama", "d": "06:00"}, {"s": "X.Y.Kururi", "a": "06:20"}]
+    published = read(tmp_path, row("1M", {"r": "X.Y", "tt": calls}))
+    assert [station.name for station in published.stations] == ["Kazusa-Kameyama", "Kururi"]
 
 
-def test_longest_standing_set_leaves_first() -> None:
-    trains = turn_round(
-        [
-            train("1", "down", "portal:HSK.MD", "", "05:00", "05:40"),
-            train("3", "down", "portal:HSK.MD", "", "06:00", "06:40"),
-            train("2", "up", "", "portal:HSK.MU", "06:40", "07:20"),
-            train("4", "up", "", "portal:HSK.MU", "07:40", "08:20"),
-        ]
+def test_links_name_trains_of_the_day(tmp_path: Path) -> None:
+    other = "JR-East.Utsunomiya.9M.Weekday"
+    published = read(
+        tmp_path,
+        row("1M", {"nt": [f"{PREFIX}2M.Weekday"], "pt": [other]}),
+        row("2M", {"d": "Inbound", "pt": [f"{PREFIX}1M.Weekday", f"{PREFIX}7M.Weekday"], "nt": [other]}),
     )
-    assert [t.begins for t in trains[2:]] == ["from:1", "from:3"]
-    assert [t.ends for t in trains[:2]] == ["becomes:2", "becomes:4"]
+    first, second = published.trains
+    assert (first.becomes, first.follows, first.comes_from) == (("2M",), (), other)
+    assert (second.becomes, second.follows, second.goes_to) == ((), ("1M",), other)
 
 
-def test_too_few_sets_are_named() -> None:
-    trains = [
-        train("1", "down", "portal:HSK.MD", "stabled", "05:00", "05:40"),
-        train("3", "down", "portal:HSK.MD", "stabled", "06:00", "06:40"),
+def test_a_train_of_another_railway_is_beyond(tmp_path: Path) -> None:
+    away = ["JR-East.Utsunomiya.Utsunomiya"]
+    published = read(tmp_path, row("1M", {"os": away}), row("3M"), row("5M", {"ds": away}))
+    assert [(bool(t.comes_from), bool(t.goes_to)) for t in published.trains] == [
+        (True, False),
+        (False, False),
+        (False, True),
     ]
-    with pytest.raises(InputError, match="a day that 1 sets can run: none is free for 3"):
-        assemble("day", trains, replace(KARASUYAMA, stock=("V1",)))
-    stabled = [replace(t, begins="stabled") for t in trains]
-    with pytest.raises(InputError, match="a day that 1 sets can run"):
-        assemble("day", stabled, replace(KARASUYAMA, stock=("V1",)))
 
 
-def test_half_an_hour_outside_is_kept() -> None:
-    day = [
-        train("2", "up", "stabled", "portal:HSK.MU", "05:00", "05:40"),
-        train("1", "down", "portal:HSK.MD", "stabled", "06:09", "06:50"),
+def test_times_after_midnight_belong_to_the_day_before(tmp_path: Path) -> None:
+    late = [{"s": f"{PREFIX}A", "d": "00:05"}, {"s": f"{PREFIX}B", "a": "00:30"}]
+    over = [
+        {"s": f"{PREFIX}A", "d": "23:50"},
+        {"s": f"{PREFIX}B", "a": "23:59", "d": "00:01"},
+        {"s": f"{PREFIX}C", "a": "03:10"},
     ]
-    plan = replace(KARASUYAMA, stock=("V1",))
-    with pytest.raises(InputError, match="none is free for 1"):
-        assemble("day", day, plan)
-    later = [day[0], train("1", "down", "portal:HSK.MD", "stabled", "06:10", "06:50")]
-    assert assemble("day", later, plan) == (("V1", ("2", "1")),)
+    published = read(tmp_path, row("1M", {"tt": late}), row("3M", {"tt": over}))
+    assert published.trains[0].calls[0].departure_s == 86_400 + 300
+    assert published.trains[1].calls[1].departure_s == 86_400 + 60
+    assert published.trains[1].calls[2].arrival_s == 86_400 + 3 * 3600 + 600
 
 
-def test_a_time_after_midnight_belongs_to_the_day_before() -> None:
-    assert ImportedCall("KRS", arrival="00:05").time_s() == 86_400 + 300
+def test_a_number_twice_and_a_loop_are_told(tmp_path: Path) -> None:
+    loop = [{"s": f"{PREFIX}{name}", "d": f"06:0{i}"} for i, name in enumerate("ABCA")]
+    published = read(
+        tmp_path,
+        row("1M"),
+        row("1M", {"id": f"{PREFIX}1M.2.Weekday"}),
+        row("9M", {"tt": loop}),
+    )
+    assert [train.number for train in published.trains] == ["1M", "1M-2"]
+    assert published.left == ("trains that come twice to one station: 9M",)
+
+
+def test_one_railway_of_several_is_asked_for(tmp_path: Path) -> None:
+    other = row("7D", {"r": "JR-East.Nikko", "id": "JR-East.Nikko.7D.Weekday"})
+    with pytest.raises(InputError, match=r"expected one railway, one of JR-East.Karasuyama, JR-East.Nikko"):
+        read(tmp_path, row(), other)
+    got = read(tmp_path, row(), other, railway="JR-East.Nikko")
+    assert [train.number for train in got.trains] == ["7D"]
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"d": "Round"}, r"\[0\].d is 'Round'; expected one of Outbound, Inbound"),
-        ({"tt": [{"s": f"{PREFIX}Hoshakuji", "d": "06:00"}]}, "two or more calls"),
-        ({"tt": [{"s": "X.Y", "d": "06:00"}] * 2}, r"tt\[0\].s is 'X.Y'; expected a station of karasuyama"),
-        ({"tt": [{"s": f"{PREFIX}Taki", "d": "6:00"}] * 2}, "'6:00'; expected a time HH:MM"),
-        ({"tt": [{"s": f"{PREFIX}Taki"}] * 2}, "an arrival or a departure"),
+        ({"tt": [{"s": f"{PREFIX}Hoshakuji", "d": "06:00"}]}, "2 to 500 calls"),
+        ({"tt": [{"s": f"{PREFIX}Taki", "d": "6:00"}, {"s": "X.Y"}]}, "'6:00'; expected a time HH:MM"),
+        ({"tt": [{"s": f"{PREFIX}Taki"}, {"s": "X.Y"}]}, "an arrival or a departure"),
+        (
+            {"tt": [{"s": "A", "d": "06:00"}, {"s": "B", "a": "05:59"}]},
+            r"tt\[1\].a is '05:59'; expected a time not before 06:00",
+        ),
         ({"tt": 5}, "tt"),
-        ({"n": '1M"\nid = "x'}, r"\[0\].n is .*expected an identifier"),
+        ({"n": " "}, r"\[0\].n is ' '; expected a train number"),
         ({"id": f"{PREFIX}1M.Sunday"}, "'Weekday'; expected a calendar that is in it: Sunday"),
     ],
 )
 def test_faulty_rows_are_named(tmp_path: Path, changes: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        read_trains(source(tmp_path, row("1M", changes)), "Weekday", KARASUYAMA)
+        read(tmp_path, row("1M", changes))
 
 
-def test_trains_from_beyond_the_junction_use_the_portals(tmp_path: Path) -> None:
-    away = ["JR-East.Utsunomiya.Utsunomiya"]
-    path = source(
-        tmp_path,
-        row("1M", {"os": away}),
-        row("3M"),
-        row("5M", {"pt": ["JR-East.Utsunomiya.5M.Weekday"]}),
-        row("2M", {"d": "Inbound", "ds": away}),
-        row("4M", {"d": "Inbound"}),
-    )
-    got = {t.number: (t.begins, t.ends) for t in read_trains(path, "Weekday", KARASUYAMA)}
-    assert got["1M"] == got["5M"] == ("portal:HSK.MD", "")
-    assert got["2M"] == ("", "portal:HSK.MU")
-    assert got["3M"] == got["4M"] == ("", "")
+def test_two_trains_with_one_id_and_no_train(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\[1\].id is .*expected an id of its own"):
+        read(tmp_path, row(), row())
+    with pytest.raises(InputError, match="a calendar that is in it"):
+        read(tmp_path)

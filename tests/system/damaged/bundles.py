@@ -247,7 +247,7 @@ GEOMETRY: Final = Bundle(
 )
 TIMETABLE: Final = Bundle(
     "mini-tokyo",
-    ("import", "timetable", "source.json", "out.toml"),
+    ("import", "mini-tokyo", "source.json", "out.toml", "--line", "karasuyama"),
     {"source.json": _mini_tokyo()},
     out="out.toml",
 )

@@ -1,0 +1,168 @@
+"""`branchline import mini-tokyo`, `gtfs`, ...: a published timetable counted, or made into a file for a line."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, cast
+
+import typer
+
+from branchline.ending import print_json
+from branchline.options import (
+    Additions,
+    ByHand,
+    ByHandFile,
+    Json,
+    LineName,
+    OutsideMin,
+    TimetableId,
+    TimetableOut,
+    TurnMin,
+)
+from branchline.progress import tell
+from study.outcome import Outcome
+
+if TYPE_CHECKING:
+    from network.exchange.import_timetable import ImportedTimetable
+    from network.exchange.published import PublishedTimetable
+
+TURN_MIN_S: Final = 120  # as `network.exchange.workings` has it, which is not imported for `--help`
+OUTSIDE_MIN_S: Final = 1800
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What the options of such a command say; `credit` and `suffix` (of the timetable's id) are the reader's."""
+
+    credit: str
+    suffix: str
+    line: str | None
+    out: Path | None
+    id: str | None = None
+    by_hand: Sequence[str] = ()
+    by_hand_file: Path | None = None
+    additions: str | None = None
+    turn_min_s: int = TURN_MIN_S
+    outside_min_s: int = OUTSIDE_MIN_S
+    in_order: bool = True
+
+
+def import_mini_tokyo(
+    source: Annotated[Path, typer.Argument(help="Trains of a railway in the form of mini-tokyo-3d (JSON).")],
+    out: TimetableOut = None,
+    line: LineName = None,
+    calendar: Annotated[
+        str, typer.Option("--calendar", help="Weekday, SaturdayHoliday or another one of the file.")
+    ] = "Weekday",
+    railway: Annotated[str, typer.Option("--railway", help="Which one, where the file has several.")] = "",
+    stations: Annotated[
+        Path | None, typer.Option("--stations", help="The source's file of stations, for their names (JSON).")
+    ] = None,
+    timetable_id: TimetableId = None,
+    name: ByHand = None,
+    names: ByHandFile = None,
+    add: Additions = None,
+    turn_min: TurnMin = TURN_MIN_S,
+    outside_min: OutsideMin = OUTSIDE_MIN_S,
+    as_json: Json = False,
+) -> None:
+    """Read the trains of a day from a file of mini-tokyo-3d; with a line, make its timetable file."""
+    from network.exchange.mini_tokyo import SOURCE, read_mini_tokyo
+
+    published = read_mini_tokyo(source, calendar, stations, railway)
+    suffix = {"Weekday": "weekday", "SaturdayHoliday": "holiday"}.get(calendar, calendar)
+    wanted = Wanted(SOURCE, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min)
+    finish(published, wanted, as_json=as_json)
+
+
+def finish(
+    published: PublishedTimetable, wanted: Wanted, counts: dict[str, Any] | None = None, *, as_json: bool
+) -> None:
+    """Count a published timetable, or put it on the line that is wanted and write the file; say what came of it.
+
+    `counts` are figures of the reader's own, shown first.
+    """
+    from network.errors import COMMAND_LINE, InputError
+
+    if wanted.line is None and wanted.out is not None:
+        raise InputError(COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written")
+    figures = {**(counts or {}), **counted(published)} if wanted.line is None else {}
+    if wanted.line is not None:
+        imported = _imported(published, wanted)
+        figures = {**(counts or {}), **imported.figures()}
+        if wanted.out is not None:
+            from network.exchange.import_timetable import write_timetable
+
+            write_timetable(imported, wanted.out)
+    if as_json:
+        print_json(figures, Outcome.GOOD)
+    else:
+        print_figures(figures)
+    if wanted.out is not None:
+        tell(f"wrote {wanted.out}")
+
+
+def counted(published: PublishedTimetable) -> dict[str, Any]:
+    """What a published timetable holds, without a line."""
+    return {
+        "name": published.name,
+        "trains": len(published.trains),
+        "stations": len(published.stations),
+        "calls": sum(len(train.calls) for train in published.trains),
+        "down": sum(train.direction == "down" for train in published.trains),
+        "up": sum(train.direction == "up" for train in published.trains),
+        "linked": sum(bool(train.follows or train.becomes or train.working) for train in published.trains),
+        "beyond": sum(bool(train.comes_from or train.goes_to) for train in published.trains),
+        "station_names": [station.name or station.name_ja or station.key for station in published.stations],
+        "left": list(published.left),
+    }
+
+
+def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetable:
+    from network.errors import COMMAND_LINE, InputError
+    from network.exchange import additions
+    from network.exchange.import_timetable import ImportOrder, import_timetable
+    from network.exchange.station_join import names_by_hand
+    from network.exchange.workings import SetRules
+    from network.files.line_file import load_line
+    from network.files.names import IDENTIFIER_HELP, is_identifier
+    from network.files.shipped import shipped_line
+
+    line = load_line(shipped_line(wanted.line or ""))
+    timetable_id = wanted.id or f"{line.id}_{wanted.suffix}"
+    if not is_identifier(timetable_id):
+        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+    added = additions.Additions()
+    if wanted.additions is not None:
+        added = additions.read_additions(additions.shipped_additions(wanted.additions), line)
+    order = ImportOrder(
+        id=timetable_id,
+        credit=wanted.credit,
+        rules=SetRules(wanted.turn_min_s, wanted.outside_min_s),
+        additions=added,
+        by_hand=names_by_hand(wanted.by_hand, wanted.by_hand_file),
+        hand_file=COMMAND_LINE if wanted.by_hand_file is None else str(wanted.by_hand_file),
+        in_order=wanted.in_order,
+    )
+    return import_timetable(published, line, order)
+
+
+def print_figures(figures: dict[str, Any]) -> None:
+    """Counts as `key: value`, lists a line each, the table of stations with what joined each."""
+    from network.files.raw import is_list
+
+    for key, value in figures.items():
+        if not is_list(value):
+            sys.stdout.write(f"{key}: {value}\n")
+        elif key == "station_names":
+            sys.stdout.write(f"{key}: {', '.join(map(str, value))}\n")
+        elif key == "stations":
+            for row in cast("list[dict[str, Any]]", value):
+                like = f"; like {', '.join(row['like'])}" if row["like"] else ""
+                sys.stdout.write(f"station: {row['source']} = {row['station'] or '-'} ({row['by']}{like})\n")
+        else:
+            for text in value:
+                sys.stdout.write(f"{key.removesuffix('s')}: {text}\n")

@@ -1,0 +1,161 @@
+"""How long trains of a published timetable take for a leg, and the times that it leaves out.
+
+What is known of a leg comes first from whoever knows the trains (a `Running` that is given), then from the quickest
+train that the timetable itself has on the leg with the same stops at its ends, last from the distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+from network.timetable import Call
+
+DWELL_S: Final = (
+    20  # assumed: how long the quickest train stands where only departures are published; a quiet platform
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A run from one station to another; `from_stand` and `to_stand`: whether the train stands at its ends."""
+
+    from_id: str
+    to_id: str
+    from_stand: bool
+    to_stand: bool
+
+
+Running = Callable[[Leg], float | None]  # least running time of a leg, s; None where it is not known
+
+
+class UntimedError(Exception):
+    """A train with too few times for the others to be found; the message says where."""
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """Calls with all the times that a timetable needs; `inferred` are indices of those with one that was computed."""
+
+    calls: tuple[Call, ...]
+    inferred: frozenset[int]
+
+
+def leg_of(before: Call, after: Call) -> Leg:
+    """The leg between two calls."""
+    return Leg(before.station_id, after.station_id, before.stops, after.stops)
+
+
+def observed(trains: Iterable[Sequence[Call]]) -> Running:
+    """Running times of the quickest trains of a timetable.
+
+    From departure to arrival where arrivals are published; else from departure to departure less DWELL_S, for which
+    the train that stands shortest counts.
+    """
+    to_arrival: dict[Leg, int] = {}
+    to_departure: dict[Leg, int] = {}
+    for calls in trains:
+        for before, after in pairwise(calls):
+            if before.departure_s is None:
+                continue
+            exact = after.arrival_s is not None or not after.stops
+            time_s = after.arrival_s if after.arrival_s is not None else after.departure_s
+            if time_s is None or time_s <= before.departure_s:
+                continue
+            table, leg = (to_arrival if exact else to_departure), leg_of(before, after)
+            table[leg] = min(table.get(leg, time_s), time_s - before.departure_s)
+    known: Mapping[Leg, float] = {
+        **{leg: max(time_s - DWELL_S, time_s / 2) for leg, time_s in to_departure.items()},
+        **to_arrival,
+    }
+    return known.get
+
+
+def filled(calls: Sequence[Call], positions_m: Sequence[float], running: Running) -> Timed:
+    """Calls with the times that the source leaves out; `positions_m` (m) are those of the calls' stations.
+
+    Raises UntimedError where nothing before or after tells when the train is there.
+    """
+    given = list(calls)
+    inferred: set[int] = set()
+    _fill_untimed(given, positions_m, running, inferred)
+    for i, call in enumerate(given):
+        if not call.stops or i == 0:
+            continue
+        if call.arrival_s is None:
+            given[i] = replace(call, arrival_s=_arrival_s(given, i, running))
+            inferred.add(i)
+        elif call.departure_s is None and i < len(given) - 1:
+            latest_s = max(call.arrival_s, given[i + 1].first_s - 1)
+            given[i] = replace(call, departure_s=min(call.arrival_s + DWELL_S, latest_s))
+            inferred.add(i)
+    return Timed(tuple(given), frozenset(inferred))
+
+
+def _arrival_s(calls: Sequence[Call], i: int, running: Running) -> int:
+    """Arrival of a train whose departure alone is known: its running time after the departure before, at most then."""
+    before, call = calls[i - 1], calls[i]
+    left_s, leaves_s = before.last_s, call.last_s
+    run_s = running(leg_of(before, call))
+    if run_s is None:
+        return max(leaves_s - DWELL_S, left_s + 1 if left_s < leaves_s else leaves_s)
+    return min(leaves_s, left_s + max(1, round(run_s)))
+
+
+def _untimed(call: Call) -> bool:
+    return call.arrival_s is None and call.departure_s is None
+
+
+def _fill_untimed(
+    calls: list[Call], positions_m: Sequence[float], running: Running, inferred: set[int]
+) -> None:
+    """Calls with no time at all lie between those around them in proportion of the legs' running times."""
+    timed = [i for i, call in enumerate(calls) if not _untimed(call)]
+    if not timed:
+        raise UntimedError("no time is given at all")
+    _fill_ends(calls, timed, running, inferred)
+    timed = [i for i, call in enumerate(calls) if not _untimed(call)]
+    for first, last in pairwise(timed):
+        if last == first + 1:
+            continue
+        from_s = calls[first].last_s
+        shares = _shares(calls, positions_m, range(first, last + 1), running)
+        stands = calls[last].stops and calls[last].arrival_s is None
+        span_s = max(calls[last].first_s - (DWELL_S if stands else 0) - from_s, 0)
+        for i, share in zip(range(first + 1, last), shares, strict=False):
+            calls[i] = _at(calls[i], from_s + round(span_s * share))
+            inferred.add(i)
+
+
+def _fill_ends(calls: list[Call], timed: Sequence[int], running: Running, inferred: set[int]) -> None:
+    """What lies before the first and after the last time given follows from running times, or is not known."""
+    for i in range(timed[0] - 1, -1, -1):
+        run_s = running(leg_of(calls[i], calls[i + 1]))
+        if run_s is None:
+            raise UntimedError(f"no time is given at {calls[i].station_id}, where it begins")
+        calls[i] = _at(calls[i], calls[i + 1].first_s - round(run_s))
+        inferred.add(i)
+    for i in range(timed[-1] + 1, len(calls)):
+        run_s = running(leg_of(calls[i - 1], calls[i]))
+        if run_s is None:
+            raise UntimedError(f"no time is given at {calls[i].station_id}, where it ends")
+        calls[i] = _at(calls[i], calls[i - 1].last_s + round(run_s))
+        inferred.add(i)
+
+
+def _at(call: Call, time_s: int) -> Call:
+    return replace(call, arrival_s=time_s if call.stops else None, departure_s=time_s)
+
+
+def _shares(
+    calls: Sequence[Call], positions_m: Sequence[float], indices: range, running: Running
+) -> list[float]:
+    """How far along the time between two calls each one between them lies: by running times, else by distance."""
+    runs = [running(leg_of(calls[i], calls[i + 1])) for i in indices[:-1]]
+    known = [run_s for run_s in runs if run_s is not None]
+    if len(known) < len(runs):
+        known = [abs(positions_m[i + 1] - positions_m[i]) for i in indices[:-1]]
+    total = sum(known) or 1.0
+    return [sum(known[: i + 1]) / total for i in range(len(known) - 1)]

@@ -1,0 +1,83 @@
+"""What two runs were made from, figure by figure: where their inputs differ, and whose scenario set it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from network.files.edits import Change, differences
+from network.files.toml_input import validate
+from study.compare.side import Side
+from study.scenario.scenario_file import ScenarioFile
+
+# What a scenario is called, and prose; what it names and what it patches is compared itself.
+_NO_SETTING: Final = ("extends", "id", "name", "assumed", "patch")
+# How a run was asked for on the command line.
+_ASKED: Final = ("link", "carrier")
+COMMAND_LINE: Final = "command line"
+
+
+@dataclass(frozen=True, slots=True)
+class InputChange:
+    """One figure of the inputs that is not the same; None where it is not there.
+
+    `by` are the labels of the runs whose scenario, or a patch of it, has set what stands there.
+    """
+
+    file: str
+    key: str
+    old: object
+    new: object
+    by: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"file": self.file, "key": self.key, "old": self.old, "new": self.new, "by": list(self.by)}
+
+
+def input_changes(base: Side, new: Side) -> tuple[InputChange, ...]:
+    """Where the inputs of two runs differ: scenario, line, timetable, trains that both have, command line."""
+    a, b = base.inputs, new.inputs
+    settings = _settings(a.scenario), _settings(b.scenario)
+    found = [
+        *differences("scenario", *settings),
+        *differences(_file(a.scenario["line"], b.scenario["line"]), a.line, b.line),
+        *differences(_file(a.scenario["timetable"], b.scenario["timetable"]), a.timetable, b.timetable),
+    ]
+    for name in sorted({*a.trains} & {*b.trains}):
+        found += differences(_file(name, name), _figures(a.trains[name]), _figures(b.trains[name]))
+    for stock_id in sorted({*a.stock} & {*b.stock}):
+        if a.stock[stock_id] != b.stock[stock_id]:
+            found.append(Change("scenario", f"train of {stock_id}", a.stock[stock_id], b.stock[stock_id]))
+    found += differences("learned", dict(a.learned), dict(b.learned))
+    for key in _ASKED:
+        if base.summary.get(key) != new.summary.get(key):
+            found.append(Change(COMMAND_LINE, f"--{key}", base.summary.get(key), new.summary.get(key)))
+    return tuple(InputChange(c.file, c.key, c.old, c.new, _by(c, base, new)) for c in found)
+
+
+def _settings(scenario: Mapping[str, Any]) -> dict[str, Any]:
+    """The scenario's own tables with all defaults: what one leaves out and the other says may be the same."""
+    whole = validate(scenario, "scenario", ScenarioFile).model_dump(mode="json", by_alias=True)
+    return {key: value for key, value in whole.items() if key not in _NO_SETTING}
+
+
+def _figures(train: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in train.items() if key != "provenance"}
+
+
+def _file(old: str, new: str) -> str:
+    """The file's name; both where they differ."""
+    names = dict.fromkeys(f"{Path(name).name.removesuffix('.toml')}.toml" for name in (old, new))
+    return " | ".join(names)
+
+
+def _by(change: Change, base: Side, new: Side) -> tuple[str, ...]:
+    """The runs whose own account of changes has this key and value."""
+    return tuple(
+        side.label
+        for side, value in ((base, change.old), (new, change.new))
+        if any(own.key == change.key and own.new == value for own in side.inputs.changes)
+    )

@@ -1,0 +1,143 @@
+"""Two train graphs laid over each other: the new run in colour where it moved, the other thin beneath it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from itertools import chain
+from typing import Final
+
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from study.compare.comparison import Comparison
+from study.compare.meets import Fate
+from study.compare.side import Side
+from study.report.data import Run
+from study.report.graph import draw_frame, numbers_of, write_numbers
+from study.report.labels import Number
+from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, WIDTH_IN, TimeBand, time_bands
+
+UNMOVED: Final = "#a9b4bf"
+BASE: Final = "#3c3c3c"
+ADDED: Final = "#2e7d4f"
+_PANEL_IN: Final = 3.7
+_DASHES: Final = (0, (4, 2))
+
+
+@dataclass(frozen=True, slots=True)
+class _Looks:
+    colour: str
+    width_pt: float
+    style: str | tuple[int, tuple[int, int]]
+    zorder: float
+
+
+def draw_both(base: Side, new: Side, found: Comparison) -> Figure:
+    """Both runs in panels of at most 6.5 h. Trains that did not move are pale; meets that did are circled.
+
+    The base run is the thin dashed line, the new one the thick line; a train of one run only is red (gone) or
+    green (new).
+    """
+    old, late = base.run, new.run
+    windows = [run.window_s for run in (old, late)]
+    bands, grid = time_bands(min(w[0] for w in windows), max(w[1] for w in windows))
+    figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(bands) + 0.5), layout="constrained")
+    graphs = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+    moved = {moved.train for moved in found.times.moved} | {once.train for once in found.times.once}
+    for axes, band in zip(graphs, bands, strict=True):
+        draw_frame(axes, late, band, grid)
+        _draw_base(axes, old, band, moved, found.times.only_base)
+        _draw_new(axes, late, band, moved, found.times.only_new)
+        _draw_meets(axes, found, band)
+    _legend(figure, base.label, new.label)
+    figure.draw_without_rendering()  # lays the panels out: numbers are placed on the screen
+    for axes, band in zip(graphs, bands, strict=True):
+        write_numbers(axes, _numbers(old, late, band, moved, found))
+    return figure
+
+
+def _draw_base(axes: Axes, run: Run, band: TimeBand, moved: Collection[str], gone: Collection[str]) -> None:
+    for (_, number), course in run.courses.items():
+        if number in gone:
+            _draw(axes, course, band, _Looks(RED, 1.4, _DASHES, 4.0))
+        elif number in moved:
+            _draw(axes, course, band, _Looks(BASE, 0.8, _DASHES, 4.0))
+
+
+def _draw_new(axes: Axes, run: Run, band: TimeBand, moved: Collection[str], added: Collection[str]) -> None:
+    for (_, number), course in run.courses.items():
+        if number in added:
+            _draw(axes, course, band, _Looks(ADDED, 2.2, "-", 3.2))
+        elif number in moved:
+            _draw(axes, course, band, _Looks(DIRECTION_COLOUR[run.directions[number]], 2.0, "-", 3.0))
+        else:
+            _draw(axes, course, band, _Looks(UNMOVED, 1.0, "-", 2.5))
+
+
+def _draw(axes: Axes, course: pl.DataFrame, band: TimeBand, looks: _Looks) -> None:
+    t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
+    if band.meets(float(t_s[0]), float(t_s[-1])):
+        alpha = 0.75 if looks.width_pt > 1.4 else 1.0
+        axes.plot(
+            t_s, at_m, color=looks.colour, lw=looks.width_pt, ls=looks.style, zorder=looks.zorder, alpha=alpha
+        )
+
+
+def _draw_meets(axes: Axes, found: Comparison, band: TimeBand) -> None:
+    """A ring where a meet is in the new run, an open square where one was and is no more."""
+    for change in found.meets:
+        meet = change.old if change.fate is Fate.GONE else change.new
+        if meet is not None and band.from_s <= meet.time_s <= band.to_s:
+            mark = "s" if change.fate is Fate.GONE else "o"
+            axes.plot(
+                [meet.time_s], [meet.position_m], marker=mark, ms=8, mfc="none", mec=RED, mew=1.1, zorder=4.5
+            )
+
+
+def _legend(figure: Figure, base: str, new: str) -> None:
+    """What the lines are, above all panels."""
+
+    def line(colour: str, width_pt: float, style: str | tuple[int, tuple[int, int]]) -> Line2D:
+        return Line2D([], [], color=colour, lw=width_pt, ls=style)
+
+    def mark(shape: str) -> Line2D:
+        return Line2D([], [], ls="", marker=shape, ms=7, mfc="none", mec=RED, mew=1.1)
+
+    entries = [
+        (line(BASE, 0.8, _DASHES), f"{_short(base)}, trains that moved"),
+        (line(next(iter(DIRECTION_COLOUR.values())), 2.0, "-"), f"{_short(new)}, down"),
+        (line(list(DIRECTION_COLOUR.values())[1], 2.0, "-"), "up"),
+        (line(UNMOVED, 1.0, "-"), "not moved"),
+        (line(RED, 1.4, _DASHES), f"only in {_short(base)}"),
+        (line(ADDED, 2.2, "-"), f"only in {_short(new)}"),
+        (mark("o"), "meet moved or new"),
+        (mark("s"), "meet gone"),
+    ]
+    figure.legend(
+        [handle for handle, _ in entries],
+        [text for _, text in entries],
+        loc="outside upper left",
+        ncols=len(entries) // 2,
+        labelcolor=INK,
+        edgecolor=PALE,
+    )
+
+
+def _short(label: str, most: int = 40) -> str:
+    return label if len(label) <= most else f"…{label[1 - most :]}"
+
+
+def _numbers(old: Run, new: Run, band: TimeBand, moved: Collection[str], found: Comparison) -> list[Number]:
+    """Numbers of the new run's trains, and of those that are gone; first of all those that moved or came."""
+    gone = [n for n in numbers_of(old, band) if n.text in found.times.only_base]
+    mine = numbers_of(new, band)
+    first = {*moved, *found.times.only_new}
+    ordered = chain((n for n in mine if n.text in first), gone, (n for n in mine if n.text not in first))
+    colours = dict.fromkeys(found.times.only_base, RED) | dict.fromkeys(found.times.only_new, ADDED)
+    return [
+        Number(n.text, colours.get(n.text, n.colour if n.text in moved else PALE), n.t_s, n.at_m)
+        for n in ordered
+    ]

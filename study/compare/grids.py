@@ -1,0 +1,227 @@
+"""What a comparison found as tables of text: the same ones for the terminal, the report and the page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from network.timetable import clock
+from study.compare.comparison import Comparison, Comparisons
+from study.compare.measures import Measure, Row, Value, columns_in, names_in, sorted_by
+from study.compare.meets import MeetChange, RunMeet
+from study.compare.side import Side
+from study.compare.times import Moved, What
+from study.report.data import place_name
+from study.report.parts import Grid, signed
+
+SAME: Final = "="
+NONE: Final = "–"
+# Of a table's columns those shown to a person, with their heading, unit and digits; the files have all.
+_SHOWN: Final[Mapping[str, tuple[tuple[str, str, int], ...]]] = {
+    "margins": (("margin_s", "margin, s", 0), ("left_s", "left as run, s", 1)),
+    "energy": (
+        ("net_kwh", "net, kWh", 1),
+        ("traction_kwh", "traction, kWh", 1),
+        ("regenerated_kwh", "back, kWh", 1),
+    ),
+    "telegrams": (("sent", "sent", 0), ("lost", "lost", 0)),
+    "stops": (("stop_error_m", "stop error, m", 3),),
+}
+
+
+def measures_grid(found: Comparisons, *, changed_only: bool = False) -> Grid:
+    """A row a figure, a column a run; with two runs their difference stands in a column of its own."""
+    labels = [side.label for side in found.sides]
+    rows: list[tuple[str, ...]] = []
+    for measure in found.measures:
+        if changed_only and not changed(measure):
+            continue
+        unit = f", {measure.unit}" if measure.unit else ""
+        cells = [
+            _value(measure, index) + (_apart(measure, index) if len(labels) > 2 else "")
+            for index in range(len(labels))
+        ]
+        last = (_by(measure, 1),) if len(labels) == 2 else ()
+        rows.append((measure.group, f"{measure.name}{unit}", *cells, *last))
+    header = ("", "", *labels, *(("difference",) if len(labels) == 2 else ()))
+    return Grid(header, tuple(rows), numbers_from=2)
+
+
+def changed(measure: Measure) -> bool:
+    """Whether any run differs from the first by what can be read."""
+    return any(_by(measure, index) != SAME for index in range(1, len(measure.values)))
+
+
+def inputs_grid(found: Comparison) -> Grid:
+    """Inputs that differ, with who patched them."""
+    rows = tuple((c.file, c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs)
+    return Grid(("file", "key", "old", "new", "set by"), rows)
+
+
+def moved_grid(found: Comparison, new: Side, *, largest_first: bool = False) -> Grid:
+    """Every time that moved, in order of time or the largest first."""
+    listed = list(found.times.moved)
+    if largest_first:
+        listed.sort(key=lambda moved: -abs(moved.by_s))
+    rows = tuple(
+        (
+            moved.train,
+            moved.direction,
+            place_name(new.run, moved.station),
+            moved.what.value,
+            _clock(moved.old_s),
+            _clock(moved.new_s),
+            _later(moved.by_s),
+            NONE if moved.plan_by_s is None else signed(moved.plan_by_s, 0, "s"),
+        )
+        for moved in listed
+    )
+    return Grid(("train", "", "station", "what", "old", "new", "moved", "by plan"), rows, numbers_from=4)
+
+
+def moved_matrix(found: Comparison, new: Side) -> Grid:
+    """A row a train that moved, a column a station: seconds of arrival / departure, a dot where it did not move."""
+    by_train: dict[str, dict[str, dict[What, Moved]]] = {}
+    for moved in found.times.moved:
+        by_train.setdefault(moved.train, {}).setdefault(moved.station, {})[moved.what] = moved
+    seen = {station for stations in by_train.values() for station in stations}
+    places = [station for station in new.run.stations if station.id in seen]
+    rows = tuple(
+        (
+            train,
+            new.run.directions[train].name.lower(),
+            *(_cell(by_train[train].get(p.id, {})) for p in places),
+        )
+        for train in new.run.trains
+        if train in by_train
+    )
+    return Grid(("train", "", *(place.name for place in places)), rows, numbers_from=2)
+
+
+def once_grid(found: Comparison, new: Side) -> Grid:
+    """Arrivals and departures that came in one of the runs only."""
+    rows = tuple(
+        (
+            once.train,
+            place_name(new.run, once.station),
+            once.what.value,
+            found.new if once.in_new else found.base,
+            _clock(once.at_s),
+        )
+        for once in found.times.once
+    )
+    return Grid(("train", "station", "what", "only in", "at"), rows, numbers_from=4)
+
+
+def meets_grid(found: Comparison, base: Side, new: Side) -> Grid:
+    """Meets that moved, came or went."""
+
+    def place(side: Side, meet: RunMeet | None) -> str:
+        return (
+            NONE
+            if meet is None
+            else f"{' – '.join(place_name(side.run, at) for at in meet.at)} {_clock(meet.time_s)}"
+        )
+
+    def later(change: MeetChange) -> str:
+        return change.why or (NONE if change.by_s is None else _later(change.by_s))
+
+    rows = tuple(
+        (c.down_train, c.up_train, c.fate.value, place(base, c.old), place(new, c.new), later(c))
+        for c in found.meets
+    )
+    return Grid(("down", "up", "meet", "old", "new", "moved"), rows)
+
+
+def rows_grid(found: Comparison, table: str, new: Side) -> Grid:
+    """What differs in margins, energy, telegrams or stops, by more than can be left out, most first."""
+    shown = _SHOWN[table]
+    first = shown[0][0]
+    listed = [row for row in found.rows[table] if any(_told(row, *column) for column in shown)]
+    names: Callable[[Row], tuple[str, ...]] = lambda row: tuple(  # noqa: E731
+        place_name(new.run, name) if "station" in column else name
+        for column, name in zip(names_in(table), row.names, strict=True)
+    )
+    rows = tuple(
+        (*names(row), *(text for column, _, digits in shown for text in _old_new_by(row, column, digits)))
+        for row in sorted_by(listed, first)
+    )
+    headings = [text for _, heading, _ in shown for text in (f"{heading}: old", "new", "by")]
+    titles = (column.removesuffix("_station").replace("_", " ") for column in names_in(table))
+    return Grid((*titles, *headings), rows, numbers_from=len(names_in(table)))
+
+
+def columns_of(table: str) -> tuple[str, ...]:
+    """The headings of a table's file: what names a row, then old and new of each column."""
+    return (
+        *names_in(table),
+        *(f"{column}_{when}" for column in columns_in(table) for when in ("old", "new")),
+    )
+
+
+def cut(grid: Grid, most: int) -> tuple[Grid, int]:
+    """The first rows of a grid, and how many were left out."""
+    return Grid(grid.header, grid.rows[:most], grid.numbers_from, grid.numbers_to), max(
+        len(grid.rows) - most, 0
+    )
+
+
+def _told(row: Row, column: str, _heading: str, digits: int) -> bool:
+    """Whether a difference can be read, or one of both has none."""
+    old, new = row.values[column]
+    return (old is None) != (new is None) or abs(row.by(column) or 0.0) >= 0.5 * 10.0**-digits
+
+
+def _old_new_by(row: Row, column: str, digits: int) -> tuple[str, str, str]:
+    old, new = row.values[column]
+    by = NONE if old is None or new is None else _difference(new - old, digits)
+    return _number(old, digits), _number(new, digits), by
+
+
+def _value(measure: Measure, index: int) -> str:
+    text, where = _number(measure.values[index], measure.digits), measure.where[index]
+    return f"{text} ({where})" if where else text
+
+
+def _apart(measure: Measure, index: int) -> str:
+    return "" if index == 0 or _by(measure, index) == SAME else f"  {_by(measure, index)}"
+
+
+def _by(measure: Measure, index: int) -> str:
+    by = measure.by(index)
+    if by is None:
+        return SAME if measure.values[0] is None and measure.values[index] is None else NONE
+    return _difference(by, measure.digits)
+
+
+def _difference(by: float, digits: int) -> str:
+    return signed(by, digits) if abs(by) >= 0.5 * 10.0**-digits else SAME
+
+
+def _number(value: Value, digits: int) -> str:
+    return NONE if value is None else f"{value:,.{digits}f}".replace("-", "−")
+
+
+def _cell(moved: Mapping[What, Moved]) -> str:
+    """Arrival and departure of a train at a station; nothing where neither moved."""
+    if not moved:
+        return ""
+    if What.PASSING in moved:
+        return signed(moved[What.PASSING].by_s, 0)
+    ends = (What.ARRIVAL, What.DEPARTURE)
+    return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in ends)
+
+
+def _later(by_s: float) -> str:
+    return f"{abs(by_s):.1f} s {'later' if by_s > 0 else 'earlier'}"
+
+
+def _clock(time_s: float) -> str:
+    """HH:MM:SS.s: runs go by steps of a tenth of a second."""
+    tenths = round(time_s * 10)
+    return f"{clock(tenths // 10)}.{tenths % 10}"
+
+
+def _json(value: object) -> str:
+    return NONE if value is None else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,241 @@
+"""The figures by which runs are compared, a row each, and the tables behind them: margins, energy, telegrams, stops."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, Final, TypeAlias
+
+import polars as pl
+
+from study.compare.meets import meets_of
+from study.compare.side import Side
+from study.compare.times import What
+from study.report.data import place_name
+from study.run.summary import ENERGIES, TELEGRAM_COUNTS, arrived_trains, energy_summary
+
+# Minutes as punctuality is told in, and the 15 s in which Japanese timetables are planned.
+WITHIN_S: Final = (0, 15, 60, 180, 300)
+Value: TypeAlias = float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One figure of one run: `where` says of which train and place, for the extremes."""
+
+    group: str
+    name: str
+    unit: str
+    digits: int
+    value: Value
+    where: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """One figure of every run, in their order; None where a run has none."""
+
+    group: str
+    name: str
+    unit: str
+    digits: int
+    values: tuple[Value, ...]
+    where: tuple[str, ...]
+
+    def by(self, index: int) -> Value:
+        """How much more it is in a run than in the first; None where either has none."""
+        base, value = self.values[0], self.values[index]
+        return None if base is None or value is None else value - base
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What one thing of a table was and is: its name's parts, then column: (old, new)."""
+
+    names: tuple[str, ...]
+    values: Mapping[str, tuple[Value, Value]] = field(default_factory=dict[str, tuple[Value, Value]])
+
+    def by(self, column: str) -> Value:
+        """How much more it is in the new run; a thing that is in one run only counts from nothing."""
+        old, new = self.values[column]
+        return None if old is None and new is None else (new or 0.0) - (old or 0.0)
+
+
+def measures_of(sides: Sequence[Side]) -> tuple[Measure, ...]:
+    """Every figure of all runs."""
+    columns = [tuple(figures_of(side)) for side in sides]
+    return tuple(
+        Measure(
+            row[0].group,
+            row[0].name,
+            row[0].unit,
+            row[0].digits,
+            tuple(figure.value for figure in row),
+            tuple(figure.where for figure in row),
+        )
+        for row in zip(*columns, strict=True)
+    )
+
+
+def figures_of(side: Side) -> Iterator[Figure]:
+    """The figures of one run, always the same ones in the same order."""
+    tables, timetable = side.run.tables, side.run.timetable
+    planned = sum(train.revenue for train in timetable.trains.values())
+    yield Figure("trains", "planned", "", 0, float(planned))
+    yield Figure(
+        "trains", "ran their whole journey", "", 0, float(len(arrived_trains(tables.stops, timetable)))
+    )
+    yield Figure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
+    for what in (What.ARRIVAL, What.DEPARTURE):
+        yield from _punctuality(side, what)
+    yield from _margins(side)
+    yield from _energy(side)
+    for name in TELEGRAM_COUNTS:
+        yield Figure("telegrams", name, "", 0, float(tables.telegrams[name].sum()))
+    yield Figure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
+    yield from _stop_errors(side)
+    for kind in ("intervention", "refusal", "fault"):
+        yield Figure("events", f"{kind}s", "", 0, float(tables.events.filter(pl.col("kind") == kind).height))
+    for key, name in (("invariants_broken", "invariants broken"), ("collisions", "collisions")):
+        yield Figure("safety", name, "", 0, _number(side.summary.get(key)))
+
+
+def _punctuality(side: Side, what: What) -> Iterator[Figure]:
+    """What share of the planned was late by at most so much. What did not come was not; passings are departures."""
+    stops, late = side.run.tables.stops, pl.col(f"late_{what.value}_s")
+    planned = stops.filter(pl.col(f"planned_{what.value}_s").is_not_null())
+    came = planned.filter(late.is_not_null())
+    group = f"{what.value}s"
+    yield Figure(group, "planned", "", 0, float(planned.height))
+    for most_s in WITHIN_S:
+        kept = came.filter(late <= most_s).height
+        most = f"{most_s} s" if most_s < 60 else f"{most_s // 60} min"
+        name = f"at most {most} late" if most_s else "not late"
+        yield Figure(group, name, "%", 1, 100.0 * kept / planned.height if planned.height else None)
+    yield Figure(group, "mean lateness", "s", 1, _number(came[f"late_{what.value}_s"].mean()))
+    worst = came.sort(late, descending=True, maintain_order=True).head(1)
+    where = _at_station(side, worst)
+    yield Figure(group, "worst lateness", "s", 1, _number(came[f"late_{what.value}_s"].max()), where)
+
+
+def _margins(side: Side) -> Iterator[Figure]:
+    margins = side.run.tables.margins
+    for column, name, unit in (
+        ("margin_s", "smallest planned", "s"),
+        ("margin_percent", "smallest planned", "%"),
+        ("left_s", "least left as run", "s"),
+    ):
+        least = margins.filter(pl.col(column).is_finite()).sort(column, maintain_order=True).head(1)
+        where = _on_hop(side, least)
+        yield Figure("margins", name, unit, 1, least[column][0] if least.height else None, where)
+    yield Figure("margins", "mean left as run", "s", 1, _number(margins["left_s"].mean()))
+    short = margins.filter(pl.col("margin_s") < 0.0).height
+    yield Figure("margins", "hops that the plan cannot keep", "", 0, float(short))
+
+
+def _energy(side: Side) -> Iterator[Figure]:
+    tables = side.run.tables
+    whole = energy_summary(tables)
+    for name in (*ENERGIES, "net"):
+        yield Figure("energy", name, "kWh", 1, whole["all"][name])
+    yield Figure("energy", "of it standing", "kWh", 1, whole["standing"]["net"])
+    yield Figure("energy", "of it layovers", "kWh", 1, whole["layovers"]["net"])
+    traction = whole["all"]["traction"]
+    share = 100.0 * whole["all"]["regenerated"] / traction if traction > 0.0 else None
+    yield Figure("energy", "regenerated, of traction", "%", 1, share)
+    yield Figure("energy", "distance", "train-km", 1, whole["train_km"])
+    yield Figure("energy", "net by distance", "kWh/train-km", 3, whole["net_kwh_per_train_km"]["all"])
+    yield Figure("energy", "net by cars and distance", "kWh/car-km", 3, whole["net_kwh_per_car_km"]["all"])
+
+
+def _stop_errors(side: Side) -> Iterator[Figure]:
+    stops = side.run.tables.stops
+    error_m = stops["stop_error_m"].drop_nulls()
+    worst = stops.filter(pl.col("stop_error_m").is_not_null()).sort(
+        pl.col("stop_error_m").abs(), descending=True, maintain_order=True
+    )
+    where = _at_station(side, worst)
+    yield Figure("stops at the mark", "measured", "", 0, float(len(error_m)))
+    yield Figure("stops at the mark", "mean error", "m", 3, _number(error_m.mean()))
+    sigma = error_m.std() if len(error_m) > 1 else None
+    yield Figure("stops at the mark", "sigma of error", "m", 3, _number(sigma))
+    yield Figure("stops at the mark", "largest error", "m", 3, _number(error_m.abs().max()), where)
+
+
+def _at_station(side: Side, stops: pl.DataFrame) -> str:
+    """Train and station of the first row."""
+    return f"{stops['train'][0]} at {place_name(side.run, stops['station'][0])}" if stops.height else ""
+
+
+def _on_hop(side: Side, margins: pl.DataFrame) -> str:
+    """Train and hop of the first row."""
+    if margins.is_empty():
+        return ""
+    ends = (place_name(side.run, margins[f"{end}_station"][0]) for end in ("from", "to"))
+    return f"{margins['train'][0]} {' – '.join(ends)}"
+
+
+# What is compared row by row: columns that name a row, and those that are figures of it.
+_TABLES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
+    "margins": (
+        ("train", "from_station", "to_station"),
+        ("planned_s", "least_s", "margin_s", "run_s", "left_s"),
+    ),
+    "energy": (("train",), ("traction_kwh", "regenerated_kwh", "auxiliary_kwh", "net_kwh", "distance_km")),
+    "telegrams": (("kind",), (*TELEGRAM_COUNTS, "bytes")),
+    "stops": (("train", "station"), ("stop_error_m",)),
+}
+TABLES: Final = tuple(_TABLES)
+_SUMMED: Final = ("energy", "telegrams")  # several rows of a name are one: units of a train, ways of a kind
+
+
+def names_in(table: str) -> tuple[str, ...]:
+    """The columns that name a row of a table."""
+    return _TABLES[table][0]
+
+
+def columns_in(table: str) -> tuple[str, ...]:
+    """The columns of a table that are compared."""
+    return _TABLES[table][1]
+
+
+def compare_rows(base: Side, new: Side, table: str) -> tuple[Row, ...]:
+    """The rows of a table that are not the same in both runs, matched by their names."""
+    olds, news = _rows(base, table), _rows(new, table)
+    found: list[Row] = []
+    for names in dict.fromkeys((*olds, *news)):
+        old, late = olds.get(names, {}), news.get(names, {})
+        if old != late:
+            values = {column: (old.get(column), late.get(column)) for column in columns_in(table)}
+            found.append(Row(names, values))
+    return tuple(found)
+
+
+def _rows(side: Side, table: str) -> dict[tuple[str, ...], dict[str, Value]]:
+    names, columns = _TABLES[table]
+    frame: pl.DataFrame = getattr(side.run.tables, table)
+    if table in _SUMMED:
+        frame = frame.group_by(names, maintain_order=True).agg(pl.col(columns).sum())
+    else:
+        frame = frame.filter(pl.any_horizontal(pl.col(columns).is_not_null()))
+        frame = frame.unique(names, keep="first", maintain_order=True)
+    return {
+        tuple(str(row[name]) for name in names): {column: _number(row[column]) for column in columns}
+        for row in frame.iter_rows(named=True)
+    }
+
+
+def sorted_by(rows: Sequence[Row], column: str) -> tuple[Row, ...]:
+    """Rows by how much a column has changed, most first."""
+    size: Callable[[Row], float] = lambda row: -abs(row.by(column) or 0.0)  # noqa: E731
+    return tuple(sorted(rows, key=size))
+
+
+def _number(value: object) -> Value:
+    """A finite number; a table may hold an endless running time, which no file of ours can."""
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None

@@ -1,0 +1,88 @@
+"""A comparison as parts of a page: of the report of a run, or of a page of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from study.compare.comparison import Comparison, Comparisons, verdict_of
+from study.compare.graph import draw_both
+from study.compare.grids import (
+    inputs_grid,
+    measures_grid,
+    meets_grid,
+    moved_grid,
+    moved_matrix,
+    once_grid,
+    rows_grid,
+)
+from study.compare.measures import TABLES
+from study.report.parts import Part
+from study.report.style import svg_of
+
+OPEN_ROWS: Final = 40  # longer tables are folded
+_GRAPH_HELP: Final = (
+    "Trains that moved: thick in colour as they ran, thin and dashed as they ran in the other run."
+    " Pale: not moved."
+)
+_ROWS: Final = {
+    "margins": (
+        "Margins that differ",
+        "As planned over the least running time, and what was left on arrival.",
+    ),
+    "energy": ("Energy by train", "What differs, the largest difference first."),
+    "telegrams": ("Telegrams by kind", ""),
+    "stops": (
+        "Stops at the mark",
+        "Errors that differ by a millimetre or more; beyond the mark is positive.",
+    ),
+}
+
+
+def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) -> tuple[Part, ...]:
+    """What changed from the first run to one of the others, in the order in which a planner reads it.
+
+    The report of a run leaves out the picture of both `graphs`: its own graph shows the other run. Call within
+    `study.report.style.drawing`.
+    """
+    pair, base, new = found.pairs[index], found.sides[0], found.sides[index + 1]
+    two = found.of_two(index)
+    first = Part(
+        f"What changed against {base.label}", " ".join(verdict_of(pair)), grids=(measures_grid(two),)
+    )
+    if pair.nothing_differs:
+        return (first,)
+    listed = [
+        Part("Inputs that differ", _inputs_text(pair), grids=(inputs_grid(pair),)),
+        Part(
+            "Times that moved",
+            f"Seconds by which arrival / departure moved, where by more than {pair.over_s:g} s; + is later in"
+            f" {new.label}.",
+            grids=(moved_matrix(pair, new),),
+        ),
+        Part("Every time that moved", "", grids=(moved_grid(pair, new),)),
+        Part("Came in one run only", "Of trains that run in both.", grids=(once_grid(pair, new),)),
+        Part(
+            "Meets that moved",
+            "As run: where and when the fronts passed.",
+            grids=(meets_grid(pair, base, new),),
+        ),
+        *(Part(*_ROWS[table], grids=(rows_grid(pair, table, new),)) for table in TABLES),
+    ]
+    both = (
+        (Part("Both train graphs", _GRAPH_HELP, (svg_of(draw_both(base, new, pair), f"both{index}"),)),)
+        if graphs
+        else ()
+    )
+    return (first, *both, *(_folded(part) for part in listed if part.grids[0].rows))
+
+
+def _folded(part: Part) -> Part:
+    """A long table is folded; its line says how long."""
+    count = len(part.grids[0].rows)
+    return part if count <= OPEN_ROWS else replace(part, folded=f"{count:,} rows")
+
+
+def _inputs_text(pair: Comparison) -> str:
+    count = len(pair.inputs)
+    return f"{count:,} {'difference' if count == 1 else 'differences'}, the patches of both runs carried out."

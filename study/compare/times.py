@@ -1,0 +1,142 @@
+"""Which trains came and left at another time, and which ran, or came, in one of two runs only."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from enum import Enum
+from typing import Any, TypeAlias
+
+from network.timetable import CallKind
+from study.report.data import Run
+
+# Train, station, how often the train was there before, and what it did.
+Key: TypeAlias = tuple[str, str, int, "What"]
+
+
+class What(Enum):
+    """What a train does at a station, at a time."""
+
+    ARRIVAL = "arrival"
+    DEPARTURE = "departure"
+    PASSING = "passing"  # the one time of a train that does not stop
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """When a train came or left: true and planned, s; None where it did not, or was not planned."""
+
+    true_s: float | None
+    planned_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """An arrival, departure or passing at another time.
+
+    `by_s` > 0 is later in the new run; `plan_by_s` is by how much the plan moved, None where one of both has none.
+    """
+
+    train: str
+    direction: str
+    station: str
+    what: What
+    old_s: float
+    new_s: float
+    by_s: float
+    plan_by_s: float | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV."""
+        return asdict(self) | {"what": self.what.value}
+
+
+@dataclass(frozen=True, slots=True)
+class OnlyOnce:
+    """An arrival or departure of a train of both runs that came in one of them; `at_s` is when."""
+
+    train: str
+    station: str
+    what: What
+    in_new: bool
+    at_s: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV."""
+        return asdict(self) | {"what": self.what.value}
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """All of it. `compared` counts what came in both runs, `largest_s` is the most that any of it moved, unsigned."""
+
+    compared: int
+    largest_s: float
+    moved: tuple[Moved, ...]
+    once: tuple[OnlyOnce, ...]
+    only_base: tuple[str, ...]
+    only_new: tuple[str, ...]
+
+
+def times_of(run: Run) -> dict[Key, At]:
+    """Every arrival and departure of the table of stops, by train and station: never by its row."""
+    found: dict[Key, At] = {}
+    visits: Counter[tuple[str, str]] = Counter()
+    for row in run.tables.stops.iter_rows(named=True):
+        train, station = row["train"], row["station"]
+        visit = visits[train, station]
+        visits[train, station] += 1
+        passes = row["kind"] == CallKind.PASS.value
+        whats = (What.PASSING,) if passes else (What.ARRIVAL, What.DEPARTURE)
+        for what in whats:
+            name = What.DEPARTURE.value if passes else what.value
+            at = At(row[f"{name}_s"], row[f"planned_{name}_s"])
+            if at.true_s is not None or at.planned_s is not None:
+                found[train, station, visit, what] = at
+    return found
+
+
+def compare_times(base: Run, new: Run, over_s: float) -> Times:
+    """What moved by more than `over_s`, in order of time; times are of steps of 0.1 s and compared as such."""
+    olds, news = times_of(base), times_of(new)
+    trains = {key[0] for key in olds}, {key[0] for key in news}
+    both = trains[0] & trains[1]
+    moved: list[Moved] = []
+    compared, largest_s = 0, 0.0
+    for key, old, late in _pairs(olds, news):
+        by_s = _less(late.true_s, old.true_s)
+        if by_s is None or old.true_s is None or late.true_s is None:
+            continue
+        compared += 1
+        largest_s = max(largest_s, abs(by_s))
+        if abs(by_s) > over_s:
+            train, station, _, what = key
+            direction = new.directions[train].name.lower()
+            plan_by_s = _less(late.planned_s, old.planned_s)
+            moved.append(Moved(train, direction, station, what, old.true_s, late.true_s, by_s, plan_by_s))
+    once = [
+        OnlyOnce(key[0], key[1], key[3], in_new, at.true_s)
+        for mine, others, in_new in ((olds, news, False), (news, olds, True))
+        for key, at in mine.items()
+        if key[0] in both and at.true_s is not None and (key not in others or others[key].true_s is None)
+    ]
+    return Times(
+        compared,
+        largest_s,
+        tuple(sorted(moved, key=lambda m: (m.new_s, m.train, m.what.value))),
+        tuple(sorted(once, key=lambda o: (o.at_s, o.train, o.what.value))),
+        tuple(number for number in base.trains if number in trains[0] - trains[1]),
+        tuple(number for number in new.trains if number in trains[1] - trains[0]),
+    )
+
+
+def _pairs(olds: Mapping[Key, At], news: Mapping[Key, At]) -> Iterator[tuple[Key, At, At]]:
+    for key, old in olds.items():
+        late = news.get(key)
+        if late is not None:
+            yield key, old, late
+
+
+def _less(new_s: float | None, old_s: float | None) -> float | None:
+    return None if new_s is None or old_s is None else round(new_s - old_s, 3)

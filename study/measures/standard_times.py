@@ -1,0 +1,265 @@
+"""Minimum running times (基準運転時分) of a line for each kind of train, and what a timetable leaves over them.
+
+From station to next station, in both directions, for a train that stops or passes at either end: full power up to the
+limits, the planned braking, the scenario's mean load. A train that passes does so in a run from the last stop at full
+power, or over the whole line where it passes at both ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+from network.model import Direction, Line
+from network.timetable import Call, CallKind, Stabled, TimetableTrain
+from onboard.duty.mission import Mission, NoWay, Target, plan_mission
+from simulation.setup import Setup
+from simulation.world.roster import draw_up, first_section
+from study.measures.running_times import Way, latest_arrival_s, least_times_s
+from vehicle.train_file import TrainType
+
+ROUNDED_TO_S: Final = 5  # as running times are laid down
+HOW: Final = ("stop_stop_s", "stop_pass_s", "pass_stop_s", "pass_pass_s")
+
+
+@dataclass(frozen=True, slots=True)
+class StandardTime:
+    """One leg of the line for one kind of train, s: how the train is at its ends is in the names.
+
+    None: no such run, for trains do not pass where the line ends.
+    """
+
+    train: str
+    direction: Direction
+    from_id: str
+    to_id: str
+    distance_m: float
+    stop_stop_s: float
+    stop_pass_s: float | None
+    pass_stop_s: float | None
+    pass_pass_s: float | None
+
+    def rounded_s(self, how: str = "stop_stop_s") -> int | None:
+        """The time as it is laid down: the next 5 s up."""
+        time_s = getattr(self, how)
+        return (
+            None
+            if time_s is None or not math.isfinite(time_s)
+            else math.ceil(time_s / ROUNDED_TO_S - 1e-9) * ROUNDED_TO_S
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV: times to 0.1 s."""
+        times = {name: _tenth(getattr(self, name)) for name in HOW}
+        return {
+            "train": self.train,
+            "direction": self.direction.name.lower(),
+            "from": self.from_id,
+            "to": self.to_id,
+            "distance_m": round(self.distance_m, 1),
+            **times,
+            "rounded_s": self.rounded_s(),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedRun:
+    """One train between two of its times, each at a stop or in passing: what is planned and what it needs, s.
+
+    A stop's time is that of departure, and that of the latest arrival which keeps the next departure.
+    """
+
+    number: str
+    stock_id: str
+    train: str
+    direction: Direction
+    from_id: str
+    to_id: str
+    from_kind: CallKind
+    to_kind: CallKind
+    leaves_s: float
+    due_s: float
+    least_s: float
+
+    @property
+    def planned_s(self) -> float:
+        """From one time to the other."""
+        return self.due_s - self.leaves_s
+
+    @property
+    def margin_s(self) -> float:
+        """What the plan leaves (余裕時分); negative where it cannot be kept."""
+        return self.planned_s - self.least_s
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV."""
+        return {
+            "number": self.number,
+            "unit": self.stock_id,
+            "train": self.train,
+            "direction": self.direction.name.lower(),
+            "from": self.from_id,
+            "to": self.to_id,
+            "from_kind": self.from_kind.value,
+            "to_kind": self.to_kind.value,
+            "leaves_s": self.leaves_s,
+            "due_s": self.due_s,
+            "planned_s": round(self.planned_s, 1),
+            "least_s": _tenth(self.least_s),
+            "margin_s": _tenth(self.margin_s),
+            "margin_percent": _tenth(100.0 * self.margin_s / self.least_s) if self.least_s > 0.0 else None,
+        }
+
+
+def standard_times(setup: Setup) -> tuple[StandardTime, ...]:
+    """Every leg of the line in both directions for every kind of train that runs, in order of travel.
+
+    On the usual tracks of the direction. Nothing for a direction in which the line has no way from end to end.
+    """
+    kinds = {kind.id: kind for kind in setup.trains.values()}
+    return tuple(
+        time
+        for _, kind in sorted(kinds.items())
+        for direction in Direction
+        for time in _along(setup, kind, direction)
+    )
+
+
+def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[StandardTime]:
+    mission = whole_line(setup.line, direction)
+    if mission is None:
+        return
+    places = _places(mission)
+    marks_m = [mark_m for _, mark_m in places]
+    path, last = mission.path, len(places) - 1
+
+    def times_s(start: int, end: int) -> tuple[float, ...]:
+        """From a stand at one place to each place up to a stand at another."""
+        way = Way(setup.line, path, marks_m[start], marks_m[end])
+        driving = setup.driving
+        return least_times_s(
+            kind, way, marks_m[start + 1 : end], setup.load.load_share_mean, driving.stop_deceleration_mps2
+        )
+
+    through_s = (0.0, *times_s(0, last))
+    for at, ((from_id, from_m), (to_id, to_m)) in enumerate(pairwise(places)):
+        from_first_s = (0.0, *times_s(0, at + 1)) if at else ()
+        yield StandardTime(
+            kind.id,
+            direction,
+            from_id,
+            to_id,
+            to_m - from_m,
+            times_s(at, at + 1)[0],
+            times_s(at, last)[0] if at + 1 < last else None,
+            from_first_s[at + 1] - from_first_s[at] if at else None,
+            through_s[at + 1] - through_s[at] if at and at + 1 < last else None,
+        )
+
+
+def whole_line(line: Line, direction: Direction) -> Mission | None:
+    """The way of a train over the whole line on its usual tracks, passing everything between its ends.
+
+    None where there is none, or fewer than two stations have a mark for the direction.
+    """
+    stations = [
+        station
+        for station in sorted(line.stations.values(), key=lambda s: s.position_m * direction)
+        if any(direction in track.marks_m for track in station.tracks)
+    ]
+    ends = [i for i, station in enumerate(stations) if not station.is_halt]
+    if len(ends) < 2:
+        return None
+    stations = stations[ends[0] : ends[-1] + 1]
+    kinds = [CallKind.OPERATIONAL, *(CallKind.PASS for _ in stations[1:-1]), CallKind.OPERATIONAL]
+    calls = tuple(
+        Call(station.id, None, i if kind is not CallKind.PASS else None, i, kind)
+        for i, (station, kind) in enumerate(zip(stations, kinds, strict=True))
+    )
+    train = TimetableTrain("", direction, False, calls, Stabled(), Stabled())
+    try:
+        return plan_mission(line, train, first_section(line, train), None, None)
+    except NoWay:
+        return None
+
+
+def _places(mission: Mission) -> list[tuple[str, float]]:
+    first, last = mission.targets[0], mission.targets[-1]
+    between = [(passing.station_id, passing.position_m) for passing in last.passings]
+    return [(first.station_id or "", first.mark_m), *between, (last.station_id or "", last.mark_m)]
+
+
+def planned_runs(setup: Setup) -> tuple[PlannedRun, ...]:
+    """Every run of the timetable between two times of one train, those of passing too, in order of travel."""
+    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
+    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    known: dict[tuple[object, ...], tuple[float, ...]] = {}
+    return tuple(
+        run
+        for stock_id, duties in drawn.items()
+        for duty in duties
+        for run in _runs_of(setup, stock_id, duty.mission, known)
+    )
+
+
+def _runs_of(
+    setup: Setup, stock_id: str, mission: Mission, known: dict[tuple[object, ...], tuple[float, ...]]
+) -> Iterator[PlannedRun]:
+    kind = setup.trains[stock_id]
+    for here, there in pairwise(target for target in mission.targets if target.station_id is not None):
+        due_s = latest_arrival_s(there, setup.timetable.dwell_min_s)
+        if here.departure_s is None or due_s is None:
+            continue
+        passing_m = tuple(passing.position_m for passing in there.passings)
+        key = (kind.id, mission.path.piece_ids, here.mark_m, there.mark_m, passing_m)
+        if key not in known:
+            known[key] = least_times_s(
+                kind,
+                Way(setup.line, mission.path, here.mark_m, there.mark_m),
+                passing_m,
+                setup.load.load_share_mean,
+                setup.driving.stop_deceleration_mps2,
+            )
+        places = [
+            (here.station_id or "", _kind(here), here.departure_s, 0.0),
+            *(
+                (passing.station_id, CallKind.PASS, passing.time_s, least_s)
+                for passing, least_s in zip(there.passings, known[key], strict=False)
+            ),
+            (there.station_id or "", _kind(there), due_s, known[key][-1]),
+        ]
+        for (from_id, from_kind, leaves_s, before_s), (to_id, to_kind, at_s, after_s) in pairwise(places):
+            yield PlannedRun(
+                mission.number,
+                stock_id,
+                kind.id,
+                mission.direction,
+                from_id,
+                to_id,
+                from_kind,
+                to_kind,
+                leaves_s,
+                at_s,
+                after_s - before_s,
+            )
+
+
+def smallest_margins(runs: tuple[PlannedRun, ...]) -> dict[tuple[str, Direction, str, str], PlannedRun]:
+    """The run with the smallest margin by kind of train, direction and ends."""
+    found: dict[tuple[str, Direction, str, str], PlannedRun] = {}
+    for run in runs:
+        key = (run.train, run.direction, run.from_id, run.to_id)
+        if key not in found or run.margin_s < found[key].margin_s:
+            found[key] = run
+    return found
+
+
+def _kind(target: Target) -> CallKind:
+    return CallKind.STOP if target.passengers else CallKind.OPERATIONAL
+
+
+def _tenth(time_s: float | None) -> float | None:
+    return None if time_s is None or not math.isfinite(time_s) else round(time_s, 1)

@@ -1,0 +1,153 @@
+"""What the journal says of the ground over the whole run: who had which section when, how points lay, who had power.
+
+Everything is known to its end, so that a wait can say until when another stock had the section.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+from onboard.notes import MissionBegun
+from simulation import events
+from simulation.events import MANAGER, Entry
+from wayside import said
+
+
+@dataclass(slots=True)
+class Tenure:
+    """A section of one stock, in the block manager's register; `to_s` infinite: to the end of the run."""
+
+    unit: str
+    from_s: float
+    to_s: float = math.inf
+
+
+@dataclass(slots=True)
+class Changes:
+    """What something was when: times in order, s, and what it was from each on."""
+
+    times_s: list[float] = field(default_factory=list[float])
+    values: list[str] = field(default_factory=list[str])
+
+    def put(self, t_s: float, value: str) -> None:
+        """It is `value` from now on."""
+        self.times_s.append(t_s)
+        self.values.append(value)
+
+    def at(self, t_s: float) -> tuple[str, float, float]:
+        """What it is at a moment ("" before the first change), since when and until when, s."""
+        index = bisect_right(self.times_s, t_s)
+        until_s = self.times_s[index] if index < len(self.times_s) else math.inf
+        if index == 0:
+            return "", -math.inf, until_s
+        return self.values[index - 1], self.times_s[index - 1], until_s
+
+
+NO_POWER: Final = "no power"
+FROZEN: Final = "frozen"
+MOVING: Final = "moving"
+
+
+class History:
+    """The register of sections, the points and the power of devices, as the journal of one run has them."""
+
+    def __init__(self, entries: Iterable[Entry]) -> None:
+        self._tenures: dict[str, list[Tenure]] = defaultdict(list)
+        self._points: dict[str, Changes] = defaultdict(Changes)
+        self._ails: dict[str, Changes] = defaultdict(Changes)
+        self._trains: dict[str, Changes] = defaultdict(Changes)
+        for entry in entries:
+            self._take(entry)
+
+    def _take(self, entry: Entry) -> None:
+        t_s = entry.t_s
+        match entry.event:
+            case events.PointsMoving(points_id=points):
+                self._points[points].put(t_s, MOVING)
+            case events.PointsLocked(points_id=points, position=position):
+                self._points[points].put(t_s, position.value)
+            case events.PowerOff(device_id=device):
+                self._ails[device].put(t_s, NO_POWER)
+            case events.FaultBegan(kind="frozen", target=device):
+                self._ails[device].put(t_s, FROZEN)
+            case events.PowerOn(device_id=device) | events.FaultOver(kind="frozen", target=device):
+                self._ails[device].put(t_s, "")
+            case MissionBegun(train=train):
+                self._trains[entry.who].put(t_s, train)
+            case _:
+                self._register(entry)
+
+    def _register(self, entry: Entry) -> None:
+        t_s = entry.t_s
+        match entry.event:
+            case said.Granted(unit_id=unit, section_ids=sections):
+                self._gains(t_s, unit, sections)
+            case (
+                said.Accepted(unit_id=unit, section_ids=sections)
+                | said.ConfirmedByHand(unit_id=unit, section_ids=sections)
+            ):
+                self._loses(t_s, unit, [s for s in self._of(unit) if s not in sections])
+                self._gains(t_s, unit, sections)
+            case said.Freed(unit_id=unit, section_ids=sections):
+                self._loses(t_s, unit, sections)
+            case said.Outside(unit_id=unit):
+                self._loses(t_s, unit, self._of(unit))
+            case said.Started() if entry.who == MANAGER:  # it has forgotten everything
+                for unit in {x.unit for tenures in self._tenures.values() for x in tenures}:
+                    self._loses(t_s, unit, self._of(unit))
+            case _:
+                pass
+
+    def _of(self, unit: str) -> list[str]:
+        return [
+            section
+            for section, tenures in self._tenures.items()
+            if any(x.unit == unit and x.to_s == math.inf for x in tenures)
+        ]
+
+    def _gains(self, t_s: float, unit: str, sections: Iterable[str]) -> None:
+        for section in sections:
+            if not any(x.unit == unit and x.to_s == math.inf for x in self._tenures[section]):
+                self._tenures[section].append(Tenure(unit, t_s))
+
+    def _loses(self, t_s: float, unit: str, sections: Iterable[str]) -> None:
+        for section in sections:
+            for tenure in self._tenures[section]:
+                if tenure.unit == unit and tenure.to_s == math.inf:
+                    tenure.to_s = t_s
+
+    def holder(self, section: str, t_s: float, but: str) -> Tenure | None:
+        """Which other stock than `but` has a section at a moment."""
+        return next(
+            (x for x in self._tenures.get(section, ()) if x.unit != but and x.from_s <= t_s < x.to_s), None
+        )
+
+    def next_change_s(self, sections: Iterable[str], t_s: float) -> float:
+        """When the register of any of these sections changes next, s; infinite: never."""
+        times_s = (
+            moment_s
+            for section in sections
+            for tenure in self._tenures.get(section, ())
+            for moment_s in (tenure.from_s, tenure.to_s)
+            if moment_s > t_s
+        )
+        return min(times_s, default=math.inf)
+
+    def points_move(self, points: str, t_s: float) -> tuple[bool, float, float]:
+        """Whether points are being thrown at a moment, since when and until when that is so, s."""
+        value, since_s, until_s = self._points[points].at(t_s)
+        return value == MOVING, since_s, until_s
+
+    def ails(self, device: str, t_s: float) -> tuple[str, float]:
+        """What is wrong with a device at a moment (no power, frozen, or nothing: ""), and until when that is so, s."""
+        value, _, until_s = self._ails[device].at(t_s)
+        return value, until_s
+
+    def train_of(self, unit: str, t_s: float) -> str:
+        """The train number of a stock at a moment; before its first train, and without one, empty."""
+        return self._trains[unit].at(t_s)[0]

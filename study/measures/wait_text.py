@@ -1,0 +1,231 @@
+"""A wait as one sentence, in English or Japanese (なぜ待っているか)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from network.model import Line
+from network.timetable import clock
+from study.measures.wait import Asked, Cause, Wait
+from wayside.config import MANAGER_ID
+
+Language = Literal["en", "ja"]
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """What people call a station."""
+
+    en: str
+    ja: str
+
+    def in_(self, language: Language) -> str:
+        """The name in a language; in English where it has no other."""
+        return (self.ja or self.en) if language == "ja" else self.en
+
+
+Names = Mapping[str, Name]
+
+
+def names_of(line: Line) -> Names:
+    """Names of the stations of a line, by id."""
+    return {station.id: Name(station.name, station.name_ja) for station in line.stations.values()}
+
+
+_REASONS: Final[Mapping[str, Name]] = {
+    "": Name("", ""),
+    "no power": Name("it has no power", "電源が切れています"),
+    "frozen": Name("it does nothing (frozen)", "動作を停止しています"),
+    "undefined": Name("it does not know yet what every unit holds", "在線状態が復元されておらず未定義です"),
+    "unknown route": Name("it knows no such route", "そのような進路がありません"),
+    "unknown section": Name("it knows no such section", "そのような閉そく区間がありません"),
+    "not connected": Name("the train does not hold the track before it", "手前の区間を確保していません"),
+    "not signed on": Name("this boot of the unit has not signed on", "在線登録がされていません"),
+    "still holding": Name("the train holds more than the portal", "入出区間のほかにも閉そくを確保しています"),
+    "stale token": Name("the unit's token is not the newest", "トークンが最新ではありません"),
+    "claim needed": Name("a person must say what the train holds", "確保区間を人が入力する必要があります"),
+    "wrong unit": Name("the unit named is not the sender", "送信した装置と名乗りが一致しません"),
+    "unknown points": Name("the terminal has no such points", "その転てつ機は端末にありません"),
+    "wrong section": Name("the points lie in another section", "転てつ機は別の区間にあります"),
+    "bad capability": Name("the terminal finds no such grant", "その確保は端末で確認できません"),
+    "old token": Name("a newer holder has commanded since", "後の確保者がすでに制御しました"),
+    "locked": Name("they are locked the other way", "反対側に鎖錠されています"),
+    "not detected": Name(
+        "position or lock did not prove in time", "時間内に転換・鎖錠が確認できませんでした"
+    ),
+    "locked by hand": Name("a crew has locked them on the spot", "乗務員が現地で鎖錠しています"),
+    "doors not closed": Name("its doors do not show closed", "扉の閉が確認できません"),
+    "brake not in order": Name("its brake is not in order", "ブレーキに異常があります"),
+    "the register has less": Name(
+        "the register has less than the train holds", "管理装置の登録が列車の確保より少なくなっています"
+    ),
+}
+_ASKED: Final[Mapping[Asked, Name]] = {
+    Asked.NOTHING: Name("its command", "制御"),
+    Asked.SIGN_ON: Name("its sign-on", "在線登録"),
+    Asked.SIGN_OFF: Name("its sign-off", "在線抹消"),
+    Asked.ROUTE: Name("its request for a route", "進路"),
+    Asked.REPORT: Name("its report of what it holds", "確保区間の報告"),
+}
+# Whoever and whatever may be missing has its own clause (`since`, `until`, `why`), which is then empty.
+_ENGLISH: Final[Mapping[Cause, str]] = {
+    Cause.RUNS: "{train} is running.",
+    Cause.STOP_LIMIT: "{train} runs slower towards its stop limit before section {section} ({place}){why}.",
+    Cause.OUTSIDE: "{train} is not on the line yet; it is due at section {section}{until}.",
+    Cause.LEFT: "{unit} has left the line after {train}.",
+    Cause.QUEUE: "{train} waits outside section {section} behind another train that is to enter.",
+    Cause.PORTAL: "{train} waits outside: a train still stands in section {section}.",
+    Cause.DEPARTURE_TIME: "{train} stands {place} until its departure time, {until_at}{why}.",
+    Cause.DWELL: "{train} stands {place} for its passengers{until}.",
+    Cause.ROUTE_HELD: "{train} waits {place} for its way: section {section} is held by {party}{since}{until}.",
+    Cause.REFUSED: "{train} waits {place}: the block manager has refused {asked}{why}.",
+    Cause.ANSWER: "{train} waits {place} for the block manager's answer to {asked}{since}{why}.",
+    Cause.COVERAGE: "{train} waits {place}: the radio does not reach there, and {asked} cannot be sent.",
+    Cause.SET_BACK: "{train} waits {place}: its crew has set back its route and asks for none for a while.",
+    Cause.POINTS_MOVE: "{train} waits {place} while points {points} are thrown{since}.",
+    Cause.POINTS_REFUSED: "{train} waits {place}: terminal {party} has refused points {points}{why}.",
+    Cause.POINTS_PROOF: "{train} waits {place} for terminal {party} to prove points {points}{since}{why}.",
+    Cause.POINTS_BY_EYE: "{train} waits {place} on sight until its crew sees points {points} lie as needed.",
+    Cause.VEHICLE: "{train} waits {place}: {reason}.",
+    Cause.EMERGENCY: "{train} waits {place} after an emergency stop, which its driver is to acknowledge.",
+    Cause.CONTRADICTION: "{train} waits {place}: register and unit contradict each other{why}.",
+    Cause.ON_SIGHT: "{train} stands {place} on sight until its crew sees that it can go on: its position is unknown.",
+    Cause.UNIT_OFF: "{train} waits {place}: its on-board unit has no power.",
+    Cause.UNIT_FROZEN: "{train} waits {place}: its on-board unit does nothing (frozen).",
+    Cause.ARRIVAL_BY_EYE: "{train} waits {place} for its driver to confirm that the whole train has arrived.",
+    Cause.TURN_BACK: "{train} stands {place} while its driver changes ends for {reason}.",
+    Cause.NEXT_TRAIN: "{train} stands {place} while its crew takes up {reason}.",
+    Cause.STARTING: "{train} is about to start {place}: the way is free and the brakes release.",
+    Cause.STABLED: "{unit} is stabled {place} after {train}, its last train.",
+}
+_JAPANESE: Final[Mapping[Cause, str]] = {
+    Cause.RUNS: "{train}は走行中です。",
+    Cause.STOP_LIMIT: "{train}は{section}区間手前（{place}）の停止限界点に向けて減速しています{why}。",
+    Cause.OUTSIDE: "{train}はまだ線区に入っていません（{until_at}に{section}区間へ進入予定）。",
+    Cause.LEFT: "{unit}は{train}の後、線区を出ました。",
+    Cause.QUEUE: "{train}は{section}区間の外で先に入る列車の後ろに待っています。",
+    Cause.PORTAL: "{train}は線区の外で待っています：{section}区間にまだ列車がいます。",
+    Cause.DEPARTURE_TIME: "{train}は{place}で発車時刻{until_at}を待っています{why}。",
+    Cause.DWELL: "{train}は{place}で客扱い中です{until}。",
+    Cause.ROUTE_HELD: "{train}は{place}で{asked}を待っています：{section}区間を{party}が{since}{until}確保しています。",
+    Cause.REFUSED: "{train}は{place}で待っています：閉そく管理装置が{asked}を拒否しました{why}。",
+    Cause.ANSWER: "{train}は{place}で{asked}に対する閉そく管理装置の応答を待っています{since}{why}。",
+    Cause.COVERAGE: "{train}は{place}で待っています：無線エリア外のため{asked}を送信できません。",
+    Cause.SET_BACK: "{train}は{place}で待っています：乗務員が進路を取り消し、しばらく要求しません。",
+    Cause.POINTS_MOVE: "{train}は{place}で転てつ機{points}の転換を待っています{since}。",
+    Cause.POINTS_REFUSED: "{train}は{place}で待っています：端末{party}が転てつ機{points}の制御を拒否しました{why}。",
+    Cause.POINTS_PROOF: "{train}は{place}で端末{party}による転てつ機{points}の照査を待っています{since}{why}。",
+    Cause.POINTS_BY_EYE: "{train}は{place}で、乗務員が転てつ機{points}の開通を確認できるまで待っています（目視運転）。",
+    Cause.VEHICLE: "{train}は{place}で待っています：{reason}。",
+    Cause.EMERGENCY: "{train}は非常停止後、{place}で運転士の確認扱いを待っています。",
+    Cause.CONTRADICTION: "{train}は{place}で待っています：管理装置と車上装置の登録が矛盾しています{why}。",
+    Cause.ON_SIGHT: "{train}は位置不明のため{place}に停止し、乗務員が進路を確認しています（目視運転）。",
+    Cause.UNIT_OFF: "{train}は{place}で待っています：車上装置の電源が切れています。",
+    Cause.UNIT_FROZEN: "{train}は{place}で待っています：車上装置が動作を停止しています。",
+    Cause.ARRIVAL_BY_EYE: "{train}は{place}で運転士の到着確認を待っています。",
+    Cause.TURN_BACK: "{train}は{place}で折返し中です（次は{reason}）。",
+    Cause.NEXT_TRAIN: "{train}は{place}で次の列車{reason}に替わるところです。",
+    Cause.STARTING: "{train}は{place}から発車するところです（進路は開通、ブレーキ緩解中）。",
+    Cause.STABLED: "{unit}は最後の列車{train}の後、{place}に留置されています。",
+}
+_LIMITED_BY: Final[Mapping[str, Name]] = {  # causes, where one holds the stop limit back
+    Cause.ROUTE_HELD.value: Name("held by {party}{since}{until}", "{party}が{since}{until}確保"),
+    Cause.POINTS_MOVE.value: Name("points {points} are being thrown", "転てつ機{points}が転換中"),
+    Cause.POINTS_PROOF.value: Name("points {points} are not proven", "転てつ機{points}が未照査"),
+    Cause.POINTS_REFUSED.value: Name("points {points} were refused", "転てつ機{points}の制御が拒否された"),
+    Cause.REFUSED.value: Name("the block manager has refused its route", "進路が拒否された"),
+    Cause.ANSWER.value: Name("the block manager has not answered yet", "閉そく管理装置の応答待ち"),
+    Cause.COVERAGE.value: Name("the radio does not reach there", "無線エリア外"),
+    Cause.SET_BACK.value: Name("its crew has set back its route", "進路が取り消された"),
+}
+
+
+def at_time(time_s: float) -> str:
+    """A time of day as people write it: HH:MM where it is a whole minute, else HH:MM:SS."""
+    text = clock(time_s)
+    return text.removesuffix(":00")
+
+
+def text_of(wait: Wait, language: Language, names: Names | None = None) -> str:
+    """The wait in one sentence; `names` of stations by id, without which the ids stand in it."""
+    sentences = _JAPANESE if language == "ja" else _ENGLISH
+    return " ".join(sentences[wait.cause].format(**_parts(wait, language, names or {})).split(" "))
+
+
+def reason_text(reason: str, language: Language) -> str:
+    """A reason of a refusal, fault or contradiction in words of the language; as it is where it has none."""
+    word, colon, rest = reason.partition(":")
+    known = _REASONS.get(word.strip().lower().replace("_", " "))
+    if known is None:
+        return reason
+    return known.in_(language) + (f" ({rest.strip()})" if colon else "")
+
+
+def _parts(wait: Wait, language: Language, names: Names) -> dict[str, str]:
+    english = language == "en"
+    place = _place(wait, language, names)
+    party = f"{wait.party_train} ({wait.party})" if wait.party_train else wait.party or MANAGER_ID
+    since = until = ""
+    if wait.since_s is not None:
+        since = f" since {at_time(wait.since_s)}" if english else f"{at_time(wait.since_s)}から"
+    if wait.until_s is not None:
+        until = f" until {at_time(wait.until_s)}" if english else f"{at_time(wait.until_s)}まで"
+    if wait.cause is Cause.ANSWER and since:
+        since = (
+            f", asked at {at_time(wait.since_s or 0.0)}"
+            if english
+            else f"（{at_time(wait.since_s or 0.0)}に要求）"
+        )
+    elif wait.cause is Cause.OUTSIDE and until:
+        until = f" at {at_time(wait.until_s or 0.0)}"
+    elif not english and wait.cause is not Cause.ROUTE_HELD and wait.cause is not Cause.STOP_LIMIT:
+        since, until = (f"（{text}）" if text else "" for text in (since, until))
+    parts = {
+        "unit": wait.unit,
+        "train": wait.train or wait.unit,
+        "place": place,
+        "section": wait.section,
+        "points": wait.points,
+        "party": party,
+        "since": since,
+        "until": until,
+        "until_at": "" if wait.until_s is None else at_time(wait.until_s),
+        "asked": _ASKED[wait.asked].in_(language),
+        "reason": reason_text(wait.reason, language),
+    }
+    return parts | {"why": _why(wait, language, parts)}
+
+
+def _place(wait: Wait, language: Language, names: Names) -> str:
+    english = language == "en"
+    if wait.place in names:
+        name = names[wait.place].in_(language)
+        return f"at {name}" if english else name.removesuffix("駅") + "駅"
+    if wait.place:
+        return f"at {wait.place}" if english else wait.place
+    if wait.at_m is not None:
+        where = f"km {wait.at_m / 1000.0:.3f}"
+        on = where if english else f"{wait.at_m / 1000.0:.3f} km地点"
+        return on if wait.cause is Cause.STOP_LIMIT or not english else f"at {on}"
+    return f"outside section {wait.section}" if english else f"{wait.section}区間の外"
+
+
+def _why(wait: Wait, language: Language, parts: Mapping[str, str]) -> str:
+    """The clause that begins where the sentence could end."""
+    if wait.reason == "asks again":
+        return (
+            ", which it repeats: nobody holds it up any more"
+            if language == "en"
+            else "（支障がなくなり再要求します）"
+        )
+    if wait.reason == "clock":
+        return " by its own clock, which is wrong" if language == "en" else "（車上の時計が狂っています）"
+    if wait.reason == "operational":
+        return ", without passengers" if language == "en" else "（運転停車）"
+    limited = _LIMITED_BY.get(wait.reason)
+    said = parts["reason"] if limited is None else limited.in_(language).format(**parts)
+    if not said:
+        return ""
+    return f": {said}" if language == "en" else f"（{said}）"

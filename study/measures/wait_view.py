@@ -1,0 +1,328 @@
+"""What one unit has said of itself so far: its duty, its requests, its stop limit, what is wrong with it.
+
+Made again from its notes in the journal, in their order, and never asked of the unit: a run directory is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Final
+
+from onboard import notes
+from radio.noted import Noted, Sent, TookEffect
+from simulation import events
+from simulation.events import MANAGER, Entry
+from simulation.world.clock import Clock
+from simulation.world.roster import Duty
+from study.measures.wait import Asked
+from wayside import said
+
+
+class Doing(Enum):
+    """Where a unit is in its duty."""
+
+    NOTHING = "nothing"
+    SIGNING_ON = "signing on"
+    STANDING = "standing"
+    RUNNING = "running"
+    ON_SIGHT = "on sight"
+    FINISHED = "finished"
+    SIGNING_OFF = "signing off"
+    GONE = "gone"
+
+
+EMERGENCY_LEVEL: Final = 2
+_ASKS: Final[Mapping[str, Asked]] = {
+    "SignOn": Asked.SIGN_ON,
+    "SignOff": Asked.SIGN_OFF,
+    "RouteRequest": Asked.ROUTE,
+    "HoldingReport": Asked.REPORT,
+}
+
+
+@dataclass(slots=True)
+class Request:
+    """A request that is open: when it was first sent, s, its correlation, and why it was refused (empty: not yet)."""
+
+    since_s: float
+    correlation: int | None
+    refusal: str = ""
+
+
+@dataclass(slots=True)
+class View:
+    """The unit as its notes show it. `at`: the stop where it stands or that it left last; `ready_s`: the dwell ends."""
+
+    unit: str
+    duties: Sequence[Duty]
+    dwell_s: float
+    train: str = ""
+    duty: Duty | None = None
+    doing: Doing = Doing.NOTHING
+    at: int = 0
+    ready_s: float = 0.0
+    dwells: bool = False  # for passengers; not so where it stood before its train began
+    departed: bool = False
+    signed_on: bool = False
+    signed_on_s: float = 0.0
+    requests: dict[Asked, Request] = field(default_factory=dict[Asked, Request])
+    limit_before: str | None = None
+    limit_why: str = "no mission"
+    limit_at: tuple[str, float] | None = None  # piece, kilometrage in m
+    commanded_s: dict[str, float] = field(default_factory=dict[str, float])  # by terminal
+    proven: set[str] = field(default_factory=set[str])
+    points_refused: dict[str, str] = field(default_factory=dict[str, str])
+    crew_waits_at: str = ""
+    unfit: str = ""
+    emergency: bool = False
+    mismatch: str = ""
+    powered: bool = True
+    frozen: bool = False
+    set_back: bool = False
+    clocks: dict[str, tuple[float, dict[str, float]]] = field(
+        default_factory=dict[str, tuple[float, dict[str, float]]]
+    )
+
+    @property
+    def next_duty(self) -> Duty | None:
+        """The duty after the present one; the first where none has begun."""
+        if self.duty is None:
+            return self.duties[0] if self.duties else None
+        following = self.duties.index(self.duty) + 1
+        return self.duties[following] if following < len(self.duties) else None
+
+    def shown_at_s(self, planned_s: float) -> float:
+        """True time, s, at which the unit's own clock shows a time of the plan."""
+        clock = Clock()
+        for since_s, wrong in self.clocks.values():
+            clock = clock.wrong(wrong.get("offset_s", 0.0), wrong.get("drift_ppm", 0.0) * 1e-6, since_s)
+        return clock.true_s(planned_s)
+
+    def take(self, entry: Entry) -> None:
+        """A line of the journal that the unit wrote, or that names it."""
+        reader = _READERS.get(type(entry.event))
+        if reader is not None:
+            reader(self, entry.t_s, entry.event)
+
+    def schedule(self, t_s: float, *, dwells: bool) -> None:
+        """From when it may leave the stop at which it stands, its departure apart."""
+        self.ready_s = t_s + (self.dwell_s if dwells else 0.0)
+        self.dwells, self.departed = dwells, False
+
+
+def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
+    view.train = event.train
+    view.duty = next((duty for duty in view.duties if duty.train.number == event.train), None)
+    view.at = 0
+    view.doing = Doing.STANDING if view.signed_on else Doing.SIGNING_ON
+    view.schedule(t_s, dwells=False)
+    view.limit_before, view.limit_why, view.limit_at = None, "no mission", None
+    view.crew_waits_at, view.set_back = "", False
+    view.proven.clear()
+    view.points_refused.clear()
+    view.commanded_s.clear()
+
+
+def _restarted(view: View, t_s: float, _event: notes.UnitRestarted) -> None:
+    view.doing, view.signed_on, view.mismatch = Doing.ON_SIGHT, False, ""
+    view.emergency = True
+    view.requests.clear()
+    view.ready_s = t_s
+
+
+def _arrived(view: View, t_s: float, event: notes.Arrived) -> None:
+    targets = () if view.duty is None else view.duty.mission.targets
+    places = [target.station_id or target.section_id for target in targets]
+    view.at = next(
+        (i for i in range(view.at, len(places)) if places[i] == event.station and (i > view.at or i == 0)),
+        view.at,
+    )
+    view.schedule(t_s, dwells=bool(targets) and targets[view.at].passengers)
+    if view.doing is Doing.RUNNING:
+        view.doing = Doing.STANDING
+
+
+def _resumed(view: View, _t_s: float, event: notes.Resumed) -> None:
+    view.at = event.next_target - 1
+    view.doing = Doing.RUNNING if view.departed else Doing.STANDING
+    view.crew_waits_at = ""
+
+
+def _departs(view: View, _t_s: float, _event: notes.Departs) -> None:
+    view.doing, view.departed = Doing.RUNNING, True
+
+
+def _mission_done(view: View, _t_s: float, _event: notes.MissionDone) -> None:
+    leaves = view.duty is not None and view.duty.leaves
+    view.doing = Doing.SIGNING_OFF if leaves else Doing.FINISHED
+
+
+def _lost_position(view: View, _t_s: float, _event: notes.PositionFault) -> None:
+    view.emergency = True
+    if view.doing in (Doing.STANDING, Doing.RUNNING):
+        view.doing = Doing.ON_SIGHT
+
+
+def _limit(view: View, _t_s: float, event: notes.LimitSet) -> None:
+    view.limit_before, view.limit_why = event.before, event.why
+    view.limit_at = event.piece_id, event.kilometrage_m
+
+
+def _intervenes(view: View, _t_s: float, event: notes.Intervention) -> None:
+    if event.level == EMERGENCY_LEVEL:
+        view.emergency = True
+
+
+def _unfit(view: View, _t_s: float, event: notes.VehicleUnfit) -> None:
+    view.unfit = event.why
+    if view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
+        view.emergency = True
+
+
+def _mismatch(view: View, _t_s: float, event: notes.Mismatch) -> None:
+    view.mismatch, view.emergency = event.why, True
+
+
+def _sent(view: View, t_s: float, event: Sent) -> None:
+    if event.source != view.unit or event.kind is None:
+        return
+    asked = _ASKS.get(event.kind)
+    if asked is not None:
+        known = view.requests.get(asked)
+        if known is None or (asked is Asked.REPORT and known.correlation != event.correlation):
+            view.requests[asked] = Request(t_s, event.correlation)
+        else:  # what was refused is asked again as a new request: it is open all the same
+            known.correlation = event.correlation
+        if asked is Asked.ROUTE:
+            view.set_back = False
+    elif event.kind == "PointsCommand":
+        view.commanded_s.setdefault(event.receiver, t_s)
+
+
+def _took_effect(view: View, _t_s: float, event: TookEffect) -> None:
+    request = view.requests.get(Asked.REPORT)
+    confirmed = event.receiver == view.unit and event.kind == "HoldingConfirmed"
+    if confirmed and request is not None and request.correlation == event.correlation and not view.mismatch:
+        del view.requests[Asked.REPORT]  # sent once more it is open again
+
+
+def _signed_on(view: View, t_s: float, _event: notes.SignedOn) -> None:
+    view.signed_on, view.signed_on_s, view.mismatch = True, t_s, ""
+    view.requests.pop(Asked.SIGN_ON, None)
+    if view.doing is Doing.SIGNING_ON:
+        view.doing = Doing.STANDING
+
+
+def _signed_off(view: View, _t_s: float, _event: notes.SignedOff) -> None:
+    view.signed_on, view.doing = False, Doing.GONE
+    view.requests.clear()
+
+
+def _route_held(view: View, _t_s: float, _event: notes.RouteHeld) -> None:
+    view.requests.pop(Asked.ROUTE, None)
+    view.commanded_s.clear()
+
+
+def _refused(asked: Asked) -> Callable[[View, float, Any], None]:
+    def refused(
+        view: View, t_s: float, event: notes.SignOnDenied | notes.SignOffDenied | notes.RouteDenied
+    ) -> None:
+        request = view.requests.setdefault(asked, Request(t_s, None))
+        request.refusal = event.why
+
+    return refused
+
+
+def _gave_back(view: View, t_s: float, _event: notes.GaveBack) -> None:
+    view.requests.pop(Asked.ROUTE, None)
+    view.set_back, view.ready_s = True, max(view.ready_s, t_s)
+    view.proven.clear()
+
+
+def _proven(view: View, _t_s: float, event: notes.Proven) -> None:
+    view.proven.add(event.points_id)
+    view.points_refused.pop(event.points_id, None)
+    view.crew_waits_at = ""
+
+
+def _proof_dropped(view: View, _t_s: float, event: notes.ProofDropped) -> None:
+    view.proven.discard(event.points_id)
+
+
+def _throw_denied(view: View, _t_s: float, event: notes.ThrowDenied) -> None:
+    view.points_refused[event.points_id] = event.why
+
+
+def _fault(view: View, t_s: float, event: events.FaultBegan) -> None:
+    if event.kind == "frozen":
+        view.frozen = True
+    elif event.kind == "clock":
+        view.clocks[repr(sorted(event.parameters.items()))] = t_s, event.parameters
+
+
+def _fault_over(view: View, _t_s: float, event: events.FaultOver) -> None:
+    if event.kind == "frozen":
+        view.frozen = False
+    elif event.kind == "clock":
+        view.clocks.pop(repr(sorted(event.parameters.items())), None)
+
+
+def _set(**values: object) -> Callable[[View, float, Any], None]:
+    def put(view: View, _t_s: float, _event: Noted) -> None:
+        for name, value in values.items():
+            setattr(view, name, value)
+
+    return put
+
+
+_READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
+    notes.MissionBegun: _mission,
+    notes.MissionDone: _mission_done,
+    notes.UnitRestarted: _restarted,
+    notes.Resumed: _resumed,
+    notes.Departs: _departs,
+    notes.Arrived: _arrived,
+    notes.PositionFault: _lost_position,
+    notes.Intervention: _intervenes,
+    notes.EmergencyReleased: _set(emergency=False),
+    notes.VehicleUnfit: _unfit,
+    notes.VehicleFit: _set(unfit=""),
+    notes.Mismatch: _mismatch,
+    notes.Agreed: _set(mismatch=""),
+    notes.SignedOn: _signed_on,
+    notes.SignOnDenied: _refused(Asked.SIGN_ON),
+    notes.SignedOff: _signed_off,
+    notes.SignOffDenied: _refused(Asked.SIGN_OFF),
+    notes.RouteHeld: _route_held,
+    notes.RouteDenied: _refused(Asked.ROUTE),
+    notes.GaveBack: _gave_back,
+    notes.LimitSet: _limit,
+    notes.Proven: _proven,
+    notes.ProofDropped: _proof_dropped,
+    notes.ThrowDenied: _throw_denied,
+    notes.CrewWaitsAtPoints: lambda view, _t_s, event: setattr(view, "crew_waits_at", event.points_id),
+    notes.CrewCheckedPoints: _set(crew_waits_at=""),
+    Sent: _sent,
+    TookEffect: _took_effect,
+    events.PowerOff: _set(powered=False),
+    events.PowerOn: _set(powered=True, emergency=True),
+    events.FaultBegan: _fault,
+    events.FaultOver: _fault_over,
+}
+
+
+def subject_of(entry: Entry) -> str:
+    """The unit whose view an entry may change: the party that it names, or its author."""
+    match entry.event:
+        case events.PowerOff(device_id=device) | events.PowerOn(device_id=device):
+            return device
+        case events.FaultBegan(target=target) | events.FaultOver(target=target):
+            return target
+        case TookEffect(receiver=receiver):
+            return receiver
+        case said.Refused(unit_id=unit) if entry.who == MANAGER:
+            return unit
+        case _:
+            return entry.who

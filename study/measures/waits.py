@@ -1,0 +1,489 @@
+"""Why every stock stood, waited or ran slower, at every moment of a run (待ちの理由).
+
+Where it truly stood and where it ran is the energy book's (`simulation.result.EnergyRecord`), which is cut by the
+truth. Why, is made again from what the unit, the manager, the terminals and the world wrote in the journal. Of several
+reasons the one counts that ends last: before its departure time a train waits for that, whatever its route does; but
+what is out of order comes first. Nothing here asks a unit: what units show their drivers (`waits_for`) is compared with
+it in the tests.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final, TypedDict
+
+import numpy as np
+from typing_extensions import Unpack
+
+from onboard.authority.stop_limit import NOT_PROVEN
+from simulation.events import MANAGER, Entry
+from simulation.result import EnergyRecord, Phase, RunResult
+from simulation.setup import STEPS_PER_S, Setup
+from simulation.world.roster import Duty, draw_up
+from study.measures.wait import Asked, Cause, Wait
+from study.measures.wait_history import History
+from study.measures.wait_view import Doing, View, subject_of
+from study.measures.where import Whereabouts
+
+AT_ITS_STOP: Final = (Phase.AT_STOP, Phase.LAYOVER)
+SLOWED_SHARE: Final = 0.8  # of the braking to a stop: a train that must brake so hard and does is held back
+BRAKES_MPS2: Final = -0.05  # less than this is to hold its speed
+ASKS_AGAIN: Final = "asks again"
+WRONG_CLOCK: Final = "clock"
+NO_PASSENGERS: Final = "operational"
+SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
+HELD_REASON: Final = "held"  # how a refusal begins that names another holder
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A part of a stock's day in which it is off the line, moves, or stands, by the truth; `phase` None: off it."""
+
+    unit: str
+    train: str
+    phase: Phase | None
+    from_id: str
+    to_id: str
+    from_s: float
+    to_s: float
+
+
+def waits_of(result: RunResult, setup: Setup) -> tuple[Wait, ...]:
+    """All waits of a run, by stock and time; those of one stock cover the run without gap or overlap."""
+    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
+    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    entries: dict[str, list[Entry]] = defaultdict(list)
+    history = History(_by_unit(result.journal.entries, entries))
+    where = Whereabouts(result)
+    found: list[Wait] = []
+    for unit in result.stock_ids:
+        view = View(unit, drawn.get(unit, ()), setup.unit.dwell_min_s)
+        days = stretches(result, unit)
+        finder = _Finder(setup, view, history, where, drawn)
+        found += finder.day(days, entries[unit])
+    return tuple(found)
+
+
+def _by_unit(entries: Iterable[Entry], into: dict[str, list[Entry]]) -> Iterator[Entry]:
+    """Passes entries on, and sorts them by the unit whose view they may change."""
+    for entry in entries:
+        into[subject_of(entry)].append(entry)
+        yield entry
+
+
+def stretches(result: RunResult, unit: str) -> tuple[Stretch, ...]:
+    """A stock's day by the truth, from the beginning of the run to its end, without gap or overlap."""
+    begin_s, end_s = result.begin_step / STEPS_PER_S, result.end_step / STEPS_PER_S
+    records = sorted((r for r in result.energy if r.stock_id == unit), key=lambda r: r.begin_s)
+    found: list[Stretch] = []
+    at_s = begin_s
+    for record in records:
+        if record.end_s <= record.begin_s:
+            continue
+        if record.begin_s > at_s:
+            found.append(_off(unit, at_s, record.begin_s))
+        found.append(_on(record, max(record.begin_s, at_s)))
+        at_s = record.end_s
+    if at_s < end_s:
+        found.append(_off(unit, at_s, end_s))
+    return tuple(found)
+
+
+def _off(unit: str, from_s: float, to_s: float) -> Stretch:
+    return Stretch(unit, "", None, "", "", from_s, to_s)
+
+
+def _on(record: EnergyRecord, from_s: float) -> Stretch:
+    ends = record.from_id, record.to_id
+    return Stretch(record.stock_id, record.number, record.phase, *ends, from_s, record.end_s)
+
+
+class Known(TypedDict, total=False):
+    """What a wait has besides its stock, its times and its cause; see `Wait`."""
+
+    train: str
+    at_m: float | None
+    asked: Asked
+    section: str
+    points: str
+    party: str
+    party_train: str
+    since_s: float | None
+    until_s: float | None
+    reason: str
+
+
+class _Finder:
+    """Finds the waits of one stock."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        view: View,
+        history: History,
+        where: Whereabouts,
+        drawn: Mapping[str, tuple[Duty, ...]],
+    ) -> None:
+        self._setup = setup
+        self._view = view
+        self._history = history
+        self._where = where
+        self._drawn = drawn
+        self._stretch = Stretch("", "", None, "", "", 0.0, 0.0)
+        self._held_back_by: tuple[str, float] | None = None  # the stop limit that slows the train down
+
+    def day(self, days: Sequence[Stretch], entries: Sequence[Entry]) -> list[Wait]:
+        """The waits of the stock's day."""
+        found: list[Wait] = []
+        taken = 0
+        for stretch in days:
+            self._stretch = stretch
+            self._held_back_by = None
+            if stretch.phase is Phase.RUNNING:
+                self._view.departed = True
+            times_s = {e.t_s for e in entries if stretch.from_s < e.t_s < stretch.to_s}
+            for from_s, to_s in pairwise([stretch.from_s, *sorted(times_s), stretch.to_s]):
+                while taken < len(entries) and entries[taken].t_s <= from_s:
+                    self._view.take(entries[taken])
+                    taken += 1
+                _join(found, self._between(from_s, to_s))
+        return found
+
+    def _between(self, from_s: float, to_s: float) -> Iterator[Wait]:
+        """Waits between two lines of the unit's journal: only time and what others do can change them."""
+        if self._stretch.phase is Phase.RUNNING:
+            yield from self._runs(from_s, to_s)
+            return
+        at_s = from_s
+        while at_s < to_s:
+            wait, until_s = self._wait(at_s)
+            next_s = min(to_s, until_s) if until_s > at_s else to_s
+            yield replace(wait, from_s=at_s, to_s=next_s)
+            at_s = next_s
+
+    def _make(self, cause: Cause, **known: Unpack[Known]) -> Wait:
+        stretch, view = self._stretch, self._view
+        at = None if stretch.phase is None else self._here(stretch.from_s)
+        at_m = None if at is None else at[1]
+        place = stretch.from_id if stretch.phase in (*AT_ITS_STOP, Phase.STABLED) else ""
+        following = view.next_duty
+        train = stretch.train or view.train or ("" if following is None else following.train.number)
+        blank = Wait(view.unit, train, 0.0, 0.0, cause, place, at_m)
+        return replace(blank, **known)
+
+    def _here(self, t_s: float) -> tuple[str, float] | None:
+        """Piece and kilometrage (m) of its front; of stock that never moves, the mark where its train begins."""
+        at, duty = self._where.piece(self._view.unit, t_s), self._view.duty
+        if at is None and duty is not None:
+            return duty.mission.path.locate(duty.mission.targets[0].mark_m)
+        return at
+
+    def _wait(self, t_s: float) -> tuple[Wait, float]:
+        """What the stock waits for at a moment, and until when that holds if the unit says nothing, s."""
+        phase = self._stretch.phase
+        if phase is None:
+            return self._off_line(t_s)
+        if phase is Phase.STABLED:
+            return self._make(Cause.STABLED), math.inf
+        return self._out_of_order() or self._by_duty(t_s)
+
+    # off the line ---------------------------------------------------------------------------------------------
+
+    def _off_line(self, t_s: float) -> tuple[Wait, float]:
+        view = self._view
+        if view.doing in (Doing.SIGNING_ON, Doing.STANDING) and view.duty is not None:
+            portal = view.duty.mission.spans[0].section_id
+            if not view.powered:
+                return self._make(Cause.UNIT_OFF, section=portal), math.inf
+            if view.signed_on:
+                return self._make(Cause.PORTAL, section=portal, since_s=view.signed_on_s), math.inf
+            wait, until_s = self._request(Asked.SIGN_ON, t_s, (portal,))
+            return replace(wait, section=wait.section or portal), until_s
+        following = view.next_duty
+        if following is None:
+            return self._make(Cause.LEFT), math.inf
+        train, portal = following.train.number, following.mission.spans[0].section_id
+        if t_s < following.enter_s:
+            enter_s = following.enter_s
+            return self._make(Cause.OUTSIDE, train=train, section=portal, until_s=enter_s), enter_s
+        return self._make(Cause.QUEUE, section=portal, until_s=None), math.inf
+
+    # on the line ----------------------------------------------------------------------------------------------
+
+    def _out_of_order(self) -> tuple[Wait, float] | None:
+        view = self._view
+        if not view.powered:
+            return self._make(Cause.UNIT_OFF), math.inf
+        if view.frozen:
+            return self._make(Cause.UNIT_FROZEN), math.inf
+        if view.mismatch:
+            return self._make(Cause.CONTRADICTION, reason=view.mismatch, party=MANAGER), math.inf
+        if view.unfit:
+            return self._make(Cause.VEHICLE, reason=view.unfit), math.inf
+        if view.emergency and view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
+            return self._make(Cause.EMERGENCY), math.inf
+        return None
+
+    def _by_duty(self, t_s: float) -> tuple[Wait, float]:
+        view = self._view
+        if view.doing is Doing.SIGNING_ON or (view.doing is Doing.ON_SIGHT and not view.signed_on):
+            return self._request(Asked.SIGN_ON, t_s)
+        match view.doing:
+            case Doing.SIGNING_OFF | Doing.GONE:
+                return self._signing_off(t_s)
+            case Doing.FINISHED | Doing.NOTHING:
+                return self._finished()
+            case Doing.ON_SIGHT if view.departed:
+                return self._on_sight(t_s)
+            case Doing.RUNNING:
+                return self._held_up(t_s)
+            case _:
+                return self._at_stop(t_s)
+
+    def _signing_off(self, t_s: float) -> tuple[Wait, float]:
+        for asked in (Asked.SIGN_OFF, Asked.REPORT):
+            if asked in self._view.requests:
+                return self._request(asked, t_s)
+        return self._make(Cause.ANSWER, asked=Asked.SIGN_OFF, party=MANAGER), math.inf
+
+    def _finished(self) -> tuple[Wait, float]:
+        """Between two trains: the driver changes ends, or the crew takes up the next number."""
+        view, following = self._view, self._view.next_duty
+        if following is None or view.duty is None:
+            return self._make(Cause.STABLED), math.inf
+        turns = following.mission.direction is not view.duty.mission.direction
+        train = following.train.number
+        return self._make(Cause.TURN_BACK if turns else Cause.NEXT_TRAIN, reason=train), math.inf
+
+    def _at_stop(self, t_s: float) -> tuple[Wait, float]:
+        """At a stop: the dwell, the departure time, then the way ahead."""
+        view = self._view
+        targets = () if view.duty is None else view.duty.mission.targets
+        if view.departed and view.doing is Doing.STANDING:
+            return self._make(Cause.STARTING), math.inf
+        if view.at >= len(targets) - 1:
+            return self._ends_here(t_s)
+        planned_s = targets[view.at].departure_s
+        shown_s = -math.inf if planned_s is None else view.shown_at_s(planned_s)
+        leave_s = max(shown_s, view.ready_s)
+        if t_s < leave_s and view.ready_s >= shown_s and view.dwells:
+            return self._make(Cause.DWELL, until_s=leave_s), leave_s
+        if t_s < leave_s and planned_s is not None:
+            why = "" if targets[view.at].passengers else NO_PASSENGERS
+            why = why if shown_s == planned_s else WRONG_CLOCK
+            return self._make(Cause.DEPARTURE_TIME, until_s=planned_s, reason=why), leave_s
+        if view.emergency:
+            return self._make(Cause.EMERGENCY), math.inf
+        return self._on_sight(t_s) if view.doing is Doing.ON_SIGHT else self._way_ahead(t_s)
+
+    def _ends_here(self, t_s: float) -> tuple[Wait, float]:
+        """At its last stop, before its journey counts as done."""
+        if Asked.REPORT in self._view.requests:
+            return self._request(Asked.REPORT, t_s)
+        if self._view.doing is Doing.ON_SIGHT:
+            return self._make(Cause.ON_SIGHT), math.inf
+        return self._make(Cause.ARRIVAL_BY_EYE), math.inf
+
+    def _held_up(self, t_s: float) -> tuple[Wait, float]:
+        """Has left its stop and stands: it just starts, or its stop limit holds it."""
+        stands_at_stop = self._stretch.phase in AT_ITS_STOP
+        if stands_at_stop or not self._limit_is_near(t_s):
+            return self._make(Cause.STARTING), math.inf
+        return self._way_ahead(t_s)
+
+    def _on_sight(self, t_s: float) -> tuple[Wait, float]:
+        view = self._view
+        if view.crew_waits_at:
+            wait, until_s = self._points(t_s, view.crew_waits_at)
+            moves = wait.cause is Cause.POINTS_MOVE
+            return replace(wait, cause=wait.cause if moves else Cause.POINTS_BY_EYE), until_s
+        if Asked.ROUTE in view.requests:
+            return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        return self._make(Cause.ON_SIGHT), math.inf
+
+    # what is ahead --------------------------------------------------------------------------------------------
+
+    def _limit_is_near(self, t_s: float) -> bool:
+        """Whether the stop limit lies as near before the front as a train stands before one."""
+        view = self._view
+        here = self._here(t_s)
+        if view.limit_before is None or view.limit_at is None or here is None:
+            return False
+        return abs(view.limit_at[1] - here[1]) <= 1.0 + 2.0 * self._setup.unit.standoff_m
+
+    def _way_ahead(self, t_s: float) -> tuple[Wait, float]:
+        view = self._view
+        if view.limit_why == NOT_PROVEN and view.limit_before is not None:
+            missing = self._points_missing(view.limit_before)
+            return self._points(t_s, missing) if missing else (self._make(Cause.STARTING), math.inf)
+        if Asked.ROUTE in view.requests:
+            return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+        if view.set_back:
+            return self._make(Cause.SET_BACK), math.inf
+        if Asked.REPORT in view.requests:
+            return self._request(Asked.REPORT, t_s)
+        if view.limit_before is None:
+            return self._make(Cause.STARTING), math.inf
+        return self._request(Asked.ROUTE, t_s, self._route_sections(view.limit_before))
+
+    def _route_sections(self, before: str | None) -> tuple[str, ...]:
+        """Sections of the route of the present train that has a section."""
+        routes = () if self._view.duty is None else self._view.duty.mission.routes
+        return next(
+            (r.section_ids for r in routes if before in r.section_ids), () if before is None else (before,)
+        )
+
+    def _request(self, asked: Asked, t_s: float, sections: tuple[str, ...] = ()) -> tuple[Wait, float]:
+        """An open request: who has what was asked for, why it was refused, or that no answer has come."""
+        request = self._view.requests.get(asked)
+        changes_s = self._history.next_change_s(sections, t_s)
+        ails, ails_until_s = self._history.ails(MANAGER, t_s)
+        until_s = min(changes_s, ails_until_s)
+        known: Known = {"asked": asked, "party": MANAGER}
+        if request is None or not self._covered(t_s):
+            cause = Cause.ANSWER if self._covered(t_s) else Cause.COVERAGE
+            return self._make(cause, **known), until_s
+        known["since_s"] = request.since_s
+        if ails:
+            known["reason"] = ails
+            return self._make(Cause.ANSWER, **known), until_s
+        for section in sections:
+            holder = self._history.holder(section, t_s, self._view.unit)
+            if holder is not None and request.refusal.startswith(HELD_REASON):
+                return self._held(asked, section, holder.unit, holder.from_s, holder.to_s, t_s), until_s
+        if request.refusal and not request.refusal.startswith(HELD_REASON):
+            known["reason"] = request.refusal
+            return self._make(Cause.REFUSED, **known), until_s
+        if request.refusal:  # nobody has it any more: it asks again in a moment
+            known["since_s"], known["reason"] = None, ASKS_AGAIN
+        return self._make(Cause.ANSWER, **known), until_s
+
+    def _held(self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float) -> Wait:
+        return self._make(
+            Cause.ROUTE_HELD,
+            asked=asked,
+            section=section,
+            party=unit,
+            party_train=self._history.train_of(unit, t_s),
+            since_s=from_s,
+            until_s=None if to_s == math.inf else to_s,
+        )
+
+    def _points_missing(self, section: str) -> str:
+        """The first points of a section that are not proven as the present train needs them."""
+        spans = () if self._view.duty is None else self._view.duty.mission.spans
+        needed = [points for span in spans if span.section_id == section for points, _, _ in span.points]
+        return next((points for points in needed if points not in self._view.proven), "")
+
+    def _points(self, t_s: float, points: str) -> tuple[Wait, float]:
+        """Points that are not proven: they move, were refused, or their terminal says nothing."""
+        view, item = self._view, self._setup.line.points[points]
+        moves, since_s, until_s = self._history.points_move(points, t_s)
+        ails, ails_until_s = self._history.ails(item.terminal_id, t_s)
+        until_s = min(until_s, ails_until_s)
+        known: Known = {
+            "points": points,
+            "section": view.limit_before or "",
+            "party": item.terminal_id,
+        }
+        if ails:
+            known["reason"] = ails
+            return self._make(Cause.POINTS_PROOF, **known), until_s
+        if points in view.points_refused:
+            known["reason"] = view.points_refused[points]
+            return self._make(Cause.POINTS_REFUSED, **known), until_s
+        if moves:
+            known["since_s"] = since_s
+            return self._make(Cause.POINTS_MOVE, **known), until_s
+        since_s = view.commanded_s.get(item.terminal_id, math.nan)
+        if not math.isnan(since_s):
+            known["since_s"] = since_s
+        elif not self._covered(t_s):
+            return self._make(Cause.COVERAGE, **known), until_s
+        return self._make(Cause.POINTS_PROOF, **known), until_s
+
+    def _covered(self, t_s: float) -> bool:
+        """Whether the radio reaches the train where it stands; a train outside stands where it is."""
+        at = self._here(t_s)
+        if self._stretch.phase is None or at is None:
+            return True
+        line, (piece, at_m) = self._setup.believed_line, at
+        alignment = line.alignments[line.pieces[piece].alignment_id]
+        return any(x.from_m <= at_m <= x.to_m for x in alignment.coverage)
+
+    # running --------------------------------------------------------------------------------------------------
+
+    def _runs(self, from_s: float, to_s: float) -> Iterator[Wait]:
+        """Runs; from where to where a stop limit short of its next mark slows it down."""
+        slowed = self._slowed(from_s, to_s)
+        runs = self._make(Cause.RUNS, at_m=None)
+        if slowed is None:
+            yield replace(runs, from_s=from_s, to_s=to_s)
+            return
+        begins_s, ends_s = slowed
+        if begins_s > from_s:
+            yield replace(runs, from_s=from_s, to_s=begins_s)
+        at_s = begins_s
+        while at_s < ends_s:
+            why, until_s = self._way_ahead(at_s)
+            next_s = min(ends_s, until_s) if until_s > at_s else ends_s
+            reason = "" if why.cause is Cause.STARTING else why.cause.value
+            at_m = None if self._view.limit_at is None else self._view.limit_at[1]
+            section = self._view.limit_before or ""
+            what = replace(why, cause=Cause.STOP_LIMIT, section=section, place="", at_m=at_m, reason=reason)
+            yield replace(what, from_s=at_s, to_s=next_s)
+            at_s = next_s
+        if ends_s < to_s:
+            yield replace(runs, from_s=ends_s, to_s=to_s)
+
+    def _slowed(self, from_s: float, to_s: float) -> tuple[float, float] | None:
+        """When its stop limit holds it back, s: since it had to brake for that, until it pulls again; None: never."""
+        view, driving = self._view, self._setup.driving
+        goes_on, self._held_back_by = (
+            self._held_back_by is not None and self._held_back_by == view.limit_at,
+            None,
+        )
+        if view.limit_before is None or view.limit_at is None or view.duty is None or not self._is_short():
+            return None
+        limit_m = view.duty.mission.path.to_path_m(*view.limit_at)
+        rows = self._where.samples(view.unit, from_s, to_s)
+        times_s = rows["step"] / STEPS_PER_S
+        left_m = np.maximum(limit_m - rows["position_m"] - self._setup.unit.standoff_m, 1.0)
+        needed_mps2 = rows["speed_mps"] ** 2 / (2.0 * left_m)
+        near = needed_mps2 >= SLOWED_SHARE * driving.stop_deceleration_mps2
+        brakes = (rows["acceleration_mps2"] <= BRAKES_MPS2) & (rows["notch"] < 0.0)
+        begins = times_s[near & brakes & (rows["position_m"] < limit_m)]
+        if not goes_on and not begins.size:
+            return None
+        begins_s = from_s if goes_on or begins[0] - from_s < SAMPLES_S else float(begins[0])
+        pulls = times_s[~near & (rows["notch"] > 0.0) & (times_s > begins_s)]
+        if not pulls.size:
+            self._held_back_by = view.limit_at
+        ends_s = float(pulls[0]) if pulls.size else to_s
+        return (begins_s, ends_s) if begins_s < ends_s else None
+
+    def _is_short(self) -> bool:
+        """Whether the stop limit lies before the mark of the next stop."""
+        view = self._view
+        if view.duty is None or view.limit_before is None:
+            return False
+        mission = view.duty.mission
+        following = mission.targets[min(view.at + 1, len(mission.targets) - 1)]
+        sections = [span.section_id for span in mission.spans]
+        if view.limit_before not in sections:
+            return False
+        return sections.index(view.limit_before) <= sections.index(following.section_id)
+
+
+def _join(found: list[Wait], more: Iterable[Wait]) -> None:
+    """Append waits; one that says the same as the last goes on with it."""
+    for wait in more:
+        last = found[-1] if found else None
+        if last is not None and replace(last, to_s=wait.to_s) == replace(wait, from_s=last.from_s):
+            found[-1] = replace(last, to_s=wait.to_s)
+        else:
+            found.append(wait)

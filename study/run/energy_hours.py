@@ -1,0 +1,60 @@
+"""Energy by hour of the day (時間帯別電力量): what the simulation booked, cut at whole hours."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from simulation.result import EnergyRecord
+from study.run.energy import JOULE_PER_KWH, Make
+from study.run.tables import make_table
+from vehicle.train_file import Receiver
+
+HOUR_S: Final = 3600.0
+Joules = NDArray[np.float64]
+
+
+def energy_hours_of(records: Iterable[EnergyRecord], fleet: Mapping[str, Make]) -> pl.DataFrame:
+    """The table `energy_hours`: one row an hour, stock and phase that took or gave anything.
+
+    A record that reaches over a whole hour is shared out by time: it is a run between two stops, or a stand, so what is
+    put into the wrong hour is at most a part of one leg. The sum over all hours is that of the records.
+    """
+    sums: dict[tuple[float, str, str], Joules] = defaultdict(lambda: np.zeros(3))
+    for record in records:
+        joules = np.array([record.traction_j, record.regenerated_j, record.auxiliary_j])
+        for hour_s, share in shares(record.begin_s, record.end_s):
+            sums[hour_s, record.stock_id, record.phase.value] += share * joules
+    keys = sorted(key for key, joules in sums.items() if joules.any())
+    kwh = [sums[key] / JOULE_PER_KWH for key in keys]
+    taken = [fleet[unit].regenerated_to is not Receiver.RESISTORS for _, unit, _ in keys]
+    return make_table(
+        "energy_hours",
+        {
+            "hour_s": [hour_s for hour_s, _, _ in keys],
+            "unit": [unit for _, unit, _ in keys],
+            "phase": [phase for _, _, phase in keys],
+            "traction_kwh": [float(one[0]) for one in kwh],
+            "regenerated_kwh": [float(one[1]) for one in kwh],
+            "auxiliary_kwh": [float(one[2]) for one in kwh],
+            "net_kwh": [
+                float(one[0] + one[2] - (one[1] if back else 0.0))
+                for one, back in zip(kwh, taken, strict=True)
+            ],
+        },
+    )
+
+
+def shares(begin_s: float, end_s: float) -> tuple[tuple[float, float], ...]:
+    """(beginning of the hour, share of the time in it) of each hour that a stretch of time meets; they sum to 1."""
+    first_s = begin_s // HOUR_S * HOUR_S
+    if end_s <= begin_s:
+        return ((first_s, 1.0),)
+    hours_s = np.arange(first_s, end_s, HOUR_S)
+    inside_s = np.minimum(hours_s + HOUR_S, end_s) - np.maximum(hours_s, begin_s)
+    return tuple(zip(hours_s.tolist(), (inside_s / (end_s - begin_s)).tolist(), strict=True))

@@ -1,0 +1,108 @@
+"""What a report shows besides tables, summary and inputs, kept so that it can be made again from a run directory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from network.files.json_input import read_json
+from onboard.driving.tuning import Learned, StopRecord
+from simulation.judge.checkers import Checker
+from simulation.result import RunResult
+from study.report.drill import DrillShown
+from study.report.tasc import Tuned
+from study.scenario.inputs import Inputs
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBroken:
+    """A broken invariant: when, which, and how, in words."""
+
+    t_s: float
+    checker: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Waves:
+    """The last stop that a train counted; see `onboard.driving.tuning.StopRecord`."""
+
+    designed_mps2: tuple[float, ...]
+    actual_mps2: tuple[float, ...]
+    slid: bool
+    load_share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """Parties by name, rules broken, what else failed (texts), last stops of trains that learn by unit, the drill."""
+
+    parties: tuple[str, ...] = ()
+    violations: tuple[RuleBroken, ...] = ()
+    broken: tuple[str, ...] = ()
+    waves: dict[str, Waves] = field(default_factory=dict[str, Waves])
+    drill: DrillShown | None = None
+
+    def as_json(self) -> bytes:
+        """The file's text."""
+        return msgspec.json.encode(self) + b"\n"
+
+    def facts(self, summary: Mapping[str, Any], inputs: Inputs) -> dict[str, Any]:
+        """What `study.report.report.write_report` takes as the summary."""
+        return {
+            **summary,
+            "scenario": inputs.scenario["name"],
+            "parties": list(self.parties),
+            "violations": [asdict(rule) for rule in self.violations],
+            "broken": list(self.broken),
+            "broken_expectations": [] if self.drill is None else list(self.drill.unmet()),
+            "assumed": list(inputs.assumed),
+        }
+
+    def tuned(self, learned: Mapping[str, Learned]) -> dict[str, Tuned]:
+        """What each train that learns has learned, with its last stop, by unit."""
+        return {
+            unit: Tuned(known, _record(self.waves[unit]))
+            for unit, known in learned.items()
+            if unit in self.waves
+        }
+
+
+def shown_of(
+    result: RunResult, broken: tuple[str, ...], terminals: tuple[str, ...], drill: DrillShown | None
+) -> Shown:
+    """What the report shows of a run; trains that did not arrive are told once."""
+    rules = [v for v in result.violations if v.checker != Checker.EVERYONE_ARRIVES]
+    told = {f"{v.checker}: {v.text}" for v in rules}
+    return Shown(
+        parties=(*result.stock_ids, "block-manager", *terminals),
+        violations=tuple(RuleBroken(v.t_s, str(v.checker), v.text) for v in rules),
+        broken=tuple(text for text in broken if text not in told),
+        waves={unit: _waves(stop) for unit, stop in result.learned_from.items()},
+        drill=drill,
+    )
+
+
+def read_shown(path: Path) -> Shown:
+    """What `Shown.as_json` wrote. Raises InputError for anything else."""
+    return read_json(path, Shown)
+
+
+def _waves(stop: StopRecord) -> Waves:
+    return Waves(
+        tuple(stop.designed_mps2.tolist()), tuple(stop.actual_mps2.tolist()), stop.slid, stop.load_share
+    )
+
+
+def _record(waves: Waves) -> StopRecord:
+    return StopRecord(
+        np.array(waves.designed_mps2, dtype=np.float64),
+        np.array(waves.actual_mps2, dtype=np.float64),
+        waves.slid,
+        waves.load_share,
+    )

@@ -1,0 +1,242 @@
+"""Why a train waits, against what its unit shows its driver and against what a drill does to it."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import pytest
+
+from simulation.events import MANAGER
+from simulation.result import Waiting
+from simulation.setup import STEPS_PER_S, Setup
+from study.measures.wait import Asked, Cause, Wait
+from study.measures.wait_text import names_of, text_of
+from study.measures.waits import waits_of
+from study.run.drill import find_drill
+from study.run.run import simulated
+from study.run.waits_table import wait_at
+from study.scenario.scenario import load_scenario
+
+ON_LINE_UNIT = (Cause.RUNS, Cause.STOP_LIMIT, Cause.STARTING)
+BEFORE_ITS_TIME = (Cause.DEPARTURE_TIME, Cause.DWELL, Cause.SET_BACK)
+ABNORMAL = (Cause.EMERGENCY, Cause.VEHICLE)  # named first; a unit shows what it asks for before them
+ON_SIGHT = (Cause.ON_SIGHT, Cause.POINTS_BY_EYE, Cause.STARTING, Cause.RUNS)
+# What a unit shows (`onboard.duty.shown`), and the causes that agree with it.
+AGREES: Mapping[str, tuple[Cause, ...]] = {
+    r"departure time": BEFORE_ITS_TIME,
+    r"its next train": (Cause.TURN_BACK, Cause.NEXT_TRAIN, Cause.STABLED),
+    r"agreement with the block manager": (Cause.CONTRADICTION,),
+    r"signing on : held|signing on: held": (Cause.ROUTE_HELD, Cause.ANSWER, *ABNORMAL),
+    r"signing on: (undefined|claim needed)": (Cause.REFUSED, *ABNORMAL),
+    r"signing on: no answer": (Cause.ANSWER, Cause.COVERAGE, Cause.RUNS, *ABNORMAL),
+    r"signing off: ": (Cause.ANSWER, Cause.REFUSED),
+    r"route .*: held": (Cause.ROUTE_HELD, Cause.ANSWER, *BEFORE_ITS_TIME, *ABNORMAL),
+    r"route .*: undefined": (Cause.REFUSED, *BEFORE_ITS_TIME, *ABNORMAL),
+    r"route .*: no answer": (Cause.ANSWER, Cause.COVERAGE, Cause.STARTING, *BEFORE_ITS_TIME, *ABNORMAL),
+    r"points .*: not detected": (Cause.POINTS_REFUSED, *BEFORE_ITS_TIME, *ABNORMAL),
+    r"points .*: not proven": (
+        Cause.POINTS_MOVE,
+        Cause.POINTS_PROOF,
+        Cause.POINTS_BY_EYE,
+        Cause.STARTING,  # from a halt, towards points far ahead
+        *BEFORE_ITS_TIME,
+        *ABNORMAL,
+    ),
+    r"vehicle: ": (Cause.VEHICLE,),
+    r"release of the emergency brake": (Cause.EMERGENCY, Cause.VEHICLE),
+    r"the driver's confirmation": (Cause.ARRIVAL_BY_EYE, Cause.DEPARTURE_TIME, Cause.DWELL),
+    r"the block manager's confirmation": (Cause.ANSWER, *BEFORE_ITS_TIME),
+    r"the end of the hold on its route": (Cause.SET_BACK, Cause.RUNS),
+    r"its run to ": (*ON_LINE_UNIT, Cause.EMERGENCY),
+    r"a tag: its position is unknown": (*ON_SIGHT, *BEFORE_ITS_TIME, Cause.EMERGENCY),
+    r"the track ahead: ": (*ON_SIGHT, Cause.ANSWER),
+    r"its unit to be switched on": (Cause.UNIT_OFF,),
+    r"its unit, which is frozen": (Cause.UNIT_FROZEN,),
+}
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A run, what its units showed whenever anything happened, and the waits that its journal gives."""
+
+    setup: Setup
+    begin_s: float
+    end_s: float
+    shown: Sequence[tuple[float, Waiting]]
+    waits: Sequence[Wait]
+
+    def of(self, unit: str) -> list[Wait]:
+        return [wait for wait in self.waits if wait.unit == unit]
+
+
+@cache
+def observed(name: str) -> Observed:
+    """Run a scenario or drill, and look at every unit whenever something has happened."""
+    scenario = load_scenario(find_drill(name) if "/" in name else name)
+    shown: list[tuple[float, Waiting]] = []
+    with simulated(scenario.setup) as simulation:
+        simulation.begin()
+        while simulation.settle() is None:
+            shown += [(simulation.now_s, waiting) for waiting in simulation._duties.waiting()]
+            simulation.advance()
+        result = simulation.finish()
+    waits = waits_of(result, scenario.setup)
+    return Observed(
+        scenario.setup, result.begin_step / STEPS_PER_S, result.end_step / STEPS_PER_S, shown, waits
+    )
+
+
+DRILLS = (
+    "rtri/03_block_held",
+    "rtri/05_unit_power_position_unknown",
+    "rtri/09_manager_power",
+    "rtri/12_terminal_power",
+    "rtri/14b_manager_and_units_on_open_line",
+    "rtri/20_route_given_back",
+    "rtri/21_points_stuck",
+    "rtri/40_clock_wrong",
+    "rtri/42_doors",
+    "rtri/43_brake",
+    "rtri/51_not_at_its_mark",
+    "rtri/52_unit_frozen",
+    "rtri/53_word_without_a_place",
+    "rtri/55_unit_dead_for_good",
+    "karasuyama/28_unit_restart_out_of_coverage",
+)
+SHIPPED = (
+    "rtri_test_line",
+    "karasuyama_weekday",
+    "karasuyama_without_loop",
+    "karasuyama_stressed",
+    "busy_line",
+)
+EVERY = pytest.mark.parametrize("name", [*DRILLS, *SHIPPED])
+
+
+@pytest.mark.system
+@EVERY
+def test_every_stock_has_one_wait_at_every_moment(name: str) -> None:
+    run = observed(name)
+    units = [diagram.stock_id for diagram in run.setup.timetable.diagrams]
+    for unit in units:
+        waits = run.of(unit)
+        assert waits[0].from_s == run.begin_s
+        assert waits[-1].to_s == run.end_s
+        assert all(wait.to_s > wait.from_s for wait in waits)
+        assert all(before.to_s == after.from_s for before, after in pairwise(waits))
+
+
+@pytest.mark.system
+@EVERY
+def test_every_wait_is_a_sentence(name: str) -> None:
+    run = observed(name)
+    names = names_of(run.setup.line)
+    for wait in run.waits:
+        english, japanese = text_of(wait, "en", names), text_of(wait, "ja", names)
+        assert english.endswith(".") and japanese.endswith("。")
+        assert not re.search(r"None|\{|\}|  | \.|：。|（）", english + japanese)
+        assert "\n" not in english + japanese
+
+
+@pytest.mark.system
+@EVERY
+def test_waits_agree_with_what_units_show(name: str) -> None:
+    run = observed(name)
+    by_unit: dict[str, list[Wait]] = defaultdict(list)
+    for wait in run.waits:
+        by_unit[wait.unit].append(wait)
+    begins = {unit: [wait.from_s for wait in waits] for unit, waits in by_unit.items()}
+    others: list[tuple[float, Waiting, Wait]] = []
+    looked = 0
+    for t_s, waiting in run.shown:
+        if not waiting.stands:
+            continue
+        looked += 1
+        at = bisect_right(begins[waiting.stock_id], t_s) - 1
+        wait = by_unit[waiting.stock_id][at]
+        causes = next((causes for said, causes in AGREES.items() if re.match(said, waiting.waits_for)), ())
+        if wait.cause not in causes:
+            others.append((t_s, waiting, wait))
+    assert looked > 10
+    assert not others, others[:3]
+
+
+def the(run: Observed, unit: str, cause: Cause, **fields: object) -> Wait:
+    """The longest wait of a stock for a cause, with some fields."""
+    found = [
+        wait
+        for wait in run.of(unit)
+        if wait.cause is cause and all(getattr(wait, name) == value for name, value in fields.items())
+    ]
+    assert found, [wait.cause for wait in run.of(unit)]
+    return max(found, key=lambda wait: wait.length_s)
+
+
+@pytest.mark.system
+def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
+    run = observed("rtri/03_block_held")
+    wait = the(run, "K2", Cause.ROUTE_HELD, place="A")
+    assert (wait.section, wait.party, wait.party_train, wait.asked) == ("8", "K1", "T1", Asked.ROUTE)
+    assert wait.from_s == 10 * 3600 + 300  # its departure time, until which it waits for that
+    assert wait.until_s == wait.to_s
+    assert wait.since_s is not None and wait.since_s < wait.from_s
+    names = names_of(run.setup.line)
+    assert text_of(wait, "en", names).startswith(
+        "T3 waits at A for its way: section 8 is held by T1 (K1) since "
+    )
+    assert "8区間をT1 (K1)が" in text_of(wait, "ja", names)
+
+
+@pytest.mark.system
+def test_a_manager_without_power_is_named() -> None:
+    run = observed("rtri/09_manager_power")
+    wait = the(run, "K2", Cause.ANSWER, reason="no power")
+    assert (wait.party, wait.asked) == (MANAGER, Asked.SIGN_ON)
+    refused = the(run, "K2", Cause.REFUSED)  # switched on again, it knows nothing
+    assert refused.reason.startswith("undefined")
+    assert refused.from_s > wait.to_s
+
+
+@pytest.mark.system
+def test_points_that_do_not_move_are_named_with_their_terminal() -> None:
+    run = observed("rtri/21_points_stuck")
+    wait = the(run, "K1", Cause.POINTS_REFUSED)
+    terminal = run.setup.line.points["P7"].terminal_id
+    assert (wait.points, wait.section, wait.party, wait.reason) == ("P7", "7", terminal, "not detected")
+    assert wait.length_s > 240.0  # from 10:01 to the repair at 10:06
+    slowed = the(run, "K1", Cause.STOP_LIMIT)
+    assert (slowed.section, slowed.to_s) == ("7", wait.from_s)
+
+
+@pytest.mark.system
+@pytest.mark.parametrize(
+    ("drill", "unit", "cause", "fields"),
+    [
+        ("rtri/42_doors", "K1", Cause.VEHICLE, {"reason": "doors not closed"}),
+        ("rtri/43_brake", "K1", Cause.VEHICLE, {"reason": "brake not in order"}),
+        ("rtri/05_unit_power_position_unknown", "K1", Cause.UNIT_OFF, {}),
+        ("rtri/05_unit_power_position_unknown", "K1", Cause.EMERGENCY, {}),
+        ("rtri/20_route_given_back", "K1", Cause.SET_BACK, {}),
+        ("rtri/52_unit_frozen", "K1", Cause.UNIT_FROZEN, {}),
+    ],
+)
+def test_what_is_out_of_order_is_named(
+    drill: str, unit: str, cause: Cause, fields: Mapping[str, object]
+) -> None:
+    assert the(observed(drill), unit, cause, **fields).length_s > 1.0
+
+
+@pytest.mark.system
+def test_what_a_stock_waits_for_at_a_moment_is_found_by_time() -> None:
+    run = observed("rtri/03_block_held")
+    held = the(run, "K2", Cause.ROUTE_HELD, place="A")
+    assert wait_at(run.waits, "K2", held.from_s) == held
+    assert wait_at(run.waits, "K2", held.to_s - 0.1) == held
+    assert wait_at(run.waits, "K2", held.to_s) != held
+    assert wait_at(run.waits, "K2", run.end_s) is None
