@@ -242,6 +242,16 @@ def test_sets_go_on_as_the_next_train_from_the_same_track() -> None:
     assert not any(one.comes_from for one in found.values())
 
 
+def test_a_link_between_trains_without_numbers_of_their_own_is_left_and_said() -> None:
+    read = route(
+        train("EkiJikoku=1;500$0,1;530/$1\nOperation0B=3/450$/11\nOperation1A=5/$0"),
+        train("EkiJikoku=,,1;540$1,1;610/\nOperation2B=5/$\nOperation3A=3/620$", way="Nobori"),
+    )
+    found = published_of(read, read.dias[0])
+    assert [one.becomes for one in found.trains] == [(), ()]
+    assert found.left == ("1 links between trains that have no number of their own",)
+
+
 def test_a_set_from_beyond_arrives_when_its_operation_says() -> None:
     (one,) = published(train("EkiJikoku=1;500$0,1;530/$0\nOperation0B=4/0$440/458$/11\nOperation1A=3/540$"))
     assert one.comes_from == "車庫"
