@@ -16,6 +16,7 @@ import typer
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.drilling import drill
+from branchline.duties import duties
 from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
 from branchline.importing import importers
@@ -32,7 +33,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare):
+for command in (run, drill, bench, reproduce, check, compare, duties):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")
