@@ -53,7 +53,7 @@ MEANINGS: Final = {
     Outcome.GOOD: "it ran, and all that is expected of it holds",
     Outcome.BROKEN: "it ran, and an expectation or an invariant is broken, or a figure misses its criterion",
     Outcome.BAD_INPUT: "a file, an option or an argument cannot be used",
-    Outcome.COULD_NOT_RUN: "what the run needs is gone: a process of a party, an endpoint, the window, room on the disk, memory",
+    Outcome.COULD_NOT_RUN: "what the run needs is gone: a process of a party, an endpoint, room on the disk, memory",
     Outcome.BUG: "the program is at fault; the line says where its log is",
     Outcome.HUNG_UP: "SIGHUP",
     Outcome.INTERRUPTED: "SIGINT, Ctrl-C",

@@ -63,8 +63,9 @@ def add_train_type(
     Each vehicle needs SPEED_MODE and LANE_CHANGE_MODE besides.
     """
     if vehicletype is None:
-        from libsumo import vehicletype
+        import libsumo as running
 
+        vehicletype = running.vehicletype
     vehicletype.copy(RAIL_TYPE, type_id)
     vehicletype.setLength(type_id, length_m)
     vehicletype.setMinGap(type_id, 0.0)

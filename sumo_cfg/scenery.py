@@ -1,7 +1,7 @@
 """What stands along the track, for sumo-gui and netedit: stops, and points and polygons of all that the line file has.
 
-Points hang on lanes (`lane`, `pos`), so SUMO puts them where a train's front is when it has run as far. Lengths of edges
-are those of the kilometrage, so `pos` is the way from where the edge begins.
+Points hang on lanes (`lane`, `pos`), so SUMO puts them where a train's front is when it has run as far. Lengths of
+edges are those of the kilometrage, so `pos` is the way from where the edge begins.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ def _platforms(line: Line, shapes: dict[str, Array]) -> Iterator[dict[str, str]]
             "color": PLATFORM_COLOUR,
             "fill": "1",
             "layer": _PLATFORM_LAYER,
-            "shape": _shape_text(np.concatenate([ring, ring[:1]])),
+            "shape": _shape_text((*ring, ring[0])),
         }
 
 

@@ -1,8 +1,8 @@
 """A day's trains as SUMO's own vehicles, without any unit of ours on board: types, routes and stops.
 
-A vehicle is a set from where it comes onto the line to where it leaves it or is stabled. It stops at the marks, leaves no
-earlier than planned, and runs slower when it is before its time (`speedFactorPremature`), so that the timetable alone keeps
-trains apart. It changes ends in place, as its route goes on over the edge's way back.
+A vehicle is a set from where it comes onto the line to where it leaves it or is stabled. It stops at the marks, leaves
+no earlier than planned, and runs slower when it is before its time (`speedFactorPremature`), so that the timetable
+alone keeps trains apart. It changes ends in place, as its route goes on over the edge's way back.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class VehicleStop:
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """A set from where it appears, its front `depart_m` into the first edge, to `arrive_m` on the last; None: its end."""
+    """A set from where it appears, `depart_m` into the first edge, to `arrive_m` on the last; None: to its end."""
 
     id: str
     type_id: str

@@ -131,9 +131,22 @@ def _put(done: Merged, first: Track, chain: list[tuple[Track, int]]) -> None:
             tail.high_node if tail_sign > 0 else tail.low_node,
             at_m,
             tuple(shape),
-            tuple(rows),
+            _rows_of_chain(at_m, rows),
         )
     )
+
+
+def _rows_of_chain(length_m: float, rows: list[KmRow]) -> tuple[KmRow, ...]:
+    """Rows of pieces end to end: where two meet at one kilometrage there is no row, where it jumps there are two."""
+    known: list[KmRow] = []
+    jumps: list[tuple[float, float, float]] = []
+    for row in rows:
+        if known and row[0] - known[-1][0] < SAME_PLACE_M and 0.0 < row[0] < length_m:
+            if abs(row[1] - known[-1][1]) > SAME_PLACE_M:
+                jumps.append((row[0], known[-1][1], row[1]))
+            continue
+        known.append(row)
+    return km_rows(length_m, known, jumps)
 
 
 def km_rows(
@@ -181,7 +194,7 @@ def _sense(part: list[KmRow]) -> int:
 
 
 def _thinned(part: list[KmRow]) -> list[KmRow]:
-    """Rows without those that say again what a straight line between the ends says, and without a second at one offset."""
+    """Rows without those that a straight line between the ends says too, and without a second at one offset."""
     kept: list[KmRow] = [part[0]]
     for row in part[1:-1]:
         (low_m, low_km_m), (high_m, high_km_m) = kept[-1], part[-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 from network.exchange.layout import Place, Side
@@ -60,4 +61,4 @@ def parted(directions: Sequence[Place]) -> Parted | None:
 
 def length_of_m(shape: Sequence[Place]) -> float:
     """Length of a polyline, m."""
-    return sum(math.hypot(bx - ax, by - ay) for (ax, ay), (bx, by) in zip(shape, shape[1:], strict=False))
+    return sum(math.hypot(bx - ax, by - ay) for (ax, ay), (bx, by) in pairwise(shape))

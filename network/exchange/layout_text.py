@@ -32,7 +32,7 @@ def stations_in_order(layout: Layout) -> tuple[LayoutStation, ...]:
 
 
 def obstacles(layout: Layout) -> tuple[str, ...]:
-    """What is in the way of a line file that holds this whole layout, in sentences; none for a single track with loops."""
+    """What is in the way of a line file that holds the whole layout, in sentences; single track with loops has none."""
     stations = stations_in_order(layout)
     found: list[str] = []
     if len(stations) < 2:

@@ -1,8 +1,9 @@
 """Import a track layout from OpenStreetMap (an .osm file: nodes and ways as XML).
 
 Ways that are rails are cut where more or fewer than two of them meet, and joined again where just two of one name and
-kind do. Nodes at which three meet are points where their directions allow it; the tag `railway=switch` is compared, not
-trusted. Kilometrage comes from milestones (`railway:position`). What the tags mean: OpenStreetMap wiki, OpenRailwayMap/Tagging.
+kind do. Nodes at which three meet are points where their directions allow it; the tag `railway=switch` is compared,
+not trusted. Kilometrage comes from milestones (`railway:position`). What the tags mean: OpenStreetMap wiki,
+OpenRailwayMap/Tagging.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import xml.etree.ElementTree as ET
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -79,13 +81,13 @@ def read_osm(path: Path) -> Layout:
     fixed = frozenset(node for node, ends in meeting.items() if len(ends) != 2)
     done = merged(pieces, fixed)
     meeting = _meeting(done.tracks)
-    points, crossings, odd = _points(source, done.tracks, meeting)
+    points, crossings, odd = _points(source, meeting)
     milestones = tuple(_milestones(source, done))
     measured, unused = _measured(done.tracks, milestones)
     tracks, given = carried(measured, points, names_are_lines=True)
     stations, homeless = _stations(source, done, tracks)
     signals = tuple(_signals(source, done))
-    nodes = tuple(_node(source, node, ends, points, crossings) for node, ends in meeting.items())
+    nodes = tuple(_node(source, node, ends, crossings) for node, ends in meeting.items())
     taken = _taken(source, tracks, points, stations, signals, milestones)
     assumed = _assumed(source, points, given, tracks)
     left = [*odd, *unused, *homeless, *_left(source)]
@@ -117,7 +119,8 @@ def _read(path: Path) -> _Source:
         raise InputError(
             file, "", None, f"OpenStreetMap XML, but the outermost element is {local_name(root)}"
         )
-    ways, left = [], Counter[str]()
+    ways: list[_Way] = []
+    left = Counter[str]()
     for element in root.iterfind("way"):
         tags = _tags(element)
         kind = tags.get("railway", "")
@@ -140,15 +143,15 @@ def _read(path: Path) -> _Source:
             if abs(lat) > 89 or abs(lon) > 180:
                 raise InputError(file, f"node {node_id}", [lon, lat], "longitude and latitude in degrees")
             found[node_id] = lon, lat, tags
-    on_rails = [found[ref][:2] for ref in wanted if ref in found]
-    if not on_rails:
+    on_rails = np.array([found[ref][:2] for ref in wanted if ref in found], dtype=np.float64)
+    if not len(on_rails):
         raise InputError(file, "", None, "the nodes of its ways, none of which is in the file")
-    lows, highs = np.min(on_rails, axis=0), np.max(on_rails, axis=0)
-    if float(np.max(highs - lows)) > EXTENT_DEG_MAX:
+    (low_lon, low_lat), (high_lon, high_lat) = on_rails.min(axis=0), on_rails.max(axis=0)
+    if max(high_lon - low_lon, high_lat - low_lat) > EXTENT_DEG_MAX:
         raise InputError(file, "", None, f"a cut of at most {EXTENT_DEG_MAX:g} degrees")
-    lon0, lat0 = (float(np.round((lows[i] + highs[i]) / 2.0, 4)) for i in (0, 1))
+    lon0, lat0 = round(float(low_lon + high_lon) / 2.0, 4), round(float(low_lat + high_lat) / 2.0, 4)
     project = plane_projection(path, lat0, lon0)
-    places = project(np.array([(lon, lat) for lon, lat, _ in found.values()]))
+    places = project(np.array([(lon, lat) for lon, lat, _ in found.values()], dtype=np.float64))
     nodes = {
         node_id: _OsmNode(node_id, (round(float(x), 3), round(float(y), 3)), tags)
         for (node_id, (_, _, tags)), (x, y) in zip(found.items(), places, strict=True)
@@ -189,7 +192,7 @@ def _pieces(source: _Source) -> Iterator[Track]:
             *(i for i in range(1, len(way.nodes) - 1) if degree[way.nodes[i]] != 2),
             len(way.nodes) - 1,
         ]
-        for number, (first, last) in enumerate(zip(cuts, cuts[1:], strict=False)):
+        for number, (first, last) in enumerate(pairwise(cuts)):
             piece_id = f"{way.id}.{number + 1}" if number else way.id
             shape = tuple(source.nodes[ref].place for ref in way.nodes[first : last + 1])
             for i in range(first, last + 1):
@@ -216,7 +219,7 @@ def _meeting(tracks: Iterable[Track]) -> dict[str, list[tuple[Track, bool]]]:
 
 
 def _points(
-    source: _Source, tracks: Sequence[Track], meeting: Mapping[str, list[tuple[Track, bool]]]
+    source: _Source, meeting: Mapping[str, list[tuple[Track, bool]]]
 ) -> tuple[list[LayoutPoints], set[str], list[str]]:
     """Points, crossings, and in sentences what the map calls points and is none, or the other way round."""
     points: list[LayoutPoints] = []
@@ -256,7 +259,6 @@ def _node(
     source: _Source,
     node: str,
     ends: Sequence[tuple[Track, bool]],
-    points: Iterable[LayoutPoints],
     crossings: set[str],
 ) -> Node:
     if node in crossings:
@@ -311,7 +313,7 @@ def _measured(tracks: Sequence[Track], milestones: Iterable[Milestone]) -> tuple
     alone = crossed = 0
     for track in tracks:
         known = sorted(rows.get(track.id, ()))
-        steps = {(b[1] > a[1]) - (b[1] < a[1]) for a, b in zip(known, known[1:], strict=False)} - {0}
+        steps = {(b[1] > a[1]) - (b[1] < a[1]) for a, b in pairwise(known)} - {0}
         if len(steps) > 1:
             crossed += 1
             known = []
@@ -369,7 +371,7 @@ def _nearest(place: Place, tracks: Iterable[Track]) -> Spot | None:
     best: tuple[float, Spot] | None = None
     for track in tracks:
         along_m = 0.0
-        for (ax, ay), (bx, by) in zip(track.shape, track.shape[1:], strict=False):
+        for (ax, ay), (bx, by) in pairwise(track.shape):
             length_m = length_of_m([(ax, ay), (bx, by)])
             share = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / max(length_m**2, 1e-9)
             share = min(max(share, 0.0), 1.0)

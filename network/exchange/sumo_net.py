@@ -1,9 +1,9 @@
 """Import a track layout from a SUMO net (`.net.xml`, also gzipped), with its stops from an additional file.
 
-Two rail edges that are one another's `bidi` are a track, its low node where the first of them begins; lengths are those
-of the lanes. Which of three tracks at a junction is the stem of points, the connections say; which leg is the normal one
-only nets of our own say, else it is the straighter one. A parameter `kilometrage_m` of a stop, which our own export
-writes, is its kilometrage.
+Two rail edges that are one another's `bidi` are a track, its low node where the first of them begins; lengths are
+those of the lanes. Which of three tracks at a junction is the stem of points, the connections say; which leg is the
+normal one only nets of our own say, else it is the straighter one. A parameter `kilometrage_m` of a stop, which our own
+export writes, is its kilometrage.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def read_sumo_net(path: Path, additional: Path | None = None) -> Layout:
         counted(len(points), "set of points", "sets of points"),
         f"{counted(len(stations), 'station')} with {counted(sum(len(s.spots) for s in stations), 'stop')}",
     ]
-    assumed = []
+    assumed: list[str] = []
     if points:
         assumed.append("the normal leg of points is the straighter one, where the net does not say")
     if one_way:
@@ -223,7 +223,7 @@ def _kind(
         for a, b in net.following
         if net.edges[a].to_node == node and net.edges[b].from_node == node
     }
-    stems = [t for t, _ in ends if all({t.id, o.id} in together for o, _ in ends if o.id != t.id)]
+    stems = [t for t, _ in ends if all(frozenset((t.id, o.id)) in together for o, _ in ends if o.id != t.id)]
     if len(ends) != 3 or len(stems) != 1 or len({t.id for t, _ in ends}) != 3:
         said.append(
             f"not among points: junction {node}, at which {len(ends)} tracks meet and {len(stems)} lead to all"

@@ -12,9 +12,10 @@ import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final
 
 from network.errors import COMMAND_LINE, InputError
 
@@ -74,10 +75,8 @@ def in_window(window: Window) -> SumoApi:
             "a screen to draw on: the variable DISPLAY names none; leave --gui out, or run it under one"
         )
         raise InputError(COMMAND_LINE, "--gui", None, expected)
-    import traci
-
     # TraCI carries no types of its own; its names and parameters are libsumo's.
-    api = cast("Any", traci)
+    api: Any = import_module("traci")
 
     def start(command: Sequence[str]) -> None:
         shown = [str(program), *command[1:], "--start", "--quit-on-end", "--delay", str(window.delay_ms)]

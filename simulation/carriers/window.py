@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 
 from network.model import Direction
@@ -15,11 +16,10 @@ from simulation.carriers.sumo_api import Window, in_window
 @contextmanager
 def _window_open() -> Generator[None]:
     """A window that is closed ends the run. Raises CarrierLostError."""
-    from traci.exceptions import FatalTraCIError
-
+    lost: type[Exception] = import_module("traci.exceptions").FatalTraCIError
     try:
         yield
-    except (FatalTraCIError, ConnectionError) as error:
+    except (lost, ConnectionError) as error:
         raise CarrierLostError("sumo-gui is gone: its window was closed, or it could not open one") from error
 
 

@@ -1,4 +1,4 @@
-"""A scenario for plain SUMO, to be looked at in sumo-gui and netedit: net, trains of the timetable, scenery, configuration.
+"""A scenario for plain SUMO, to be looked at in sumo-gui and netedit: net, trains, scenery and configuration.
 
 Trains are SUMO's own there: no units, no sections, no radio. Their routes and marks are those that the run draws up.
 """
@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Final
 
 from host.scratch import scratch
-from network.errors import InputError
+from network.errors import COMMAND_LINE, InputError
 from network.model import Direction, Line
 from onboard.duty.mission import NoWay, Target
 from simulation.setup import Setup
 from simulation.world.roster import Duty, draw_up
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
-from sumo_cfg.scenery import along_m, scenery_xml, stop_id
+from sumo_cfg.scenery import scenery_xml, stop_id
 from sumo_cfg.traffic import Vehicle, VehicleStop, VehicleType, config_xml, routes_xml
 from sumo_cfg.writer import edge_id
 from vehicle.train_file import TrainType
@@ -60,7 +60,7 @@ def export_sumo(scenario: Scenario, out: Path) -> SumoDay:
         f"{name}.add.xml": scenery_xml(setup.line),
         f"{name}.sumocfg": config_xml(name, max(0.0, begin_s - BEFORE_S), end_s + AFTER_S),
     }
-    written = tuple(write_files(out, files))
+    written = write_files(out, files)
     stops = sum(len(vehicle.stops) for vehicle in vehicles)
     return SumoDay(written, written[-1], len(vehicles), len(setup.timetable.trains), stops)
 
@@ -82,8 +82,8 @@ def vehicles_of(setup: Setup) -> tuple[Vehicle, ...]:
     return tuple(vehicles)
 
 
-def write_files(out: Path, files: dict[str, bytes]) -> Iterator[Path]:
-    """Write files into a directory, each whole or not at all and all of them or none. Raises InputError."""
+def write_files(out: Path, files: dict[str, bytes]) -> tuple[Path, ...]:
+    """Write files into a directory, each whole or not at all; other files in it stay. Raises InputError."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".branchline-", dir=out) as aside:
@@ -92,10 +92,9 @@ def write_files(out: Path, files: dict[str, bytes]) -> Iterator[Path]:
             for name in files:
                 (Path(aside) / name).replace(out / name)
     except OSError as error:
-        raise InputError(
-            "command line", "OUT", out, f"a directory that can be written ({error.strerror})"
-        ) from error
-    yield from (out / name for name in files)
+        expected = f"a directory that can be written ({error.strerror})"
+        raise InputError(COMMAND_LINE, "OUT", out, expected) from error
+    return tuple(out / name for name in files)
 
 
 def _chains(duties: Sequence[Duty]) -> Iterator[list[Duty]]:
@@ -128,7 +127,6 @@ def _type(kind: TrainType, line: Line) -> VehicleType:
 
 
 def _vehicle(setup: Setup, name: str, type_id: str, chain: Sequence[Duty]) -> Vehicle:
-    line = setup.line
     edges: list[str] = []
     stops: list[VehicleStop] = []
     for index, duty in enumerate(chain):

@@ -86,7 +86,7 @@ def draw_duties(line: Line, duties: Sequence[SetDuty]) -> Figure | None:
             for gap in duty.gaps:
                 _draw_gap(axes, i, gap, band)
     panels[0].set_title(
-        _KEY if all(t.late_s is None for d in duties for t in d.trains) else _KEY_AS_RUN, pad=14
+        _KEY if all(t.late_s is None for d in duties for t in d.trains) else _KEY_AS_RUN, pad=18
     )
     figure.draw_without_rendering()  # lays the panels out: texts are placed on the screen
     for axes, band in zip(panels, bands, strict=True):
@@ -111,11 +111,9 @@ def _frame(axes: Axes, duties: Sequence[SetDuty], band: TimeBand, grid: TimeGrid
 
 def _sum(duty: SetDuty) -> str:
     """What stands beside a row."""
-    turn = "" if duty.turn_min_s is None else f", turns in {_minutes(duty.turn_min_s)} min"
-    return (
-        f"{duty.stock_id}\n{len(duty.trains)} trains, {duty.distance_m / 1000:.1f} km\n"
-        f"{duty.on_duty_s / 3600:.1f} h{turn}"
-    )
+    turn = "" if duty.turn_min_s is None else f", least turn {_minutes(duty.turn_min_s)} min"
+    trains = f"{len(duty.trains)} train{'' if len(duty.trains) == 1 else 's'}"
+    return f"{duty.stock_id}\n{trains}, {duty.distance_m / 1000:.1f} km\n{duty.on_duty_s / 3600:.1f} h{turn}"
 
 
 def _minutes(time_s: int) -> str:

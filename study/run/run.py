@@ -20,7 +20,6 @@ from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
-from study.feasibility.check import feasibility
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
@@ -29,6 +28,7 @@ from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.feasibility.check import feasibility
 from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
