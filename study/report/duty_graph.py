@@ -147,7 +147,8 @@ def _draw_gap(axes: Axes, row: int, gap: DutyGap, band: TimeBand) -> None:
         axes.plot([gap.from_s, gap.to_s], [middle] * 2, color=PALE, lw=1.0, ls=style, zorder=2)
         return
     stub_s = (band.to_s - band.from_s) * _STUB_SHARE
-    ends = [gap.to_s - stub_s, gap.to_s] if gap.to_s is not None else [gap.from_s, (gap.from_s or 0) + stub_s]
+    inside_s = gap.to_s if gap.to_s is not None else gap.from_s or 0
+    ends = [inside_s, inside_s + (stub_s if gap.to_s is None else -stub_s)]
     axes.plot(ends, [middle] * 2, color=PALE, lw=1.0, ls=style, zorder=2)
 
 
