@@ -21,6 +21,7 @@ from branchline.exporting import exporters
 from branchline.importing import importers
 from branchline.making import makers
 from branchline.measuring import bench
+from branchline.plotting import plot
 from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.timing import running_times
@@ -32,7 +33,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare):
+for command in (run, drill, bench, reproduce, check, compare, plot):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

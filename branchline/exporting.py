@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from branchline.exporting_sumo import export_sumo_command
+from branchline.gtfs import export_gtfs
 from branchline.oudia import export_oudia
 
 exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
@@ -17,3 +18,4 @@ def _of_all_exports() -> None:
 
 
 exporters.command("oudia")(export_oudia)
+exporters.command("gtfs")(export_gtfs)

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
+from branchline.gtfs import import_gtfs
 from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
-from branchline.importing_timetables import import_gtfs, import_mini_tokyo
+from branchline.importing_timetables import import_mini_tokyo
 from branchline.oudia import import_oudia
 from branchline.progress import tell
 

@@ -78,39 +78,6 @@ def import_mini_tokyo(
     finish(published, wanted, as_json=as_json)
 
 
-def import_gtfs(
-    source: Annotated[Path, typer.Argument(help="A GTFS feed: a zip archive, or a folder with its tables.")],
-    out: TimetableOut = None,
-    line: LineName = None,
-    date: Annotated[str, typer.Option("--date", help="The day, YYYY-MM-DD.")] = "",
-    service: Annotated[
-        str, typer.Option("--service", help="A service id of the feed in place of a day.")
-    ] = "",
-    route: Annotated[
-        list[str] | None,
-        typer.Option("--route", help="A route by id or short name; default all by rail. Again for more."),
-    ] = None,
-    timetable_id: TimetableId = None,
-    name: ByHand = None,
-    names: ByHandFile = None,
-    add: Additions = None,
-    turn_min: TurnMin = TURN_MIN_S,
-    outside_min: OutsideMin = OUTSIDE_MIN_S,
-    as_json: Json = False,
-) -> None:
-    """Read the trains of a day from a GTFS feed; with a line, make its timetable file."""
-    from network.exchange.gtfs.reader import GtfsChoice, read_gtfs
-
-    day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
-    suffix = date.replace("-", "") or service or "day"
-    credit = f"numbers and times: GTFS feed {source.name}"
-    wanted = Wanted(
-        credit, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, in_order=False
-    )
-    counts = {"feed_trips": day.trips, "feed_stops": day.stops, "feed_calls": day.calls}
-    finish(day.published, wanted, counts, as_json=as_json)
-
-
 def finish(
     published: PublishedTimetable, wanted: Wanted, counts: dict[str, Any] | None = None, *, as_json: bool
 ) -> None:
@@ -122,7 +89,7 @@ def finish(
 
     if wanted.line is None and wanted.out is not None:
         raise InputError(COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written")
-    figures = {**(counts or {}), **counted(published)}
+    figures = {**(counts or {}), **counted(published)} if wanted.line is None else {}
     if wanted.line is not None:
         imported = _imported(published, wanted)
         figures = {**(counts or {}), **imported.figures()}
@@ -133,7 +100,7 @@ def finish(
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:
-        _print(figures)
+        print_figures(figures)
     if wanted.out is not None:
         tell(f"wrote {wanted.out}")
 
@@ -147,7 +114,7 @@ def counted(published: PublishedTimetable) -> dict[str, Any]:
         "calls": sum(len(train.calls) for train in published.trains),
         "down": sum(train.direction == "down" for train in published.trains),
         "up": sum(train.direction == "up" for train in published.trains),
-        "linked": sum(bool(train.follows or train.becomes) for train in published.trains),
+        "linked": sum(bool(train.follows or train.becomes or train.working) for train in published.trains),
         "beyond": sum(bool(train.comes_from or train.goes_to) for train in published.trains),
         "station_names": [station.name or station.name_ja or station.key for station in published.stations],
         "left": list(published.left),
@@ -183,7 +150,7 @@ def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetabl
     return import_timetable(published, line, order)
 
 
-def _print(figures: dict[str, Any]) -> None:
+def print_figures(figures: dict[str, Any]) -> None:
     """Counts as `key: value`, lists a line each, the table of stations with what joined each."""
     from network.files.raw import is_list
 

@@ -316,8 +316,6 @@ def _planned(cut: _Cut, timed: Timed, line: Line, said: _Said) -> PlannedTrain:
         cut.to_beyond,
         timed.inferred,
         cut.source.working,
-        cut.source.begins,
-        cut.source.ends,
     )
 
 

@@ -23,20 +23,17 @@ class PortalWay:
     only: bool = True
 
 
-def portal_of(
-    line: Line, station_id: str, direction: Direction, *, entering: bool, named: str = ""
-) -> PortalWay | None:
+def portal_of(line: Line, station_id: str, direction: Direction, *, entering: bool) -> PortalWay | None:
     """The portal by which a train in `direction` gets to (entering) or from a station; None where there is none.
 
     The nearest one, by routes; of several as near the left one in the direction of travel, as trains keep to the left
-    on the two tracks of a main line; of several in one place the first by name. `named`: that one or none. Raises
-    KeyError for an unknown station.
+    on the two tracks of a main line; of several in one place the first by name. Raises KeyError for an unknown station.
     """
     wanted = {track.section_id for track in line.stations[station_id].tracks if direction in track.marks_m}
     into = direction if entering else direction.opposite  # a way out is a way in, run the other way
     found: list[tuple[int, float, str, str]] = []
     for section in line.sections.values():
-        if section.kind is not SectionKind.PORTAL or named not in ("", section.id):
+        if section.kind is not SectionKind.PORTAL:
             continue
         ways = _ways_from(line, section.id, into)
         hops = [ways[section_id] for section_id in wanted if section_id in ways]

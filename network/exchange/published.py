@@ -39,7 +39,7 @@ class PublishedTrain:
 
     `follows` and `becomes` name trains that the same set runs before and after, where the source says so; `comes_from`
     and `goes_to` name places beyond the source's stations. `working` names what one set runs in the day (運用), where
-    the source numbers that. `begins` and `ends` are as timetable files write them, in what we have written ourselves.
+    the source numbers that.
     """
 
     number: str
@@ -53,20 +53,14 @@ class PublishedTrain:
     comes_from: str = ""
     goes_to: str = ""
     working: str = ""
-    begins: str = ""
-    ends: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class PublishedTimetable:
-    """One operating day. `left` says in sentences what the source holds and this does not; `source` names it.
-
-    `dwell_min_s` is the shortest stop for passengers, where the source says so.
-    """
+    """One operating day. `left` says in sentences what the source holds and this does not; `source` names it."""
 
     name: str
     stations: tuple[PublishedStation, ...]
     trains: tuple[PublishedTrain, ...]
     source: str
     left: tuple[str, ...] = ()
-    dwell_min_s: float | None = None

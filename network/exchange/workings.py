@@ -87,7 +87,6 @@ def workings_of(
     """
     day = _Day(line, rules or SetRules(), _in_order(trains, file))
     _check_stock(day.rules.stock, file)
-    whole = _as_written(day)
     _over_portals(day)
     published = _follow_links(day)
     turned = 0
@@ -100,8 +99,6 @@ def workings_of(
     stands = tuple(_stands(day))
     day.assumed += _morning_and_evening(day, stands)
     day.warnings += night_warnings(line, stands)
-    if whole:  # tracks too are as they were written
-        return Workings(day.begins, day.ends, diagrams, tuple(day.assumed), tuple(day.warnings))
     tracks, conflicts = give_tracks(line, tuple(day.trains.values()), stands)
     day.warnings += conflicts
     if tracks:
@@ -140,31 +137,13 @@ def _ends_of(train: PlannedTrain) -> tuple[str, str]:
     return train.calls[0].station_id, train.calls[-1].station_id
 
 
-def _as_written(day: _Day) -> bool:
-    """How trains begin and end in what we have written ourselves; whether it says so of all of them."""
-    for train in day.trains.values():
-        for text, entering in ((train.begins, True), (train.ends, False)):
-            known = day.begins if entering else day.ends
-            if text == _STABLED:
-                known[train.number] = text
-            elif text.startswith("portal:"):
-                station_id = _ends_of(train)[0 if entering else 1]
-                named = text.removeprefix("portal:")
-                way = portal_of(day.line, station_id, train.direction, entering=entering, named=named)
-                if way is None:
-                    day.warnings.append(f"{train.number}: the line has no way over {text} at {station_id}")
-                else:
-                    known[train.number] = day.by_portal(way)
-    return all(train.begins and train.ends for train in day.trains.values())
-
-
 def _over_portals(day: _Day) -> None:
     """Trains of other lines come in and go out; where the line has no portal there, they end like any other."""
     missing: dict[str, list[str]] = {}
     chosen: set[str] = set()
     for train in day.trains.values():
         for beyond, entering in ((train.from_beyond, True), (train.to_beyond, False)):
-            if not beyond or train.number in (day.begins if entering else day.ends):
+            if not beyond:
                 continue
             station_id = _ends_of(train)[0 if entering else 1]
             way = day.way(station_id, train.direction, entering=entering)

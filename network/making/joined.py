@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final
@@ -265,6 +265,14 @@ def _check_order(stations: StationList, places_m: Sequence[float]) -> None:
             raise InputError(stations.file, f"{station.key}.km", station.km, expected)
 
 
+def _between(stations: StationList, on_axis: dict[str, float]) -> Iterator[str]:
+    names = [s.name for s in stations.stations if s.id not in on_axis]
+    if names:
+        yield (
+            f"places of {', '.join(names)}: not in the geometry, so by the list's kilometrages between neighbours"
+        )
+
+
 def _joined(
     stations: StationList,
     imported: ImportedGeometry,
@@ -291,24 +299,17 @@ def _joined(
         if worst is not None and abs(worst[1]) > REMARKABLE_KM_M
         else ()
     )
-    between = tuple(s.name for s in stations.stations if s.id not in on_axis)
     rows = tuple(
         f"{s.name} ({s.id}): km {at_m / 1000:.3f}, "
         + ("as the polyline" if s.id in on_axis else "from the list, between stations of the polyline")
         for s, at_m in zip(stations.stations, places_m, strict=True)
     )
     assumed = (
-        "kilometrage: along the axis that was fitted to the polyline, from the first station; official kilometrages differ",
-        f"plan: straights and curves fitted to the polyline, {fit}; transitions of 42 m or a third of the curve, radii in "
-        "round figures and 200 m at least, because a polyline does not resolve them",
+        "kilometrage: along the axis fitted to the polyline, from the first station; official kilometrages differ",
+        f"plan: straights and curves fitted to the polyline, {fit}; transitions of 42 m or a third of the curve, radii "
+        "in round figures and 200 m at least, because a polyline does not resolve them",
         "cant: equilibrium at the curve's limit for 1067 mm gauge, at most 105 mm and 1/400 of the transition",
-        *(
-            (
-                f"places of {', '.join(between)}: not in the geometry, so by the list's kilometrages between their neighbours",
-            )
-            if between
-            else ()
-        ),
+        *_between(stations, on_axis),
         *worst_remark,
         *km_remark,
     )

@@ -202,7 +202,7 @@ def lay_out(
 
 
 def coverage_m(layout: Layout) -> list[tuple[float, float]]:
-    """Where the radio reaches: around each station with tracks of its own, and over portals; ranges that touch are one."""
+    """Where the radio reaches: around each station with tracks of its own, and over portals; overlaps joined."""
     reach = [
         (station.place_m - COVERED_M, station.place_m + COVERED_M)
         for station in layout.stations
@@ -214,8 +214,8 @@ def coverage_m(layout: Layout) -> list[tuple[float, float]]:
         if s.kind == "portal" and s.from_m is not None and s.to_m is not None
     ]
     ranges: list[tuple[float, float]] = []
-    for low_m, high_m in sorted(reach):
-        low_m, high_m = max(low_m, layout.from_m), min(high_m, layout.to_m)
+    for from_m, to_m in sorted(reach):
+        low_m, high_m = max(from_m, layout.from_m), min(to_m, layout.to_m)
         if ranges and low_m <= ranges[-1][1]:
             ranges[-1] = (ranges[-1][0], max(high_m, ranges[-1][1]))
         else:

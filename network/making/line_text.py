@@ -85,7 +85,8 @@ def _alignment(line: Alignment, layout: Layout) -> Iterable[str]:
     yield from _table(
         "curves",
         [
-            f"{_range(c.from_m, c.to_m)}, radius_m = {c.radius_m:g}, transition_m = {c.transition_m:.3f}, cant_mm = {c.cant_mm:g}"
+            f"{_range(c.from_m, c.to_m)}, radius_m = {c.radius_m:g}, transition_m = {c.transition_m:.3f},"
+            f" cant_mm = {c.cant_mm:g}"
             for c in line.curves
         ],
     )

@@ -198,10 +198,14 @@ def _assumed(stations: StationList, asked: Asked, layout: Layout, rule: LayoutRu
     )
     halts = [s.name for s in stations.stations if s.is_halt]
     if halts:
-        yield f"halts: {', '.join(halts)} lie on the section between stations, having one track"
+        yield f"halts: on the section between stations, where one track is listed: {', '.join(halts)}"
     portals = [s.name for s in stations.stations if s.portal]
     if portals:
-        yield f"portals: {rule.portal_m:.0f} m of single track beyond {' and '.join(portals)}, for sets from beyond the line"
-    yield "coverage: 1.5 km on either side of each station with tracks of its own, as the paper covers only the surroundings of stations"
+        beyond = " and ".join(portals)
+        yield f"portals: {rule.portal_m:.0f} m of single track beyond {beyond}, for sets from beyond the line"
+    yield (
+        "coverage: 1.5 km on either side of each station with tracks of its own, as the paper covers only the "
+        "surroundings of stations"
+    )
     yield "tags: by the rule of network.tag_layout"
     yield from layout.assumed

@@ -10,6 +10,7 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -89,7 +90,7 @@ def timetable_toml(line: Line, timetable_id: str) -> str:
         f'line = "{line.id}"',
         f"dwell_min_s = {DWELL_S}",
         "assumed = [",
-        '  "all times: by the limits of the line, a quarter more and 75 s for each leg; made up so that something runs",',
+        '  "all times: by the limits of the line, a quarter more and 75 s a leg; made up so that something runs",',
         "]",
     ]
     for trip in trips:
@@ -126,7 +127,7 @@ loss_good_p = 0.01
 
 def _trips(line: Line) -> tuple[_Trip, ...]:
     stations = sorted(line.stations.values(), key=lambda station: station.position_m)
-    legs_s = [_leg_s(line, a, b) for a, b in zip(stations[:-1], stations[1:], strict=True)]
+    legs_s = [_leg_s(line, a, b) for a, b in pairwise(stations)]
     meet = _meeting_place(line, stations, legs_s)
 
     def trip(number: str, departs_s: int, begins: str, ends: str) -> _Trip:

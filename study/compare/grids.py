@@ -207,7 +207,10 @@ def _cell(moved: Mapping[What, Moved]) -> str:
     """Arrival and departure of a train at a station; nothing where neither moved."""
     if not moved:
         return ""
-    return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in What)
+    if What.PASSING in moved:
+        return signed(moved[What.PASSING].by_s, 0)
+    ends = (What.ARRIVAL, What.DEPARTURE)
+    return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in ends)
 
 
 def _later(by_s: float) -> str:

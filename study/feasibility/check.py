@@ -47,7 +47,8 @@ def feasibility(setup: Setup) -> Feasibility:
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
     sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]
     if not sure:
-        rehearsal = Rehearsal(setup, day)
+        slowed = {(n, f.place) for f in findings if f.kind is Kind.TAG for n in f.trains}
+        rehearsal = Rehearsal(setup, day, frozenset(slowed))
         found_late = [*_circles(day, rehearsal.waits), *_lateness(day, rehearsal.late)]
         if not found_late:
             findings = [replace(f, severity=Severity.TIGHT) for f in findings]
@@ -58,9 +59,7 @@ def feasibility(setup: Setup) -> Feasibility:
 
 def _by_blocks(finding: Finding, paper: frozenset[Pair]) -> bool:
     """Whether the day played through decides about a finding."""
-    return (
-        finding.kind in BY_BLOCKS and len(finding.trains) == 2 and frozenset(finding.trains) not in paper
-    )
+    return finding.kind in BY_BLOCKS and len(finding.trains) == 2 and frozenset(finding.trains) not in paper
 
 
 class PlanRefusedError(InputError):
@@ -81,7 +80,10 @@ class PlanRefusedError(InputError):
 
 
 def refuse(scenario: str, setup: Setup, *, anyway: bool = False) -> Feasibility:
-    """Look at a plan before it is run. Raises PlanRefusedError where it cannot work, `anyway` only where no way leads on."""
+    """Look at a plan before it is run.
+
+    Raises PlanRefusedError where it cannot work; `anyway`, only where the line has no way for a train.
+    """
     found = feasibility(setup)
     no_way = any(finding.kind is Kind.NO_WAY for finding in found.impossible)
     if no_way or not (found.good or anyway):

@@ -70,7 +70,7 @@ def _finding(
     between = next((c for c in found if _kind_of(line, c) is SectionKind.BETWEEN), None)
     worst = found[0]
     if portal is not None:
-        return _at_portal(line, portal)
+        return _at_portal(portal)
     first, second = worst.trains
     opposing = first.direction is not second.direction
     if meet is not None and opposing:
@@ -79,10 +79,10 @@ def _finding(
             return _meeting(line, worst, meet)
         return _on_track(line, _on_a_track(line, found, station.id) or worst, by_section)
     if between is not None and (severity(between) is Severity.IMPOSSIBLE or between is worst):
-        return _follows(line, between) if not opposing else _towards(line, between)
+        return _follows(between) if not opposing else _towards(between)
     if _kind_of(line, worst) is SectionKind.TRACK:
         return _on_track(line, worst, by_section)
-    return _crossing(line, worst)
+    return _crossing(worst)
 
 
 def _kind_of(line: Line, clash: Clash) -> SectionKind:
@@ -137,7 +137,7 @@ def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
     return Finding(Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash))
 
 
-def _towards(line: Line, clash: Clash) -> Finding:
+def _towards(clash: Clash) -> Finding:
     """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
     first, second = clash.trains
     text = (
@@ -156,7 +156,7 @@ def _towards(line: Line, clash: Clash) -> Finding:
     )
 
 
-def _follows(line: Line, clash: Clash) -> Finding:
+def _follows(clash: Clash) -> Finding:
     """One train behind another, into a stretch that is not free yet."""
     first, second = clash.trains
     text = (
@@ -202,7 +202,7 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     return Finding(kind, severity(clash), trains, place, time_s, text, remedy, _short(clash))
 
 
-def _crossing(line: Line, clash: Clash) -> Finding:
+def _crossing(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.second.from_s)};"
@@ -220,7 +220,7 @@ def _crossing(line: Line, clash: Clash) -> Finding:
     )
 
 
-def _at_portal(line: Line, clash: Clash) -> Finding:
+def _at_portal(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} needs the portal {clash.section_id} from {_until(clash.second.from_s)}, and"

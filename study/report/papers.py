@@ -65,6 +65,7 @@ def _punctuality(run: Run) -> Table:
     """Arrivals and departures of each station against the plan."""
     rows = punctuality(run.tables.stops, run.line).with_columns(
         (100.0 * pl.col("on_time_share")).alias("on_time_percent"),
+        ("what_" + pl.col("what")).alias("what"),
         pl.when("whole_minutes").then(pl.lit("minutes")).otherwise(pl.lit("seconds_too")).alias("plan_in"),
     )
     return table_of(

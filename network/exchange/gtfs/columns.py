@@ -12,8 +12,8 @@ CALL: Final = "branchline_call"  # of stop_times: stop, operational or pass
 TIMES: Final = "branchline_times"  # of stop_times: arrival, departure or both, as planned
 TRACK: Final = "branchline_track"  # of stop_times: the track that is named; empty: the usual one
 REVENUE: Final = "branchline_revenue"  # of trips: 0 for an empty working
-BEGINS: Final = "branchline_begins"  # of trips
-ENDS: Final = "branchline_ends"  # of trips
-DWELL: Final = "branchline_dwell_min_s"  # of feed_info
+BEGINS: Final = "branchline_begins"  # of trips, as timetable files write it
+ENDS: Final = "branchline_ends"  # of trips, as timetable files write it
+TIMETABLE: Final = "branchline_timetable"  # of feed_info: head and diagrams of the timetable file, JSON
 
 NO_PASSENGERS: Final = "1"  # of pickup_type and drop_off_type: none get on (off)

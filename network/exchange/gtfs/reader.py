@@ -15,14 +15,22 @@ from pathlib import Path
 from typing import Final
 
 from network.errors import COMMAND_LINE, InputError
-from network.exchange.gtfs.columns import BEGINS, CALL, DWELL, ENDS, NO_PASSENGERS, REVENUE, TIMES, TRACK
+from network.exchange.gtfs.columns import (
+    BEGINS,
+    CALL,
+    ENDS,
+    NO_PASSENGERS,
+    REVENUE,
+    TIMES,
+    TIMETABLE,
+    TRACK,
+)
 from network.exchange.gtfs.days import date_of, next_date, one_service, read_services
 from network.exchange.gtfs.stops import Stop, read_stops
 from network.exchange.gtfs.tables import Feed
 from network.exchange.published import PublishedCall, PublishedTimetable, PublishedTrain
 from network.exchange.station_order import ordered_stations, runs_down
 from network.files.names import title_of
-from network.files.quantities import WAIT
 from network.files.toml_input import one_of
 from network.timetable import CallKind, clock
 
@@ -47,13 +55,34 @@ class GtfsChoice:
 
 
 @dataclass(frozen=True, slots=True)
+class WrittenTrain:
+    """A trip with times, tracks and kinds as they were planned, and how it begins and ends."""
+
+    train: PublishedTrain
+    begins: str
+    ends: str
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What we have written into a feed: head and diagrams of a timetable file (JSON), and its trains in order."""
+
+    head: str
+    trains: tuple[WrittenTrain, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class GtfsDay:
-    """A published timetable, and how much the whole feed holds: trips, stops that are called at, calls."""
+    """A published timetable, and how much the whole feed holds: trips, stops that are called at, calls.
+
+    `written` is what we have written into the feed ourselves, None for a feed of somebody else's.
+    """
 
     published: PublishedTimetable
     trips: int
     stops: int
     calls: int
+    written: Written | None = None
 
 
 @dataclass(slots=True)
@@ -106,6 +135,7 @@ def read_gtfs(path: Path, choice: GtfsChoice | None = None) -> GtfsDay:
     trips = _trips(feed, routes)
     stops = read_stops(feed)
     called, calls = _read_calls(feed, trips, stops)
+    written = _written(feed, trips, stops)
     left = _Left()
     ours = _of_routes(path, trips.values(), routes, wanted.routes, left)
     ours = _of_day(feed, ours, wanted, left)
@@ -128,9 +158,8 @@ def read_gtfs(path: Path, choice: GtfsChoice | None = None) -> GtfsDay:
         trains=trains,
         source=str(path),
         left=(*left.sentences(), *_long_runs(trains), *_tables_left(feed)),
-        dwell_min_s=_dwell(feed),
     )
-    return GtfsDay(published, len(trips), len(called), calls)
+    return GtfsDay(published, len(trips), len(called), calls, written)
 
 
 def _routes(feed: Feed) -> dict[str, tuple[int, str, str]]:
@@ -208,8 +237,8 @@ def _seconds(file: str, key: str, text: str) -> int | None:
     if not text:
         return None
     match = _TIME.fullmatch(text)
-    if match is None or int(match[1]) >= 72:
-        raise InputError(file, key, text, "a time H:MM:SS before 72:00:00")
+    if match is None or int(match[1]) >= 100:
+        raise InputError(file, key, text, "a time H:MM:SS before 100:00:00")
     return int(match[1]) * 3600 + int(match[2]) * 60 + int(match[3])
 
 
@@ -337,25 +366,23 @@ def _train(trip: _Trip, number: str, stops: Mapping[str, Stop], down: bool) -> P
     plain = [call for _, call in trip.calls]
     revenue = trip.revenue != "0" if trip.revenue else not all(call.no_passengers for call in plain)
     calls = tuple(_call(call, i, len(plain), stops, revenue=revenue) for i, call in enumerate(plain))
-    portals = [
-        text.removeprefix("portal:") if text.startswith("portal:") else ""
-        for text in (trip.begins, trip.ends)
-    ]
     return PublishedTrain(
         number,
         "down" if down else "up",
         calls,
         revenue=revenue,
-        comes_from=portals[0],
-        goes_to=portals[1],
+        comes_from=_portal(trip.begins),
+        goes_to=_portal(trip.ends),
         working=trip.block,
-        begins=trip.begins,
-        ends=trip.ends,
     )
 
 
+def _portal(text: str) -> str:
+    return text.removeprefix("portal:") if text.startswith("portal:") else ""
+
+
 def _call(call: _Call, index: int, count: int, stops: Mapping[str, Stop], *, revenue: bool) -> PublishedCall:
-    """A call; at the ends of a trip the feed has to write a second time, which is none of the plan's."""
+    """A call; at the ends of a trip a feed has to write two times, and the same one again is none of the plan's."""
     arrival_s, departure_s = call.arrival_s, call.departure_s
     kind = _KINDS.get(call.kind)
     if kind is None:
@@ -363,9 +390,9 @@ def _call(call: _Call, index: int, count: int, stops: Mapping[str, Stop], *, rev
     first, last = index == 0, index == count - 1
     if kind is CallKind.PASS:
         arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
-    elif call.given == "departure" or (not call.given and first and departure_s is not None):
+    elif call.given == "departure" or (not call.given and first and departure_s == arrival_s):
         arrival_s = None
-    elif call.given == "arrival" or (not call.given and last and arrival_s is not None):
+    elif call.given == "arrival" or (not call.given and last and departure_s == arrival_s):
         departure_s = None
     stop = stops[call.stop]
     track = stop.track if call.track is None else call.track
@@ -394,21 +421,16 @@ def _tables_left(feed: Feed) -> list[str]:
     return [f"tables: {', '.join(found)}"] if found else []
 
 
-def _dwell(feed: Feed) -> float | None:
-    """The shortest stop that we have written ourselves."""
-    if DWELL not in feed.columns("feed_info.txt"):
+def _written(feed: Feed, trips: Mapping[str, _Trip], stops: Mapping[str, Stop]) -> Written | None:
+    """What we have written into a feed ourselves, with its times as they stand there."""
+    if TIMETABLE not in feed.columns("feed_info.txt"):
         return None
-    file = f"{feed.path}: feed_info.txt"
-    for row in feed.rows("feed_info.txt", (DWELL,)):
-        try:
-            dwell_s = float(row.texts[0])
-        except ValueError:
-            dwell_s = -1.0
-        low, high = WAIT.spans[0]
-        if not low <= dwell_s <= high:
-            raise InputError(file, f"line {row.line}.{DWELL}", row.texts[0], f"{low:g} to {high:g} s")
-        return dwell_s
-    return None
+    head = next((row.texts[0] for row in feed.rows("feed_info.txt", (TIMETABLE,))), "")
+    trains = tuple(
+        WrittenTrain(_train(trip, trip.number, stops, down=trip.down), trip.begins, trip.ends)
+        for trip in trips.values()
+    )
+    return Written(head, trains) if head else None
 
 
 def _named(names: Sequence[str]) -> str:

@@ -128,6 +128,10 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     rosen = text.root.node("Rosen")
     if rosen is None:
         raise InputError(file, "Rosen", None, "a route, which is missing")
+    if text.root.node("DispProp") is None:
+        raise InputError(
+            file, "DispProp", None, "how it is shown, without which no file ends: is it cut off?"
+        )
     stations = tuple(_station(node) for node in rosen.nodes("Eki"))
     if not stations:
         raise InputError(file, "Rosen.Eki", None, "stations, of which there are none")

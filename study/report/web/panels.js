@@ -410,7 +410,7 @@ export function trainsPaper(host, context) {
   const waits = papers.waitsTable(day, words.lang);
   if (!waits.columns[0].values.length) return;
   heading(host.ownerDocument, host, words.say("waits_title"), words.say("waits_caption"));
-  host.append(makeTable(host.ownerDocument, waits, context, true));
+  host.append(makeTable(host.ownerDocument, waits, context));
 }
 
 /** Events and telegrams. */

@@ -34,11 +34,14 @@ export const plotOf = (width, height, top) => ({
   left: LEFT, top, width: Math.max(width - LEFT - RIGHT, 10), height: Math.max(height - top - BELOW, 10),
 });
 
-/** Room for the names of stations above the curve, px: they stand aslant. */
-export function roomForNames(context, day, words) {
+/** How the names of stations stand above the curve, and their room, px: aslant, or upright where the last would be cut. */
+export function roomForNames(context, stations, words, width) {
   context.font = font(11);
-  const widest = Math.max(0, ...day.line.stations.map((station) => context.measureText(words.place(station)).width));
-  return Math.min(Math.ceil(widest * Math.sin(NAME_ANGLE)) + 30, 150);
+  const widths = stations.map((station) => context.measureText(words.place(station)).width);
+  const widest = Math.max(0, ...widths);
+  const cut = width < 600 || Math.max(0, widths[0], widths[widths.length - 1]) * Math.cos(NAME_ANGLE) > RIGHT - 6;
+  const angle = cut ? Math.PI / 2 : NAME_ANGLE;
+  return { angle, top: Math.min(Math.ceil(widest * Math.sin(angle)) + 30, 170) };
 }
 
 /** Px of a kilometrage: a train runs from left to right, so the axis of an UP train is turned. */
@@ -55,9 +58,11 @@ export function placesOf(course, bounds, view, plot) {
 
 /** Draw all of it. `view` is in m from the end at which the train begins. */
 export function drawRunCurve(context, day, course, train, view, options, width, height) {
-  options.top = roomForNames(context, day, options.words);
-  const plot = plotOf(width, height, options.top);
   const bounds = boundsOf(course, train);
+  const stations = day.line.stations.filter((s) => s.m >= bounds.low && s.m <= bounds.high);
+  const names = roomForNames(context, stations, options.words, width);
+  options.top = names.top;
+  const plot = plotOf(width, height, names.top);
   const places = placesOf(course, bounds, view, plot);
   const { axis, inside } = onAxis(course, day.line.axes);
   const limits = axis.limits[String(course.direction)];
@@ -66,7 +71,6 @@ export function drawRunCurve(context, day, course, train, view, options, width, 
   context.fillStyle = "#ffffff";
   context.fillRect(0, 0, width, height);
   drawGrid(context, plot, y, top, options.words);
-  const stations = day.line.stations.filter((s) => s.m >= bounds.low && s.m <= bounds.high);
   clipped(context, { ...plot, height: plot.height + BELOW - 24 }, () => drawStationLines(context, stations, places, plot));
   drawTimeScale(context, course, plot);
   clipped(context, plot, () => {
@@ -79,7 +83,7 @@ export function drawRunCurve(context, day, course, train, view, options, width, 
     if (options.moment !== undefined) drawCursor(context, course, options.moment, places, plot, y);
   });
   drawStrips(context, course, axis, inside, places, plot, options.words);
-  drawNames(context, stations, train, places, plot, options.words);
+  drawNames(context, stations, train, places, plot, options.words, names.angle);
   drawLegMinutes(context, train, places, plot);
   drawKilometres(context, course, bounds, view, places, plot, height, options.words);
 }
@@ -310,24 +314,20 @@ const STRIP_DRAWN = {
   },
 };
 
-function drawNames(context, stations, train, places, plot, words) {
+function drawNames(context, stations, train, places, plot, words, angle) {
   const called = new Set((train?.calls ?? []).map((call) => call.station.id));
   const seen = stations.filter((s) => places.x(s.m) >= plot.left - 1 && places.x(s.m) <= plot.left + plot.width + 1)
     .sort((a, b) => places.x(a.m) - places.x(b.m));
   context.font = font(11);
-  const tops = spread(seen.map((s) => places.x(s.m)), 26, plot.left, plot.left + plot.width);
+  const tops = spread(seen.map((s) => places.x(s.m)), angle < 1 ? 24 : 13, plot.left, plot.left + plot.width);
   context.textAlign = "left";
   context.textBaseline = "middle";
   seen.forEach((station, i) => {
     context.save();
     context.translate(tops[i], plot.top - 18);
-    const text = words.place(station);
-    // At the right edge a name leans the other way, so that none is cut.
-    const last = tops[i] + context.measureText(text).width * Math.cos(NAME_ANGLE) > plot.left + plot.width + RIGHT;
-    context.rotate(last ? NAME_ANGLE : -NAME_ANGLE);
-    context.textAlign = last ? "right" : "left";
+    context.rotate(-angle);
     context.fillStyle = called.has(station.id) ? COLOURS.ink : COLOURS.pale;
-    context.fillText(text, 0, 0);
+    context.fillText(words.place(station), 0, 0);
     context.restore();
     context.strokeStyle = "#b9b9b9";
     context.beginPath();

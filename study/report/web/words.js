@@ -118,6 +118,8 @@ export const WORDS = {
   class_more: ["later", "3分超の遅れ"],
   class_never: ["did not come", "未着・未発"],
   table_punctuality: ["Punctuality by station", "駅別の定時性"],
+  what_arrival: ["arrivals", "着"],
+  what_departure: ["departures", "発"],
   whole_line: ["whole line", "全線"],
   planned: ["planned", "計画本数"],
   came: ["came", "実績本数"],

@@ -69,6 +69,13 @@ def test_what_comes_and_what_goes_has_one_side(changes: Compared) -> None:
     assert (gone.old, gone.new) == (added.new, None)
 
 
+def test_only_who_set_it_is_named_where_both_have_set_something_under_that_key(changes: Compared) -> None:
+    second = RESTRICTION.replace("9.4", "3.0").replace("9.8", "3.2").replace("[[patch", "\n[[patch")
+    (added,) = changes(RESTRICTION, RESTRICTION + second)
+    assert isinstance(added.new, dict) and added.new["from_km"] == 3.0
+    assert added.by == ("new",)
+
+
 def test_settings_trains_seed_and_the_command_line_are_inputs_too(changes: Compared) -> None:
     (radio,) = changes("", RADIO_OF_2_S)
     assert (radio.file, radio.key) == ("scenario", "air.delay_mean_s")

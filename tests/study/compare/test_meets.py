@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import polars as pl
 import pytest
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
-from network.meets import planned_meets
+from network.meets import Trajectory
+from network.meets import meets_of as network_meets_of
 from study.compare.meets import Fate, compare_meets, meets_of, place_at
 from study.report.data import Run
 from study.run.tables import make_table
@@ -69,12 +72,30 @@ def test_one_that_stands_is_met_where_it_stands(weekday: Run) -> None:
     assert (meet.time_s, meet.at) == (200.0, ("OGN",))
 
 
-def test_the_trains_of_the_made_up_weekday_meet_whom_they_are_planned_to(weekday: Run) -> None:
-    planned = {(meet.down_train, meet.up_train) for meet in planned_meets(weekday.line, weekday.timetable)}
-    ran = meets_of(weekday)
-    assert {(meet.down_train, meet.up_train) for meet in ran} == planned
-    # Nobody waits for anybody in it: who is late is met on the line, at Ogane's side of it.
-    assert {meet.at for meet in ran} <= {("OGN",), ("KNY", "OGN"), ("OGN", "KBN")}
+def test_the_trains_of_a_day_meet_as_straight_lines_between_their_samples_do(weekday: Run) -> None:
+    """The other computation of meets, meant for plans, on the same courses."""
+    lines = [
+        Trajectory(number, weekday.directions[number], tuple(part["t_s"]), tuple(part["kilometrage_m"]))
+        for (_, number), part in weekday.courses.items()
+    ]
+    other = {(m.down_train, m.up_train): m.time_s for m in network_meets_of(weekday.line, lines)}
+    ran = {(meet.down_train, meet.up_train): meet.time_s for meet in meets_of(weekday)}
+    assert ran == {pair: pytest.approx(time_s, abs=0.06) for pair, time_s in other.items()}
+    assert len(ran) == 10
+
+
+def test_trains_on_two_branches_do_not_meet_though_their_kilometrages_are_the_same(weekday: Run) -> None:
+    line = weekday.line
+    here = line.pieces["OGN.1"]
+    there = replace(here, id="BRANCH", section_id="BRANCH", alignment_id="branch")
+    sections = {**line.sections, "BRANCH": replace(line.sections["OGN.1"], id="BRANCH", station_id=None)}
+    forked = replace(line, pieces={**line.pieces, "BRANCH": there}, sections=sections)
+    up = course("U", "V2", -1, UP).with_columns(piece=pl.lit("BRANCH"))
+    tables = with_tables(weekday, trajectory=pl.concat([course("D", "V1", 1, DOWN), up])).tables
+    assert meets_of(Run(forked, weekday.timetable, tables)) == ()
+    # In a station that both branches have they do.
+    joined = replace(forked, sections={**sections, "BRANCH": replace(sections["BRANCH"], station_id="OGN")})
+    assert len(meets_of(Run(joined, weekday.timetable, tables))) == 1
 
 
 def test_a_meet_moves_in_time_goes_and_comes(weekday: Run) -> None:

@@ -24,7 +24,7 @@ def shifted(run: Run, train: str, station: str, what: str, by_s: float) -> pl.Da
 def test_a_run_against_itself_moves_nothing(weekday: Run) -> None:
     times = compare_times(weekday, weekday, 0.0)
     stops = weekday.tables.stops
-    assert times.compared == sum(stops[f"{what.value}_s"].count() for what in What)
+    assert times.compared == sum(stops[f"{what.value}_s"].count() for what in (What.ARRIVAL, What.DEPARTURE))
     assert (times.largest_s, times.moved, times.once) == (0.0, (), ())
     assert (times.only_base, times.only_new) == ((), ())
 
@@ -79,12 +79,38 @@ def test_what_came_in_one_run_only_is_told(weekday: Run) -> None:
 
 def test_a_station_called_at_twice_is_two_calls(weekday: Run) -> None:
     """As of a train that comes by again: the second call is compared with the second."""
-    again = weekday.tables.stops.filter(pl.col("train") == "321M", pl.col("station") == "KNY")
+    stops = weekday.tables.stops
+    again = stops.filter(pl.col("train") == "321M", pl.col("station") == "KNY")
     again = again.with_columns(pl.col("arrival_s") + 900.0, pl.col("departure_s") + 900.0)
-    twice = pl.concat([weekday.tables.stops, again])
-    later = pl.concat([weekday.tables.stops, again.with_columns(pl.col("departure_s") + 4.0)])
+    twice = pl.concat([stops, again])
+    first = shifted(weekday, "321M", "KNY", "departure", 2.0)
+    later = pl.concat([first, again.with_columns(pl.col("departure_s") + 4.0)])
     times = compare_times(with_tables(weekday, stops=twice), with_tables(weekday, stops=later), 1.0)
-    assert [(m.station, m.what, m.by_s) for m in times.moved] == [("KNY", What.DEPARTURE, 4.0)]
+    assert [(m.station, m.what, m.by_s) for m in times.moved] == [
+        ("KNY", What.DEPARTURE, 2.0),
+        ("KNY", What.DEPARTURE, 4.0),
+    ]
+
+
+def test_a_train_that_passes_has_one_time_and_its_own_word(weekday: Run) -> None:
+    here = (pl.col("train") == "321M") & (pl.col("station") == "TAK")
+    passes = weekday.tables.stops.with_columns(
+        pl.when(here).then(pl.lit("pass")).otherwise(pl.col("kind")).alias("kind"),
+        pl.when(here).then(None).otherwise(pl.col("arrival_s")).alias("arrival_s"),
+    )
+    later = passes.with_columns(
+        pl.when(here).then(pl.col("departure_s") + 6.0).otherwise(pl.col("departure_s")).alias("departure_s")
+    )
+    (moved,) = compare_times(with_tables(weekday, stops=passes), with_tables(weekday, stops=later), 1.0).moved
+    assert (moved.what, moved.by_s) == (What.PASSING, 6.0)
+    # One that stops in one run and passes in the other did not move: it does something else.
+    times = compare_times(weekday, with_tables(weekday, stops=passes), 1.0)
+    assert times.moved == ()
+    assert {(once.what, once.in_new) for once in times.once} == {
+        (What.ARRIVAL, False),
+        (What.DEPARTURE, False),
+        (What.PASSING, True),
+    }
 
 
 @given(st.data())

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final
 
+from network.files.line_file import load_line
 from network.model import Coverage, Direction, Line, TagPurpose
 from simulation.settings import Operation
 from study.feasibility.finding import Kind
-
-from tests.study.feasibility.plans import Plan, busy_line, call_at, later, line_of, with_call
+from tests.study.feasibility.plans import Plan, busy_line, call_at, later, with_call
 from tests.system.chaos.ground import Call, Planned
 
 STATIONS: Final = ("ASA", "IZU", "USU", "EDO", "OKA", "KAS")
@@ -74,9 +75,7 @@ def good() -> Plan:
 def opposing_between_stations() -> Broken:
     """V leaves Oka four minutes early, towards D."""
     plan = good()
-    return _broken(
-        plan.with_train(later(plan.train("V"), -4 * 60)), Kind.OPPOSING, "DV", "USU-EDO", "10:21"
-    )
+    return _broken(plan.with_train(later(plan.train("V"), -4 * 60)), Kind.OPPOSING, "DV", "USU-EDO", "10:21")
 
 
 def one_track_for_both() -> Broken:
@@ -165,9 +164,7 @@ def comes_back_at_once() -> Broken:
 def two_from_one_portal() -> Broken:
     """X is to come out of the portal half a minute behind D, onto the other track."""
     plan = good()
-    behind = later(
-        journey("S4", "X", "down", TEN, "portal:ASA.P", "stabled", "222222"), 30 * 60, "IZU"
-    )
+    behind = later(journey("S4", "X", "down", TEN, "portal:ASA.P", "stabled", "222222"), 30 * 60, "IZU")
     behind = with_call(behind, "ASA", arrival_s=TEN - STOP_S + 30)
     first = replace(plan.train("D"), ends="stabled")
     alone = replace(plan, trains=(first, behind), operation=Operation(portal_lead_s=100.0))
@@ -224,7 +221,7 @@ def no_radio_before_points() -> Broken:
 
 def no_way() -> Broken:
     """A track that ends in a buffer stop, and a train that is to run through it."""
-    line = line_of(STUB, "stub")
+    line = load_line(Path(__file__).with_name("stub.toml"))
     train = Planned(
         "S1",
         "T",
@@ -248,118 +245,9 @@ def _covered_without(from_m: float, to_m: float) -> Line:
     return replace(line, alignments={alignment.id: replace(alignment, coverage=covered)})
 
 
-def _broken(
-    plan: Plan, kind: Kind, trains: str, place: str, minute: str, *, runs: bool = True
-) -> Broken:
+def _broken(plan: Plan, kind: Kind, trains: str, place: str, minute: str, *, runs: bool = True) -> Broken:
     return Broken(plan, kind, frozenset(trains), place, minute, runs)
 
-
-STUB: Final = """
-[line]
-id = "stub"
-name = "Stub"
-max_speed_kmh = 60
-assumed = ["everything: made up for tests"]
-
-[[alignments]]
-id = "main"
-from_km = -0.15
-to_km = 6.15
-gradients = [{ from_km = -0.15, to_km = 6.15, permille = 0.0 }]
-coverage = [{ from_km = -0.15, to_km = 6.15 }]
-
-[[sections]]
-id = "A.1"
-kind = "track"
-from_km = -0.15
-to_km = 0.15
-
-[[sections]]
-id = "A-B"
-kind = "between"
-from_km = 0.15
-to_km = 2.8
-
-[[sections]]
-id = "B.W"
-kind = "points"
-
-[[sections]]
-id = "B.1"
-kind = "track"
-from_km = 2.88
-to_km = 3.12
-
-[[sections]]
-id = "B.2"
-kind = "track"
-from_km = 2.88
-to_km = 3.12
-offset_m = 4.0
-
-[[sections]]
-id = "B-C"
-kind = "between"
-from_km = 3.12
-to_km = 5.85
-
-[[sections]]
-id = "C.1"
-kind = "track"
-from_km = 5.85
-to_km = 6.15
-
-[[points]]
-id = "B.11"
-section = "B.W"
-terminal = "B-W"
-from_km = 2.8
-toe_km = 2.82
-to_km = 2.88
-faces = "down"
-stem = "A-B"
-normal = "B.1"
-reverse = "B.2"
-throw_time_s = 6.0
-diverging_limit_kmh = 45
-
-[[joints]]
-low = "A.1"
-high = "A-B"
-
-[[joints]]
-low = "B.1"
-high = "B-C"
-
-[[joints]]
-low = "B-C"
-high = "C.1"
-
-[[stations]]
-id = "A"
-name = "A"
-km = 0.0
-tracks = [
-  { name = "1", section = "A.1", platform_from_km = -0.04, platform_to_km = 0.04, mark_down_km = 0.02, mark_up_km = -0.02, directions = ["down", "up"] },
-]
-
-[[stations]]
-id = "B"
-name = "B"
-km = 3.0
-tracks = [
-  { name = "1", section = "B.1", platform_from_km = 2.96, platform_to_km = 3.04, mark_down_km = 3.02, mark_up_km = 2.98, directions = ["down", "up"] },
-  { name = "2", section = "B.2", platform_from_km = 2.96, platform_to_km = 3.04, mark_down_km = 3.02, mark_up_km = 2.98, directions = ["down", "up"] },
-]
-
-[[stations]]
-id = "C"
-name = "C"
-km = 6.0
-tracks = [
-  { name = "1", section = "C.1", platform_from_km = 5.96, platform_to_km = 6.04, mark_down_km = 6.02, mark_up_km = 5.98, directions = ["down", "up"] },
-]
-"""
 
 BREAKS: Final[dict[str, Callable[[], Broken]]] = {
     make.__name__: make

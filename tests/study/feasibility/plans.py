@@ -44,6 +44,8 @@ class Plan:
     def setup(self) -> Setup:
         table: dict[str, Any] = timetable_table("plan", self.line.id, list(self.trains))
         table["timetable"]["dwell_min_s"] = self.dwell_min_s
+        for train in table["trains"]:  # a call may name no track
+            train["calls"] = [{k: v for k, v in call.items() if v} for call in train["calls"]]
         timetable = parse_timetable(toml_of(table), "plan.toml", self.line)
         kind = train_type()
         return Setup(
@@ -74,7 +76,7 @@ def call_at(train: Planned, station: str) -> Call:
     return next(call for call in train.calls if call.station == station)
 
 
-def with_call(train: Planned, station: str, **changes: Any) -> Planned:
+def with_call(train: Planned, station: str, **changes: object) -> Planned:
     """The train with its call at a station changed."""
     calls = tuple(replace(c, **changes) if c.station == station else c for c in train.calls)
     return replace(train, calls=calls)
