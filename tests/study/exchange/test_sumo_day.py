@@ -18,7 +18,7 @@ from study.run.run import Link, execute, write_run
 from study.scenario.scenario import Scenario, load_scenario
 
 sumo = pytest.importorskip("sumo", reason="the extra net is not installed")
-SCENARIOS = ("rtri_test_line", "karasuyama_weekday", "karasuyama_holiday", "busy_line")
+SCENARIOS = ("rtri_test_line", "karasuyama_weekday", "busy_line", "kururi_weekday", "isumi_weekday")
 LATE_S = 60.0
 
 
@@ -112,6 +112,18 @@ def stands_of(timetable: Timetable) -> dict[str, list[tuple[str, str, int | None
             own += [(call.station_id, number, call.arrival_s, call.departure_s) for call in calls]
             leaves = isinstance(train.ends, AtPortal)
     return stands
+
+
+@pytest.mark.system
+def test_plain_sumo_says_nothing_where_it_knows_no_home_of_its_own(tmp_path: Path) -> None:
+    scenario = load_scenario("rtri_test_line")
+    day = export_sumo(scenario.id, scenario.setup, tmp_path)
+    homeless = {name: value for name, value in os.environ.items() if name != "SUMO_HOME"}
+    program = Path(sumo.SUMO_HOME) / "bin" / "sumo"
+    done = subprocess.run(
+        [program, "-c", day.config], env=homeless, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.system
