@@ -19,6 +19,7 @@ from branchline.drilling import drill
 from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
 from branchline.importing import importers
+from branchline.making import makers
 from branchline.measuring import bench
 from branchline.plotting import plot
 from branchline.reproducing import reproduce
@@ -36,6 +37,7 @@ for command in (run, drill, bench, reproduce, check, compare, plot):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")
+app.add_typer(makers, name="new")
 app.add_typer(exporters, name="export")
 
 

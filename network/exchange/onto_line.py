@@ -315,6 +315,7 @@ def _planned(cut: _Cut, timed: Timed, line: Line, said: _Said) -> PlannedTrain:
         cut.from_beyond,
         cut.to_beyond,
         timed.inferred,
+        cut.source.working,
     )
 
 

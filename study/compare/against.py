@@ -10,7 +10,7 @@ from study.compare.comparison import Comparisons, compare
 from study.compare.files import json_text
 from study.compare.parts import parts_against
 from study.compare.side import Side, check_same_line, of_read, of_run
-from study.report.style import drawing
+from study.report.beside import Beside
 from study.run.directory import COMPARE_FILE
 from study.run.read_back import read_run
 from study.run.run import More, Run
@@ -38,6 +38,8 @@ def against(run: Run, base: Side, over_s: float) -> Against:
     """What changed from the run that was kept to the one that has just ended."""
     label = run.scenario.id
     found = compare((base, of_run(run, label if label != base.label else f"{label} (now)")), over_s)
-    with drawing():
-        parts = parts_against(found)
-    return Against(found, More(parts, {COMPARE_FILE: json_text(found)}))
+    times = found.pairs[0].times
+    moved = frozenset({one.train for one in times.moved} | {one.train for one in times.once})
+    beside = Beside(base.label, base.run, moved, frozenset(times.only_base))
+    parts = parts_against(found, graphs=False)
+    return Against(found, More(parts, {COMPARE_FILE: json_text(found)}, beside))

@@ -39,10 +39,11 @@ _ROWS: Final = {
 }
 
 
-def parts_against(found: Comparisons, index: int = 0) -> tuple[Part, ...]:
+def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) -> tuple[Part, ...]:
     """What changed from the first run to one of the others, in the order in which a planner reads it.
 
-    Call within `study.report.style.drawing`.
+    The report of a run leaves out the picture of both `graphs`: its own graph shows the other run. Call within
+    `study.report.style.drawing`.
     """
     pair, base, new = found.pairs[index], found.sides[0], found.sides[index + 1]
     two = found.of_two(index)
@@ -68,8 +69,12 @@ def parts_against(found: Comparisons, index: int = 0) -> tuple[Part, ...]:
         ),
         *(Part(*_ROWS[table], grids=(rows_grid(pair, table, new),)) for table in TABLES),
     ]
-    graph = Part("Both train graphs", _GRAPH_HELP, (svg_of(draw_both(base, new, pair), f"both{index}"),))
-    return (first, graph, *(_folded(part) for part in listed if part.grids[0].rows))
+    both = (
+        (Part("Both train graphs", _GRAPH_HELP, (svg_of(draw_both(base, new, pair), f"both{index}"),)),)
+        if graphs
+        else ()
+    )
+    return (first, *both, *(_folded(part) for part in listed if part.grids[0].rows))
 
 
 def _folded(part: Part) -> Part:

@@ -22,6 +22,7 @@ from study.feasibility.timing import throws_s
 
 OPENING_S: Final = 600.0  # the run begins this long before the first train
 COMES_S: Final = 40.0  # assumed: from the approach tag to the track
+SLOWED_S: Final = 40.0  # assumed: what a stop before points costs that are thrown only then
 RESTARTS_S: Final = 30.0  # assumed: what a train loses that must stop where it was to run through
 
 
@@ -79,10 +80,16 @@ class _Set:
 
 
 class Rehearsal:
-    """The day played through; `waits` and `late` say what came of it."""
+    """The day played through; `waits` and `late` say what came of it.
 
-    def __init__(self, setup: Setup, day: PlannedDay) -> None:
+    `slowed`: trains that must stop before the points of a station, by number and the station's id.
+    """
+
+    def __init__(
+        self, setup: Setup, day: PlannedDay, slowed: frozenset[tuple[str, str]] = frozenset()
+    ) -> None:
         self._setup = setup
+        self._slowed = slowed
         self._day = day
         self._holder: dict[str, _Set] = {}
         self._sets = [_Set(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
@@ -184,6 +191,11 @@ class Rehearsal:
         elif granted_s > one.ready_s:  # it had to stop where it was to run through
             leaves_s += RESTARTS_S
         runs_s, not_before_s = self._run(train, one.node)
+        runs_s += (
+            SLOWED_S
+            if (train.number, self._day.line.sections[there.section_id].station_id) in self._slowed
+            else 0.0
+        )
         arrives_s = max(leaves_s + runs_s, not_before_s)
         one.moving = True
         if there.target is None:

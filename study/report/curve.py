@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from network.model import Alignment, Direction, Line
-from study.report.data import Run
+from study.report.data import Run, limits_mps
 from study.report.graph import station_label
 from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, TRACTION, WIDTH_IN, spread
 
@@ -82,25 +82,11 @@ def _alignment_of(line: Line, course: pl.DataFrame) -> Alignment:
     return line.alignments[max(samples, key=lambda key: samples[key])]
 
 
-def _limits_kmh(line: Line, alignment: Alignment, direction: Direction) -> tuple[Floats, Floats]:
-    """Steps of the speed limit in `direction`: breaks in m and the limit from each to the next, km/h.
-
-    Line maximum and limits of the alignment; those of points' diverging legs depend on the route.
-    """
-    limits = [limit for limit in alignment.limits if direction in limit.directions]
-    ends = [end_m for limit in limits for end_m in (limit.from_m, limit.to_m)]
-    breaks_m = np.unique([alignment.from_m, alignment.to_m, *ends])
-    speed_mps = np.full(len(breaks_m), line.max_speed_mps)
-    for limit in limits:
-        within = (breaks_m >= limit.from_m) & (breaks_m < limit.to_m)
-        speed_mps[within] = np.minimum(speed_mps[within], limit.speed_mps)
-    return breaks_m, speed_mps * KMH_PER_MPS
-
-
 def _draw_speeds(
     axes: Axes, line: Line, alignment: Alignment, course: pl.DataFrame, direction: Direction
 ) -> None:
-    breaks_m, limit_kmh = _limits_kmh(line, alignment, direction)
+    breaks_m, limit_mps = limits_mps(line, alignment, direction)
+    limit_kmh = limit_mps * KMH_PER_MPS
     top_kmh = max(float(limit_kmh.max()), float(course["speed_mps"].to_numpy().max()) * KMH_PER_MPS) * 1.08
     at_m = course["kilometrage_m"].to_numpy()
     axes.step(breaks_m, limit_kmh, where="post", color=INK, lw=0.9, label="speed limit of the line")

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
 import polars as pl
+from numpy.typing import NDArray
 
-from network.model import Direction, Line, Station
+from network.model import Alignment, Direction, Line, Section, Station
 from network.timetable import Timetable
 from study.run.tables import RunTables
 
@@ -84,3 +86,39 @@ class Run:
         if len(self.trajectory):
             times += [float(self.trajectory["t_s"][0]), float(self.trajectory["t_s"][-1])]
         return (min(times), max(times)) if times else (0.0, 60.0)
+
+
+def sections_in_order(run: Run) -> tuple[Section, ...]:
+    """Sections by the kilometrage of their middle, then by name; the order in which figures have them."""
+    pieces = run.line.pieces
+
+    def key(section: Section) -> tuple[float, str]:
+        ends_m = [m for piece in section.piece_ids for m in (pieces[piece].from_m, pieces[piece].to_m)]
+        return (round((min(ends_m) + max(ends_m)) / 2), section.id) if ends_m else (0.0, section.id)
+
+    return tuple(sorted(run.line.sections.values(), key=key))
+
+
+def limits_mps(
+    line: Line, alignment: Alignment, direction: Direction
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Steps of the speed limit in `direction`: breaks in m and the limit from each to the next, m/s.
+
+    Line maximum and limits of the alignment; those of points' diverging legs depend on the route.
+    """
+    limits = [limit for limit in alignment.limits if direction in limit.directions]
+    ends = [end_m for limit in limits for end_m in (limit.from_m, limit.to_m)]
+    breaks_m = np.unique([alignment.from_m, alignment.to_m, *ends])
+    speed_mps = np.full(len(breaks_m), line.max_speed_mps)
+    for limit in limits:
+        within = (breaks_m >= limit.from_m) & (breaks_m < limit.to_m)
+        speed_mps[within] = np.minimum(speed_mps[within], limit.speed_mps)
+    return breaks_m, speed_mps
+
+
+def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
+    """A station's name; a portal section's id."""
+    station = run.line.stations.get(place)
+    if station is None:
+        return place
+    return (station.name_ja or station.name) if japanese else station.name

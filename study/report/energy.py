@@ -7,105 +7,127 @@ from typing import Any, Final
 
 import polars as pl
 
-from study.report.charts import draw_energy
 from study.report.data import Run
-from study.report.parts import Fact, Grid, Part, signed
-from study.report.style import clock, svg_of
+from study.report.tabular import Column, Kind, Table, table_of
 from vehicle.train_file import Receiver
 
-RECEIVERS: Final[Mapping[str, str]] = {
-    Receiver.BATTERY.value: "the train's own battery",
-    Receiver.OTHER_TRAINS.value: "other trains on the wire (assumed: all of it)",
-    Receiver.SUBSTATION.value: "the substation",
-    Receiver.RESISTORS.value: "resistors, from which nothing comes back",
+RECEIVER_WORDS: Final[Mapping[str, str]] = {
+    Receiver.BATTERY.value: "to_battery",
+    Receiver.OTHER_TRAINS.value: "to_other_trains",
+    Receiver.SUBSTATION.value: "to_substation",
+    Receiver.RESISTORS.value: "to_resistors",
 }
 KINDS: Final = ("traction", "auxiliary", "regenerated", "net")
 COLUMNS: Final = tuple(f"{kind}_kwh" for kind in KINDS)
+_KWH: Final = dict.fromkeys(COLUMNS, (Kind.NUMBER, 2))
 
 
-def energy_fact(facts: Mapping[str, Any], tables_energy: pl.DataFrame) -> Fact:
-    """Net energy of the day in one line."""
+def energy_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
+    """Energy by train, by phase, by leg and layover, and beside others' figures; none for a run without any."""
+    if run.tables.energy.is_empty():
+        return ()
+    return (
+        _by_train(run),
+        *_sums(facts),
+        *_by_hour(run),
+        _by_leg(run),
+        _legs(run),
+        table_of(
+            "layovers",
+            run.tables.layovers.to_dicts(),
+            {
+                "unit": (Kind.TEXT, 0),
+                "station": (Kind.PLACE, 0),
+                "after_train": (Kind.TRAIN, 0),
+                "before_train": (Kind.TRAIN, 0),
+                "from_s": (Kind.CLOCK, 0),
+                "to_s": (Kind.CLOCK, 0),
+                **_KWH,
+            },
+        ),
+        *_opinion(facts),
+    )
+
+
+def _by_train(run: Run) -> Table:
+    order = {train: i for i, train in enumerate(run.trains)}
+    rows = sorted(
+        run.tables.energy.iter_rows(named=True), key=lambda row: order.get(row["train"], len(order))
+    )
+    per_km = [row["net_kwh"] / row["distance_km"] if row["distance_km"] > 0 else None for row in rows]
+    table = table_of(
+        "energy_trains",
+        rows,
+        {
+            "train": (Kind.TRAIN, 0),
+            "unit": (Kind.TEXT, 0),
+            "distance_km": (Kind.NUMBER, 1),
+            "running_s": (Kind.NUMBER, 0),
+            "standing_s": (Kind.NUMBER, 0),
+            **_KWH,
+            "standing_kwh": (Kind.NUMBER, 2),
+        },
+    )
+    carries = ["yes" if row["revenue"] else "no" for row in rows]
+    more = (Column("net_per_km", Kind.NUMBER, per_km, 2), Column("revenue", Kind.WORD, carries))
+    return Table(table.id, (*table.columns, *more))
+
+
+def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     energy = facts["energy"]
-    whole, per_km, per_car = energy["all"], energy["net_kwh_per_train_km"], energy["net_kwh_per_car_km"]
-    text = (
-        f"{whole['net']:,.1f} kWh net {drawn_at(tables_energy)}: traction {whole['traction']:,.1f},"
-        f" auxiliary {whole['auxiliary']:,.1f}, regenerated {whole['regenerated']:,.1f}"
-    )
-    if per_km["all"] is not None:
-        text += (
-            f"; {per_km['trains']:.2f} kWh/train-km ({per_car['trains']:.2f} per car-km),"
-            f" {per_km['all']:.2f} ({per_car['all']:.2f}) with layovers"
-        )
-    return Fact("Energy", text)
-
-
-def drawn_at(energy: pl.DataFrame) -> str:
-    """Where energy is counted: at the wire, or at the battery of trains that regenerate into their own."""
-    receivers = set(energy["regenerated_to"])
-    if receivers == {Receiver.BATTERY.value}:
-        return "at the battery"
-    return "at the wire or battery" if Receiver.BATTERY.value in receivers else "at the wire"
-
-
-def energy_parts(run: Run, facts: Mapping[str, Any]) -> tuple[Part, ...]:
-    """Energy by train, by phase, by leg and layover, and the second opinion."""
-    tables = run.tables
-    if tables.energy.is_empty():
-        return (Part("Energy by train", "Nothing to show: the run has none."),)
-    figure = draw_energy(run)
-    caption = (
-        f"kWh {drawn_at(tables.energy)}, from where a train begins to move to where it ends; layovers are counted"
-        " below. Figures above the bars: net kWh per train-km. Numbers in brackets carry no passengers."
-    )
-    parts = [
-        Part(
-            "Energy by train",
-            caption,
-            () if figure is None else (svg_of(figure, "energy"),),
-            _sums(facts),
+    phases = ("running", "standing", "layovers", "all")
+    sums = Table(
+        "energy_sums",
+        (
+            Column("phase", Kind.WORD, [f"phase_{name}" for name in phases]),
+            *(
+                Column(f"{kind}_kwh", Kind.NUMBER, [energy[name][kind] for name in phases], 1)
+                for kind in KINDS
+            ),
         ),
-        Part(
-            "Energy by leg",
-            "All trains of the day between two places where they stop, with the stop at the end.",
-            grids=(_leg_grid(run),),
-            folded="kWh by leg and direction; each train's own are in energy_legs.parquet",
-        ),
-        Part(
-            "Energy in layovers",
-            "Stock that stands where one of its trains ends and the next begins: the auxiliaries go on. Stock stabled"
-            " after its last train is taken to be switched off.",
-            grids=(_layover_grid(run),),
-            folded="Every layover",
-        ),
-    ]
-    return (*parts, *_opinion(facts))
-
-
-def _sums(facts: Mapping[str, Any]) -> tuple[Grid, ...]:
-    energy = facts["energy"]
-    names = (
-        ("trains, running", "running"),
-        ("trains, standing", "standing"),
-        ("layovers", "layovers"),
-        ("all", "all"),
     )
-    rows = tuple((text, *(f"{energy[key][kind]:,.1f}" for kind in KINDS)) for text, key in names)
-    grids = [Grid(("kWh", *KINDS), rows, numbers_from=1)]
-    per_km = tuple(
-        (unit, f"{energy[km]:,.1f}", *(f"{energy[key][which]:.2f}" for which in ("trains", "all")))
+    per = [
+        (unit, energy[km], energy[key]["trains"], energy[key]["all"])
         for unit, km, key in (
-            ("train-km", "train_km", "net_kwh_per_train_km"),
-            ("car-km", "car_km", "net_kwh_per_car_km"),
+            ("per_train_km", "train_km", "net_kwh_per_train_km"),
+            ("per_car_km", "car_km", "net_kwh_per_car_km"),
         )
         if energy[key]["all"] is not None
+    ]
+    per_km = Table(
+        "energy_per_km",
+        (
+            Column("per", Kind.WORD, [row[0] for row in per]),
+            Column("km", Kind.NUMBER, [row[1] for row in per], 1),
+            Column("net_trains", Kind.NUMBER, [row[2] for row in per], 2),
+            Column("net_all", Kind.NUMBER, [row[3] for row in per], 2),
+        ),
     )
-    grids.append(Grid(("per", "km", "net kWh, trains", "with layovers"), per_km, numbers_from=1))
-    taken = tuple((RECEIVERS[receiver], f"{kwh:,.1f}") for receiver, kwh in energy["regenerated_to"].items())
-    grids.append(Grid(("regenerated energy is taken by", "kWh"), taken, numbers_from=1))
-    return tuple(grids)
+    taken = energy["regenerated_to"]
+    takes = Table(
+        "energy_taken",
+        (
+            Column("taken_by", Kind.WORD, [RECEIVER_WORDS[receiver] for receiver in taken]),
+            Column("kwh", Kind.NUMBER, list(taken.values()), 1),
+        ),
+    )
+    return sums, per_km, takes
 
 
-def _leg_grid(run: Run) -> Grid:
+def _by_hour(run: Run) -> tuple[Table, ...]:
+    """The day's energy by the hour in which it was taken, of all stock and phases."""
+    hours = (
+        run.tables.energy_hours.group_by("hour_s")
+        .agg(pl.col(*COLUMNS).sum())
+        .sort("hour_s")
+        .with_columns((pl.col("hour_s") // 3600).alias("hour"))
+    )
+    if hours.is_empty():
+        return ()
+    return (table_of("energy_hours", hours.to_dicts(), {"hour": (Kind.NUMBER, 0), **_KWH}),)
+
+
+def _by_leg(run: Run) -> Table:
     """A row a leg, DOWN before UP, along the line."""
     sums = (
         run.tables.energy_legs.group_by("from_station", "to_station", maintain_order=True)
@@ -114,78 +136,66 @@ def _leg_grid(run: Run) -> Grid:
             pl.col("train").first(),
             pl.col("distance_km", "running_s", "standing_s", "standing_kwh", *COLUMNS).sum(),
         )
+        .with_columns((pl.col("net_kwh") / pl.col("distance_km")).alias("net_per_km"))
         .iter_rows(named=True)
     )
     order = {station.id: station.position_m for station in run.stations}
 
-    def place(row: dict[str, Any]) -> tuple[int, float]:
+    def place(row: Mapping[str, Any]) -> tuple[int, float]:
         direction = run.directions[row["train"]]
         at_m = order.get(row["from_station"], -direction * float("inf"))
         return -int(direction), direction * at_m
 
-    rows = tuple(
-        (
-            f"{place_name(run, row['from_station'])} – {place_name(run, row['to_station'])}",
-            str(row["trains"]),
-            f"{row['distance_km']:,.1f}",
-            *(f"{row[column]:,.1f}" for column in COLUMNS),
-            f"{row['standing_kwh']:,.1f}",
-            f"{row['net_kwh'] / row['distance_km']:.2f}" if row["distance_km"] > 0.0 else "–",
-        )
-        for row in sorted(sums, key=place)
+    return table_of(
+        "energy_by_leg",
+        sorted(sums, key=place),
+        {
+            "from_station": (Kind.PLACE, 0),
+            "to_station": (Kind.PLACE, 0),
+            "trains": (Kind.NUMBER, 0),
+            "distance_km": (Kind.NUMBER, 1),
+            **_KWH,
+            "standing_kwh": (Kind.NUMBER, 2),
+            "net_per_km": (Kind.NUMBER, 2),
+        },
     )
-    header = ("leg", "trains", "train-km", *KINDS, "of it standing", "net per train-km")
-    return Grid(header, rows, numbers_from=1)
 
 
-def _layover_grid(run: Run) -> Grid:
-    rows = tuple(
-        (
-            row["unit"],
-            place_name(run, row["station"]),
-            row["after_train"] or "–",
-            row["before_train"] or "–",
-            clock(row["from_s"], seconds=True),
-            clock(row["to_s"], seconds=True),
-            *(f"{row[column]:,.1f}" for column in COLUMNS),
-        )
-        for row in run.tables.layovers.iter_rows(named=True)
+def _legs(run: Run) -> Table:
+    """Every leg of every train."""
+    return table_of(
+        "energy_legs",
+        run.tables.energy_legs.to_dicts(),
+        {
+            "train": (Kind.TRAIN, 0),
+            "from_station": (Kind.PLACE, 0),
+            "to_station": (Kind.PLACE, 0),
+            "distance_km": (Kind.NUMBER, 2),
+            "running_s": (Kind.NUMBER, 0),
+            **_KWH,
+        },
     )
-    header = ("unit", "at", "after train", "before train", "from", "to", *KINDS)
-    return Grid(header, rows, numbers_from=4)
 
 
-def place_name(run: Run, place: str) -> str:
-    """A station's name; a portal section's id."""
-    station = run.line.stations.get(place)
-    return place if station is None else station.name
-
-
-def _opinion(facts: Mapping[str, Any]) -> tuple[Part, ...]:
+def _opinion(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     """Our figures beside others'; nothing where there are none."""
     compared = facts["comparisons"]
     if not compared:
         return ()
-    rows = tuple(
-        (
-            row["figure"],
-            f"{row['ours']:,.{_digits(row['theirs'])}f}",
-            f"{row['theirs']:,.{_digits(row['theirs'])}f}",
-            row["unit"],
-            signed(row["difference_percent"], 1, "%"),
-            row["source"],
-            row["comparable"],
-        )
-        for row in compared
-    )
-    header = ("figure", "ours", "theirs", "unit", "difference", "source", "what is comparable, what not")
     return (
-        Part(
-            "A second opinion on energy",
-            "The running resistance by another published formula, the day's traction with it on the same speeds, and"
-            " consumption beside public figures. None of these sources describes this line on this day.",
-            grids=(Grid(header, rows, numbers_from=1, numbers_to=3),),
-            notes=meanings(compared),
+        table_of(
+            "opinion",
+            compared,
+            {
+                "figure": (Kind.TEXT, 0),
+                "ours": (Kind.NUMBER, 2),
+                "theirs": (Kind.NUMBER, 2),
+                "unit": (Kind.TEXT, 0),
+                "difference_percent": (Kind.SIGNED, 1),
+                "source": (Kind.TEXT, 0),
+                "comparable": (Kind.TEXT, 0),
+            },
+            tuple((text, text) for text in meanings(compared)),
         ),
     )
 
@@ -218,7 +228,3 @@ def meanings(compared: list[Mapping[str, Any]]) -> tuple[str, ...]:
     if not any(row["unit"] == "kWh per car-km" for row in compared):
         found.append("No public figure stands beside a day on which not every train arrived.")
     return tuple(found)
-
-
-def _digits(value: float) -> int:
-    return 2 if abs(value) < 10.0 else 0

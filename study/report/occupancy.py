@@ -9,22 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from network.model import Section
-from study.report.data import Run
+from study.report.data import Run, sections_in_order
 from study.report.style import RULE, WIDTH_IN, draw_clock_axis, time_bands, unit_colours
 
 _ROW_IN: Final = 0.17
-
-
-def sections_in_order(run: Run) -> tuple[Section, ...]:
-    """Sections by the kilometrage of their middle, then by name; the order of the figure's rows."""
-    pieces = run.line.pieces
-
-    def key(section: Section) -> tuple[float, str]:
-        ends_m = [m for piece in section.piece_ids for m in (pieces[piece].from_m, pieces[piece].to_m)]
-        return (round((min(ends_m) + max(ends_m)) / 2), section.id) if ends_m else (0.0, section.id)
-
-    return tuple(sorted(run.line.sections.values(), key=key))
 
 
 def draw_occupancy(run: Run) -> Figure:

@@ -1,4 +1,4 @@
-"""What the page is made of: facts of the headline, tables of text, and parts with a title."""
+"""What is written into a page as it stands: facts in two languages, tables of text, and parts with a title."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One line of the headline; `bad` is set in red."""
+    """One line of the headline, in English and in Japanese; `bad` is set in red."""
 
     name: str
     value: str
     bad: bool = False
+    name_ja: str = ""
+    value_ja: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +28,7 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of the report: what it shows, how to read it, its figures, its tables (folded when long)."""
+    """A part of a page: what it shows, how to read it, its figures, its tables (folded when long)."""
 
     title: str
     caption: str

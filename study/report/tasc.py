@@ -197,16 +197,6 @@ def most_telling(tuned: Mapping[str, Tuned]) -> str | None:
     return max(away, key=lambda unit: away[unit]) if away else None
 
 
-def learned_rows(tuned: Mapping[str, Tuned]) -> tuple[tuple[str, ...], ...]:
-    """Unit, stops counted and left out, dead time designed and learned (s), offset learned (km/h/s), as text."""
-    return tuple(
-        (
-            unit,
-            str(one.learned.stops),
-            str(one.learned.left_out),
-            f"{one.learned.design_dead_time_s:.1f}",
-            f"{one.learned.dead_time_s:.1f}",
-            f"{one.learned.offset_mps2 * KMHPS_PER_MPS2:+.1f}".replace("-", "−"),
-        )
-        for unit, one in sorted(tuned.items())
-    )
+def waves_shown(stop: StopRecord) -> tuple[Floats, Floats, Floats]:
+    """Designed, measured and smoothed deceleration of a stop, m/s^2, a step apart and up to rest."""
+    return stop.designed_mps2, stop.actual_mps2, waves(stop)[1]

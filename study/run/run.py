@@ -20,18 +20,20 @@ from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
-from study.feasibility.check import feasibility
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.sumo_api import STEP_DELAY_MS, Window
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.feasibility.check import feasibility
 from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
 from study.measures.waits import waits_of
+from study.report.beside import Beside
 from study.report.drill import DrillShown
 from study.report.parts import Part
 from study.report.report import write_report
@@ -56,10 +58,12 @@ from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
+from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import read_net
 from wayside.config import manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
+SCENERY_FILE: Final = "scenery.add.xml"
 
 
 class Link(Enum):
@@ -81,6 +85,12 @@ class CarrierKind(Enum):
 
     SUMO = "sumo"
     PLAIN = "plain"
+    SUMO_GUI = "sumo-gui"  # SUMO with a window on the run
+
+    @property
+    def shown(self) -> bool:
+        """Whether a window shows the run."""
+        return self is CarrierKind.SUMO_GUI
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +114,14 @@ def execute(
     wrap: Callable[[Carrier], Carrier] | None = None,
     watch: Callable[[Parties], Parties] | None = None,
     journal: Path | None = None,
+    delay_ms: int = STEP_DELAY_MS,
 ) -> Run:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
-    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties.
+    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
+    `delay_ms` is how long sumo-gui takes over a step.
     """
     setup = scenario.setup
     with scratch(TEMPORARY) as folder:
@@ -120,7 +132,10 @@ def execute(
         specs = specs_of(setup, master_key)
         if units is UnitsAt.PROCESSES:
             specs = (*specs, *unit_specs(on_board))
-        make = carrier_factory(carrier, setup.line, net)
+        window = Window(folder / SCENERY_FILE, delay_ms)
+        make = carrier_factory(carrier, setup.line, net, window)
+        # Days of learning pass without a window.
+        make_before = carrier_factory(CarrierKind.SUMO, setup.line, net) if carrier.shown else make
         wrapped = wrap or _as_it_is
         started = time.perf_counter()
         while True:
@@ -130,7 +145,7 @@ def execute(
             with parties_of(link, setup.line.id, specs, state) as parties:
                 simulation = Simulation(
                     setup,
-                    (lambda begin_s: wrapped(make(begin_s))) if last else make,
+                    (lambda begin_s: wrapped(make(begin_s))) if last else make_before,
                     parties if watch is None else watch(parties),
                     read_net(net),
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
@@ -194,10 +209,11 @@ def _as_it_is(carrier: Carrier) -> Carrier:
 
 @dataclass(frozen=True, slots=True)
 class More:
-    """What a run directory has beside what every run has: parts of the report, and files (text, by name)."""
+    """What a run directory has beside what every run has: parts of the report, files (text, by name), another run."""
 
     parts: tuple[Part, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict[str, str])
+    beside: Beside | None = None
 
 
 NO_MORE: Final = More()
@@ -241,7 +257,9 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
     for name, text in more.files.items():
         (folder / name).write_text(text, "utf-8")
-    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts)
+    write_report(
+        folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts, more.beside
+    )
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
@@ -278,8 +296,20 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     )
 
 
-def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:
-    """How the loop makes its carrier, given the time at which the run begins (s)."""
+def carrier_factory(
+    kind: CarrierKind, line: Line, net: Path, window: Window | None = None
+) -> Callable[[float], Carrier]:
+    """How the loop makes its carrier, given the time at which the run begins (s).
+
+    Where the kind is `shown`, the scenery of the line is written where `window` has it.
+    """
+    if kind is CarrierKind.SUMO_GUI:
+        from simulation.carriers.window import WindowCarrier
+
+        shown = window or Window()
+        if shown.scenery is not None:
+            shown.scenery.write_bytes(scenery_xml(line))
+        return lambda begin_s: WindowCarrier(net, begin_s, shown)
     if kind is CarrierKind.SUMO:
         from simulation.carriers.sumo import SumoCarrier
 

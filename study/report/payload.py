@@ -1,0 +1,151 @@
+"""What the page knows of a run: one object of plain data, which the modules under `web` draw and tabulate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from network.files.raw import is_table
+from onboard.driving.tuning import OFFSET_STEP_MPS2, OFFSET_ZERO, STEP_S
+from study.measures.wait import Cause
+from study.measures.wait_text import names_of, text_of
+from study.report.beside import Beside
+from study.report.courses import (
+    Fineness,
+    bare_courses_shown,
+    blocks_shown,
+    courses_shown,
+    devices_shown,
+    line_shown,
+    sections_shown,
+    trains_shown,
+)
+from study.report.data import Run
+from study.report.drill import DrillShown, Mark
+from study.report.packing import packed, places_in
+from study.report.papers import tables_shown
+from study.report.parts import Part
+from study.report.tasc import KMHPS_PER_MPS2, Tuned, most_telling, response_surface, waves_shown
+from study.run.waits_table import read_waits
+
+FORMAT: Final = 1
+_UNSAID: Final = (Cause.RUNS, Cause.OUTSIDE, Cause.LEFT)  # nothing is waited for
+
+
+@dataclass(frozen=True, slots=True)
+class Shows:
+    """What a page shows besides a run and its figures; see `study.report.report.write_report`."""
+
+    tuned: Mapping[str, Tuned] = field(default_factory=dict[str, Tuned])
+    drill: DrillShown | None = None
+    first: tuple[Part, ...] = ()
+    beside: Beside | None = None
+
+
+def payload_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> dict[str, Any]:
+    """Everything but the courses of trains; those come with `courses_of`, by their fineness."""
+    begin_s, end_s = run.window_s
+    tuned, drill = shows.tuned, shows.drill
+    return {
+        "format": FORMAT,
+        "line": line_shown(run.line),
+        "window": [begin_s, end_s],
+        "trains": trains_shown(run),
+        "sections": sections_shown(run),
+        "devices": devices_shown(run.line),
+        "blocks": blocks_shown(run),
+        "marks": [] if drill is None else [_mark(mark) for mark in drill.marks],
+        "broken": _broken_at(facts),
+        "waits": waits_shown(run),
+        "tuning": _tuning(tuned),
+        "tables": [table.as_dict() for table in tables_shown(run, facts, tuned, drill)],
+    }
+
+
+def courses_of(run: Run, fineness: Fineness, beside: Beside | None = None) -> dict[str, Any]:
+    """The courses of trains as fine as asked, and how fine that is; of a run beside it those that moved or are gone."""
+    tolerance = {"m": fineness.place_m, "kmh": fineness.speed_kmh, "notch": fineness.notch}
+    other = None
+    if beside is not None:
+        shown = beside.moved | beside.gone
+        curves = bare_courses_shown(beside.run, fineness, shown)
+        other = {
+            "label": beside.label,
+            "moved": sorted(beside.moved),
+            "gone": sorted(beside.gone),
+            "courses": curves,
+        }
+    return {"courses": courses_shown(run, fineness), "tolerance": tolerance, "beside": other}
+
+
+def _mark(mark: Mark) -> dict[str, Any]:
+    return {
+        "label": mark.label,
+        "kind": mark.kind.value,
+        "text": mark.text,
+        "from": _finite(mark.from_s),
+        "to": _finite(mark.to_s),
+        "at": None if mark.at_s is None else _finite(mark.at_s),
+        "passed": mark.passed,
+        "happened": mark.happened,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 1) if math.isfinite(value) else None
+
+
+def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Broken invariants that have a time, for their marks on the graph."""
+    return [
+        {
+            "t": _finite(item["t_s"]),
+            "checker": str(item.get("checker", "")),
+            "text": str(item.get("text", "")),
+        }
+        for item in facts.get("violations", ())
+        if is_table(item) and item.get("t_s") is not None
+    ]
+
+
+def waits_shown(run: Run) -> dict[str, Any]:
+    """Why each stock waited, and when: sentences once each, in both languages; whole seconds."""
+    names = names_of(run.line)
+    waits = [wait for wait in read_waits(run.tables.waits) if wait.cause not in _UNSAID]
+    pairs = [(text_of(wait, "en", names), text_of(wait, "ja", names)) for wait in waits]
+    distinct = list(dict.fromkeys(pairs))
+    place = {pair: i for i, pair in enumerate(distinct)}
+    units, of = places_in([wait.unit for wait in waits])
+    return {
+        "en": [en for en, _ in distinct],
+        "ja": [ja for _, ja in distinct],
+        "units": units,
+        "unit": of,
+        "from": packed([wait.from_s for wait in waits], 1),
+        "to": packed([wait.to_s for wait in waits], 1),
+        "text": [place[pair] for pair in pairs],
+    }
+
+
+def _tuning(tuned: Mapping[str, Tuned]) -> dict[str, Any] | None:
+    """The evaluation function of the stop of the train that differs most from its design, with its waves."""
+    unit = most_telling(tuned)
+    if unit is None:
+        return None
+    one = tuned[unit]
+    surface = response_surface(one.stop)
+    if surface is None:
+        return None
+    designed, actual, smooth = waves_shown(one.stop)
+    return {
+        "unit": unit,
+        "step_s": STEP_S,
+        "step_kmhps": round(OFFSET_STEP_MPS2 * KMHPS_PER_MPS2, 6),
+        "zero": OFFSET_ZERO,
+        "surface": [[round(float(value), 7) for value in row] for row in surface],
+        "designed": packed(designed, 1000),
+        "actual": packed(actual, 1000),
+        "smooth": packed(smooth, 1000),
+    }

@@ -1,0 +1,159 @@
+// What happened, on the train graph: marks of events, and a drill's faults, acts and expectations.
+import { COLOURS, font } from "./layer.js";
+import { spread } from "./view.js";
+
+const ROW_PX = 16;
+const ROWS_MAX = 14;
+// Shape and colour of an event's mark by its kind; lesser ones are shown when asked for.
+const SHAPES = {
+  broken: ["square", COLOURS.red, 6], unsafe: ["square", COLOURS.red, 5.5], intervention: ["cross", COLOURS.red, 4.5],
+  fault: ["triangle", COLOURS.red, 5.5], "fault over": ["hollow", COLOURS.green, 5], act: ["diamond", COLOURS.ink, 5],
+  contradiction: ["diamond", "#7a1fa2", 4.5], stop: ["dot", "#d55e00", 3.5], points: ["dot", "#8c6d1f", 3.5],
+  reversal: ["dot", "#009e73", 3.5], expectation: ["hollow", COLOURS.pale, 4],
+};
+const LESSER = ["dot", "#9a9a9a", 2.5];
+export const LESSER_KINDS = ["telegram", "refusal", "train", "reversal"];
+
+/** Events that the graph shows. */
+export function shownEvents(day, options) {
+  return options.lesser ? day.events : day.events.filter((event) => !LESSER_KINDS.includes(event.kind));
+}
+
+/** Rows under the graph. */
+const rowsOf = (day, options) => (options.strip === false ? [] : day.marks.slice(0, ROWS_MAX));
+
+/** Height of the rows of a drill under the graph, px. */
+export const stripHeight = (day, options) => rowsOf(day, options).length * ROW_PX + (rowsOf(day, options).length ? 6 : 0);
+
+/** Place of an event's mark, px; what has no place on the line stands at the top. */
+function placeOf(event, scale, plot) {
+  return [scale.x(event.t), Number.isNaN(event.m) ? plot.top + 9 : scale.y(event.m)];
+}
+
+/** Draw the marks of the events in view. */
+export function drawEvents(context, day, view, scale, plot, options) {
+  for (const event of shownEvents(day, options)) {
+    if (event.t < view.x0 || event.t > view.x1) continue;
+    const [x, y] = placeOf(event, scale, plot);
+    drawShape(context, x, y, ...(SHAPES[event.kind] ?? LESSER));
+  }
+}
+
+/** Events whose marks lie within `reach` px of a place on the canvas. */
+export function eventsAt(day, scale, plot, options, x, y, reach = 9) {
+  return shownEvents(day, options).filter((event) => {
+    const [ex, ey] = placeOf(event, scale, plot);
+    return Math.hypot(ex - x, ey - y) <= reach;
+  });
+}
+
+/** One mark; also drawn in the legend. */
+export function drawShape(context, x, y, shape, colour, r) {
+  context.fillStyle = context.strokeStyle = colour;
+  context.lineWidth = 1.8;
+  context.setLineDash([]);
+  context.beginPath();
+  if (shape === "cross") {
+    context.moveTo(x - r, y - r);
+    context.lineTo(x + r, y + r);
+    context.moveTo(x + r, y - r);
+    context.lineTo(x - r, y + r);
+    context.stroke();
+    return;
+  }
+  const corners = {
+    square: [[-1, -1], [1, -1], [1, 1], [-1, 1]], diamond: [[0, -1], [1, 0], [0, 1], [-1, 0]],
+    triangle: [[0, -1], [1, 0.8], [-1, 0.8]],
+  }[shape];
+  if (corners) corners.forEach(([dx, dy], i) => (i ? context.lineTo(x + dx * r, y + dy * r) : context.moveTo(x + dx * r, y + dy * r)));
+  else context.arc(x, y, r, 0, 2 * Math.PI);
+  context.closePath();
+  if (shape === "hollow") {
+    context.fillStyle = "#ffffff";
+    context.fill();
+    context.stroke();
+  } else context.fill();
+}
+
+/** The kinds of events of a day with their shapes, for the legend. */
+export function kindsShown(day, options) {
+  const kinds = [...new Set(shownEvents(day, options).map((event) => event.kind))];
+  return kinds.map((kind) => ({ kind, shape: SHAPES[kind] ?? LESSER }));
+}
+
+/** A drill's faults as pale bands and its acts as dashed lines, each with its number at the top. */
+export function drawFaults(context, day, scale, plot) {
+  const shown = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null).sort((a, b) => a.from - b.from);
+  for (const mark of shown) {
+    const x = scale.x(mark.from);
+    const end = scale.x(mark.to ?? day.window[1]);
+    context.fillStyle = "rgba(179,38,30,0.07)";
+    if (mark.kind === "F") context.fillRect(x, plot.top, Math.max(end - x, 0), plot.height);
+    context.strokeStyle = mark.kind === "F" ? COLOURS.red : COLOURS.ink;
+    context.lineWidth = 0.9;
+    context.setLineDash(mark.kind === "F" ? [] : [3, 3]);
+    context.beginPath();
+    context.moveTo(x, plot.top);
+    context.lineTo(x, plot.top + plot.height);
+    context.stroke();
+  }
+  context.setLineDash([]);
+  const seen = shown.filter((mark) => scale.x(mark.from) > plot.left && scale.x(mark.from) < plot.left + plot.width);
+  const places = spread(seen.map((mark) => scale.x(mark.from)), 20, plot.left + 10, plot.left + plot.width - 10);
+  context.font = font(11, "600");
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  seen.forEach((mark, i) => {
+    context.fillStyle = mark.kind === "F" ? COLOURS.red : COLOURS.ink;
+    context.fillText(mark.label, places[i], plot.top + plot.height - 8);
+  });
+}
+
+/** A row a fault, act or expectation under the graph, on its clock. */
+export function drawStrip(context, day, view, scale, plot, options) {
+  const rows = rowsOf(day, options);
+  const top = plot.top + plot.height + 24;
+  rows.forEach((mark, row) => {
+    const y = top + row * ROW_PX + ROW_PX / 2;
+    const bad = mark.kind === "E" ? !mark.passed : mark.kind === "F";
+    context.save();
+    context.beginPath();
+    context.rect(plot.left, y - ROW_PX / 2, plot.width, ROW_PX);
+    context.clip();
+    stretch(context, mark, scale, y, day.window[1]);
+    context.restore();
+    context.fillStyle = bad ? COLOURS.red : COLOURS.ink;
+    context.font = font(11, mark.kind === "E" && !mark.passed ? "700" : "");
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    context.fillText(fitted(context, `${mark.label} ${mark.text}`, plot.left - 10), plot.left - 6, y);
+    context.strokeStyle = COLOURS.fine;
+    context.lineWidth = 1;
+    context.beginPath();
+    context.moveTo(plot.left, y + ROW_PX / 2);
+    context.lineTo(plot.left + plot.width, y + ROW_PX / 2);
+    context.stroke();
+  });
+}
+
+function stretch(context, mark, scale, y, end) {
+  const from = scale.x(mark.from ?? end);
+  const to = scale.x(mark.to ?? end);
+  if (mark.kind === "E") {
+    context.fillStyle = "rgba(107,107,107,0.4)";
+    context.fillRect(from, y - 2, Math.max(to - from, 0), 4);
+    const at = mark.at === null ? to : scale.x(mark.at);
+    drawShape(context, at, y, ...(mark.passed ? ["dot", COLOURS.green, 4.5] : ["cross", COLOURS.red, 4.5]));
+  } else if (mark.kind === "F" && to > from) {
+    context.fillStyle = "rgba(179,38,30,0.55)";
+    context.fillRect(from, y - 4, to - from, 8);
+  } else drawShape(context, from, y, "diamond", mark.kind === "F" ? COLOURS.red : COLOURS.ink, 4.5);
+}
+
+/** A text cut with … so that it is no wider than so many px. */
+export function fitted(context, text, width) {
+  if (context.measureText(text).width <= width) return text;
+  let cut = text;
+  while (cut && context.measureText(`${cut}…`).width > width) cut = cut.slice(0, -1);
+  return `${cut.trimEnd()}…`;
+}
