@@ -7,9 +7,14 @@ from typing import Annotated
 
 import typer
 
+from branchline.making_files import new_drill, new_scenario, new_timetable, new_train
 from branchline.progress import tell
 
 makers = typer.Typer(help="Make a new file from little: it can be run, and says what it assumes.")
+makers.command("scenario")(new_scenario)
+makers.command("timetable")(new_timetable)
+makers.command("train")(new_train)
+makers.command("drill")(new_drill)
 
 
 @makers.callback()
