@@ -40,6 +40,7 @@ def feasibility(setup: Setup) -> Feasibility:
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
     findings = [
         *_missing(setup, day),
+        *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
         *equipment_of(setup, day),
@@ -99,6 +100,18 @@ def _missing(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
         remedy = "other tracks, or points that lead there"
         trains = (missing.number,)
         yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy)
+
+
+def _nowhere(day: PlannedDay) -> Iterator[Finding]:
+    """Trains of one stop alone: a run counts none of them as arrived."""
+    for train in day.all():
+        if len(train.duty.mission.targets) < 2:
+            stand = train.stands[0]
+            place = stand.target.station_id or stand.target.section_id
+            text = f"{train.number} has one stop alone, at {minute(stand.departs_s)}, and goes nowhere"
+            remedy = "a second call, or no train"
+            trains = (train.number,)
+            yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, place, stand.departs_s, text, remedy)
 
 
 def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:

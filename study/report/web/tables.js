@@ -116,7 +116,7 @@ function cellOf(doc, column, i, context) {
   const value = column.values[i];
   const text = written(value, column, context.words);
   const bad = column.kind === "bad" || value === "not_met";
-  if (column.kind !== "train" || !value) return element(doc, "td", { class: NUMBERS.has(column.kind) ? "number" : bad ? "bad" : null }, text);
+  if (column.kind !== "train" || !value) return element(doc, "td", { class: NUMBERS.has(column.kind) ? "number" : bad ? "bad" : text.length > 30 ? "long" : null }, text);
   return element(doc, "td", {}, element(doc, "button", { type: "button", class: "train", onclick: () => context.showTrain(value) }, text));
 }
 

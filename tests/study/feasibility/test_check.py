@@ -180,7 +180,7 @@ def test_a_shorter_lead_mends_what_a_long_one_breaks() -> None:
 
 
 def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
-    """A stop before points costs 40 s: with 116 s to spare a hop that is made up, with 12 it adds up."""
+    """A stop before points costs 40 s: with 116 s to spare a hop that is made up, with none it adds up."""
     plan = good()
     line = plan.line
     tags = {i: tag for i, tag in line.tags.items() if tag.purpose is not TagPurpose.APPROACH}
@@ -200,13 +200,13 @@ def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
             if k == 0
             else replace(
                 call,
-                arrival_s=call.arrival_s and call.arrival_s - 104 * k,
-                departure_s=call.departure_s and call.departure_s - 104 * k,
+                arrival_s=call.arrival_s and call.arrival_s - 95 * k,
+                departure_s=call.departure_s and call.departure_s - 95 * k,
             )
             for k, call in enumerate(train.calls)
         )
         late = late.with_train(replace(train, calls=calls))
-    alone = replace(late, trains=(replace(late.train("D"), ends="stabled"),))
+    alone = replace(late, dwell_min_s=60, trains=(replace(late.train("D"), ends="stabled"),))
     (impossible,) = feasibility(alone.setup()).impossible
     assert (impossible.kind, impossible.trains[0]) == (Kind.LATE, "D")
     assert (impossible.short_s or 0.0) >= 180.0
@@ -232,6 +232,13 @@ def test_a_plan_is_refused_in_one_line_unless_it_is_to_run_anyway() -> None:
 def test_a_train_without_a_way_is_refused_even_then() -> None:
     with pytest.raises(PlanRefusedError, match=r"shows all$"):
         refuse("stub.toml", BREAKS["no_way"]().plan.setup(), anyway=True)
+
+
+def test_a_train_of_one_stop_alone_is_refused() -> None:
+    """A run has nothing of which it could say that it arrived."""
+    train = replace(good().train("D"), ends="stabled", begins="stabled", calls=good().train("D").calls[3:4])
+    (finding,) = feasibility(replace(good(), trains=(train,)).setup()).impossible
+    assert (finding.kind, finding.trains, finding.place) == (Kind.NO_WAY, ("D",), "EDO")
 
 
 # sets between their trains -----------------------------------------------------------------------------------------
