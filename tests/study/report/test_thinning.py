@@ -39,7 +39,9 @@ def test_what_is_left_out_is_within_tolerance(t_s: Floats, data: st.DataObject) 
 @given(t_s=rising, slope=st.floats(-20.0, 20.0), at=numbers)
 def test_of_a_straight_line_the_ends_are_kept(t_s: Floats, slope: float, at: float) -> None:
     line = at + slope * t_s
-    assert kept(t_s, np.column_stack([line, 0.01 * line]), TOLERANCES).tolist() == [0, len(t_s) - 1][: len(t_s)]
+    assert (
+        kept(t_s, np.column_stack([line, 0.01 * line]), TOLERANCES).tolist() == [0, len(t_s) - 1][: len(t_s)]
+    )
 
 
 def test_a_jump_at_one_time_is_kept() -> None:
