@@ -1,17 +1,20 @@
 """The report in a real browser: opened from disk, moved, searched, in both languages, on wide and narrow screens.
 
-Frames a second are reported and not asserted: how many there are depends on the machine, which has no graphics card here.
+Frames a second are reported and not asserted: how many there are depends on the machine.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page, Route
 
 pytestmark = pytest.mark.browser
 
@@ -70,15 +73,41 @@ ON_LINE = """
 """
 
 
+# Which time a place on the screen stands for.
+TIME_AT = """
+(x) => {
+  const { pane, layer } = globalThis.branchline.graph;
+  const plot = pane.plot();
+  const share = (x - layer.canvas.getBoundingClientRect().left - plot.left) / plot.width;
+  return pane.view.x0 + share * (pane.view.x1 - pane.view.x0);
+}
+"""
+MARK_AT = """
+() => {
+  const { graph, day } = globalThis.branchline;
+  const event = day.events.find((e) => e.kind === "broken");
+  const [view, plot, box] = [graph.pane.view, graph.pane.plot(), graph.layer.canvas.getBoundingClientRect()];
+  return [
+    box.left + plot.left + ((event.t - view.x0) / (view.x1 - view.x0)) * plot.width,
+    box.top + plot.top + 9,
+  ];
+}
+"""
+
+
 @contextmanager
-def opened(browser: Any, report: Path, size: tuple[int, int] = SIZES[0], **more: Any) -> Iterator[Any]:
+def opened(
+    browser: Browser, report: Path, size: tuple[int, int] = SIZES[0], *, scripts: bool = True
+) -> Iterator[Page]:
     """The report, opened from disk. Anything asked of any host and any error of the page fails the test."""
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, locale="en-GB", **more)
+    context = browser.new_context(
+        viewport={"width": size[0], "height": size[1]}, locale="en-GB", java_script_enabled=scripts
+    )
     page = context.new_page()
     asked: list[str] = []
     wrong: list[str] = []
 
-    def route(found: Any) -> None:
+    def route(found: Route) -> None:
         url = found.request.url
         if url.startswith("file:") and url.partition("#")[0] == report.as_uri():
             found.continue_()
@@ -96,7 +125,7 @@ def opened(browser: Any, report: Path, size: tuple[int, int] = SIZES[0], **more:
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
     page.goto(report.as_uri())
-    if more.get("java_script_enabled", True):
+    if scripts:
         page.wait_for_function("globalThis.branchline !== undefined")
     yield page
     assert asked == []
@@ -104,7 +133,7 @@ def opened(browser: Any, report: Path, size: tuple[int, int] = SIZES[0], **more:
     context.close()
 
 
-def picture(page: Any, name: str) -> None:
+def picture(page: Page, name: str) -> None:
     """Kept where somebody wants to look."""
     if PICTURES:
         page.screenshot(path=str(Path(PICTURES) / f"{name}.png"), full_page="-graph" not in name)
@@ -113,7 +142,7 @@ def picture(page: Any, name: str) -> None:
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("language", ["en", "ja"])
 def test_every_paper_opens_from_disk_in_both_languages(
-    browser: Any, weekday_report: Path, size: tuple[int, int], language: str
+    browser: Browser, weekday_report: Path, size: tuple[int, int], language: str
 ) -> None:
     with opened(browser, weekday_report, size) as page:
         if language == "ja":
@@ -138,7 +167,10 @@ def test_every_paper_opens_from_disk_in_both_languages(
 
 @pytest.mark.parametrize("trains", [27, 500])
 def test_frames_a_second(
-    browser: Any, request: pytest.FixtureRequest, record_property: Any, trains: int
+    browser: Browser,
+    request: pytest.FixtureRequest,
+    record_property: Callable[[str, object], None],
+    trains: int,
 ) -> None:
     report = request.getfixturevalue("weekday_report" if trains == 27 else "busy_report")
     with opened(browser, report) as page:
@@ -152,7 +184,7 @@ def test_frames_a_second(
     assert all(frames > 0 for frames in found.values())
 
 
-def test_a_train_is_found_by_search_and_by_pointing(browser: Any, busy_report: Path) -> None:
+def test_a_train_is_found_by_search_and_by_pointing(browser: Browser, busy_report: Path) -> None:
     with opened(browser, busy_report) as page:
         number = page.evaluate("branchline.day.trains[257].number")
         page.fill("#search", number.lower())
@@ -177,7 +209,7 @@ def test_a_train_is_found_by_search_and_by_pointing(browser: Any, busy_report: P
         assert "no train no such train" in page.locator(".answer").inner_text()
 
 
-def test_pointing_names_the_train_under_the_pointer(browser: Any, weekday_report: Path) -> None:
+def test_pointing_names_the_train_under_the_pointer(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
         for number in page.evaluate("branchline.day.trains.slice(3, 9).map((t) => t.number)"):
             page.evaluate("(n) => branchline.graph.choose(n, true)", number)
@@ -187,20 +219,15 @@ def test_pointing_names_the_train_under_the_pointer(browser: Any, weekday_report
         assert page.locator(".tip").is_hidden()
 
 
-def test_a_mark_opens_its_text(browser: Any, weekday_report: Path) -> None:
+def test_a_mark_opens_its_text(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
-        at = page.evaluate(
-            """() => { const { graph, day } = branchline; const event = day.events.find((e) => e.kind === "broken");
-            const [view, plot, box] = [graph.pane.view, graph.pane.plot(), graph.layer.canvas.getBoundingClientRect()];
-            return [box.left + plot.left + ((event.t - view.x0) / (view.x1 - view.x0)) * plot.width, box.top + plot.top + 9]; }"""
-        )
-        page.mouse.click(*at)
+        page.mouse.click(*page.evaluate(MARK_AT))
         popup = page.locator(".popup")
         assert popup.is_visible()
         assert "11:06:40 a rule · broken invariant · broke" in popup.inner_text()
 
 
-def test_keys_move_zoom_and_walk_along_a_train(browser: Any, weekday_report: Path) -> None:
+def test_keys_move_zoom_and_walk_along_a_train(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
         page.locator("#paper-graph canvas").first.focus()
         whole = page.evaluate("branchline.graph.pane.view")
@@ -222,28 +249,27 @@ def test_keys_move_zoom_and_walk_along_a_train(browser: Any, weekday_report: Pat
         assert page.locator("#curve-train").input_value() == first
 
 
-def test_dragging_moves_and_the_wheel_zooms_about_the_pointer(browser: Any, weekday_report: Path) -> None:
+def test_dragging_moves_and_the_wheel_zooms_about_the_pointer(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
         box = page.locator("#paper-graph canvas").first.bounding_box()
         x, y = round(box["x"] + 0.6 * box["width"]), round(box["y"] + 0.5 * box["height"])
-        at = "(x) => { const { pane, layer } = branchline.graph; const p = pane.plot(); const s = (x - layer.canvas.getBoundingClientRect().left - p.left) / p.width; return pane.view.x0 + s * (pane.view.x1 - pane.view.x0); }"
         page.mouse.move(x, y)
-        before = page.evaluate(at, x)
+        before = page.evaluate(TIME_AT, x)
         page.keyboard.down("Control")
         for _ in range(6):
             page.mouse.wheel(0, -120)
         page.keyboard.up("Control")
         page.wait_for_timeout(100)
         assert page.evaluate("branchline.graph.pane.view.x1 - branchline.graph.pane.view.x0") < 20_000
-        assert page.evaluate(at, x) == pytest.approx(before, abs=1.0)
+        assert page.evaluate(TIME_AT, x) == pytest.approx(before, abs=1.0)
         page.mouse.down()
         page.mouse.move(x - 100, y, steps=4)
         page.mouse.up()
-        assert page.evaluate(at, x - 100) == pytest.approx(before, abs=2.0)
+        assert page.evaluate(TIME_AT, x - 100) == pytest.approx(before, abs=2.0)
 
 
-def test_without_javascript_the_figures_are_there(browser: Any, weekday_report: Path) -> None:
-    with opened(browser, weekday_report, java_script_enabled=False) as page:
+def test_without_javascript_the_figures_are_there(browser: Browser, weekday_report: Path) -> None:
+    with opened(browser, weekday_report, scripts=False) as page:
         assert page.get_by_text("27 of 27 planned").is_visible()
         assert page.get_by_text("drawn by JavaScript").is_visible()
     with opened(browser, weekday_report) as page:
@@ -251,7 +277,7 @@ def test_without_javascript_the_figures_are_there(browser: Any, weekday_report: 
         picture(page, "no-javascript")
 
 
-def test_a_table_stands_behind_each_chart_and_sorts(browser: Any, weekday_report: Path) -> None:
+def test_a_table_stands_behind_each_chart_and_sorts(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
         for paper in PAPERS[2:]:
             page.click(f"#tab-{paper}")
@@ -266,7 +292,7 @@ def test_a_table_stands_behind_each_chart_and_sorts(browser: Any, weekday_report
         assert [int(text) for text in cells.all_inner_texts()] == sorted(counts, reverse=True)
 
 
-def test_paper_has_the_whole_day(browser: Any, weekday_report: Path) -> None:
+def test_paper_has_the_whole_day(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
         page.evaluate("dispatchEvent(new Event('beforeprint'))")
         assert page.locator(".print-only canvas").count() == 3

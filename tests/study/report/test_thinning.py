@@ -21,7 +21,7 @@ def worst_shares(t_s: Floats, values: Floats, indices: NDArray[np.int64]) -> Flo
     return np.abs(np.column_stack(away)).max(axis=0) / TOLERANCES
 
 
-rising = st.lists(st.floats(0.1, 30.0), min_size=1, max_size=120).map(lambda steps: np.cumsum(steps))
+rising = st.lists(st.floats(0.1, 30.0), min_size=1, max_size=120).map(np.cumsum)
 numbers = st.floats(-300.0, 300.0)
 
 
