@@ -76,7 +76,9 @@ def _meet(meet: PlannedMeet, line: Line) -> str:
     trains = f"{meet.down_train} and {meet.up_train}"
     minute = meet.as_dict()["minute"]
     if meet.station is None:
-        where = f"between {meet.low or 'the end'} and {meet.high or 'the end'}, km {meet.position_m / 1000.0:.1f}"
+        where = (
+            f"between {meet.low or 'the end'} and {meet.high or 'the end'}, km {meet.position_m / 1000.0:.1f}"
+        )
     else:
         on = f" on tracks {meet.down_track} and {meet.up_track}" if meet.down_track and meet.up_track else ""
         where = f"at {line.stations[meet.station].name}{on}"

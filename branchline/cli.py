@@ -16,10 +16,13 @@ import typer
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.drilling import drill
+from branchline.duties import duties
 from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
 from branchline.importing import importers
+from branchline.making import makers
 from branchline.measuring import bench
+from branchline.plotting import plot
 from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.timing import running_times
@@ -31,10 +34,11 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare):
+for command in (run, drill, bench, reproduce, check, compare, plot, duties):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")
+app.add_typer(makers, name="new")
 app.add_typer(exporters, name="export")
 
 

@@ -31,9 +31,7 @@ Over = Annotated[
 
 def compare(
     base: Annotated[Path, typer.Argument(help="Run directory that the others are compared with.")],
-    others: Annotated[
-        list[Path], typer.Argument(help="Run directories of the same line.", metavar="OTHER...")
-    ],
+    others: Annotated[list[Path], typer.Argument(help="Run directories of the same line.", metavar="OTHER")],
     over: Over = OVER_S,
     out: Annotated[
         Path | None, typer.Option("--out", help="Directory for compare.html, compare.json, CSV and pictures.")

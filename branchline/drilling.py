@@ -17,6 +17,7 @@ from network.errors import InputError
 if TYPE_CHECKING:
     from study.run.drill import Drill
 
+
 def drill(
     file: Annotated[
         str, typer.Argument(help="A shipped drill ('list' shows them), or a drill file (.toml).")
@@ -101,7 +102,8 @@ def _tell_of_plan(done: Drill) -> None:
     """A drill that fails on a plan that could not work without its faults either."""
     from study.feasibility.check import feasibility
 
-    impossible = feasibility(done.run.scenario.setup).impossible
+    impossible = list(feasibility(done.run.scenario.setup).impossible)
     if impossible:
-        more = f" and {len(impossible) - 1} more" if len(impossible) > 1 else ""
-        tell(f"its plan cannot work, faults apart: {impossible[0].sentence}{more}")
+        more = len(impossible) - 1
+        further = f"; {more} more" if more else ""
+        tell(f"its plan cannot work, faults apart: {impossible[0].sentence}{further}")

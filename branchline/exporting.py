@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import typer
 
+from branchline.exporting_sumo import export_sumo_command
+from branchline.gtfs import export_gtfs
+from branchline.oudia import export_oudia
+
 exporters = typer.Typer(help="Write lines, timetables and runs in the forms of other programs.")
+exporters.command("sumo")(export_sumo_command)
 
 
 @exporters.callback()
 def _of_all_exports() -> None:
     """Write lines, timetables and runs in the forms of other programs."""
+
+
+exporters.command("oudia")(export_oudia)
+exporters.command("gtfs")(export_gtfs)

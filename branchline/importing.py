@@ -7,10 +7,16 @@ from typing import Annotated
 
 import typer
 
+from branchline.gtfs import import_gtfs
+from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
 from branchline.importing_timetables import import_mini_tokyo
+from branchline.oudia import import_oudia
 from branchline.progress import tell
 
 importers = typer.Typer(help="Make line and timetable data from outside sources.")
+importers.command("railml")(import_railml_command)
+importers.command("osm")(import_osm_command)
+importers.command("sumo")(import_sumo_command)
 
 
 @importers.command("geometry")
@@ -27,3 +33,5 @@ def import_geometry_command(
 
 
 importers.command("mini-tokyo")(import_mini_tokyo)
+importers.command("gtfs")(import_gtfs)
+importers.command("oudia")(import_oudia)

@@ -89,7 +89,7 @@ def finish(
 
     if wanted.line is None and wanted.out is not None:
         raise InputError(COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written")
-    figures = {**(counts or {}), **counted(published)}
+    figures = {**(counts or {}), **counted(published)} if wanted.line is None else {}
     if wanted.line is not None:
         imported = _imported(published, wanted)
         figures = {**(counts or {}), **imported.figures()}
@@ -100,7 +100,7 @@ def finish(
     if as_json:
         print_json(figures, Outcome.GOOD)
     else:
-        _print(figures)
+        print_figures(figures)
     if wanted.out is not None:
         tell(f"wrote {wanted.out}")
 
@@ -114,7 +114,7 @@ def counted(published: PublishedTimetable) -> dict[str, Any]:
         "calls": sum(len(train.calls) for train in published.trains),
         "down": sum(train.direction == "down" for train in published.trains),
         "up": sum(train.direction == "up" for train in published.trains),
-        "linked": sum(bool(train.follows or train.becomes) for train in published.trains),
+        "linked": sum(bool(train.follows or train.becomes or train.working) for train in published.trains),
         "beyond": sum(bool(train.comes_from or train.goes_to) for train in published.trains),
         "station_names": [station.name or station.name_ja or station.key for station in published.stations],
         "left": list(published.left),
@@ -150,7 +150,7 @@ def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetabl
     return import_timetable(published, line, order)
 
 
-def _print(figures: dict[str, Any]) -> None:
+def print_figures(figures: dict[str, Any]) -> None:
     """Counts as `key: value`, lists a line each, the table of stations with what joined each."""
     from network.files.raw import is_list
 

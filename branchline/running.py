@@ -37,6 +37,12 @@ def run(
         bool,
         typer.Option("--anyway", help="Also run a plan that cannot work, as branchline check says it."),
     ] = False,
+    gui: Annotated[
+        bool, typer.Option("--gui", help="Watch the run in sumo-gui (extra net); the result is the same.")
+    ] = False,
+    gui_delay: Annotated[
+        int, typer.Option("--gui-delay", min=0, max=10_000, help="Of --gui: ms for each step of 0.1 s.")
+    ] = 20,
     as_json: Json = False,
 ) -> None:
     """Run a scenario and write its run directory with report.html; a plan that cannot work is refused, exit code 2."""
@@ -48,9 +54,11 @@ def run(
 
     chosen = link_of(link)
     hosted = units_at(units, chosen)
-    if carrier not in {kind.value for kind in CarrierKind}:
+    if carrier not in {CarrierKind.SUMO.value, CarrierKind.PLAIN.value}:
         raise InputError("command line", "--carrier", carrier, "sumo or plain")
     check_over(over)
+    if gui and carrier != CarrierKind.SUMO.value:
+        raise InputError("command line", "--gui", None, "--carrier sumo, which alone has a window")
     loaded = load_scenario(scenario, seed)
     refuse(scenario, loaded.setup, anyway=anyway)
     base = None if against is None else _base_of(against, loaded)
@@ -61,9 +69,10 @@ def run(
                 loaded,
                 chosen,
                 units=hosted,
-                carrier=CarrierKind(carrier),
+                carrier=CarrierKind.SUMO_GUI if gui else CarrierKind(carrier),
                 progress=progress,
                 journal=place.journal,
+                delay_ms=gui_delay,
             )
         tell("writing the report")
         compared = None if base is None else compared_with(done, base, over)

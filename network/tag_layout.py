@@ -39,6 +39,9 @@ class TagRule:
     service_deceleration_mps2: float = 0.7
     reaction_s: float = 10.0
     portal_inset_m: float = 60.0
+    short_approach: bool = (
+        False  # in a section too short for it, APPROACH lies a nose inside where trains come in
+    )
 
     def approach_m(self, speed_mps: float) -> float:
         """Distance of APPROACH from the points' section: v t + v^2 / (2 b), up to the next 50 m."""
@@ -146,6 +149,8 @@ def _open_spots(line: Line, rule: TagRule, section: Section) -> Iterator[_Spot]:
         if any(line.sections[name].kind is SectionKind.POINTS for name in following):
             exit_m = _entry_m(piece, direction.opposite)
             approach_m = exit_m - direction * rule.approach_m(line.max_speed_mps)
+            if rule.short_approach and piece.length_m <= rule.approach_m(line.max_speed_mps) + rule.nose_m:
+                approach_m = _entry_m(piece, direction) + direction * rule.nose_m
             yield _checked(piece, _Spot(piece.id, approach_m, TagPurpose.APPROACH, direction))
 
 

@@ -11,6 +11,7 @@ from typing import Final
 
 from host.parties import PartyBug, PartyError
 from network.errors import InputError, wanting
+from simulation.carriers.carrier import CarrierLostError
 
 SIGNALLED: Final = 128  # plus the number of the signal, as shells have it
 
@@ -89,7 +90,7 @@ def outcome_of(error: BaseException) -> Outcome:
             return Outcome.BAD_INPUT
         case PartyBug():
             return Outcome.BUG
-        case PartyError() | CutShortError():
+        case PartyError() | CarrierLostError() | CutShortError():
             return Outcome.COULD_NOT_RUN
         case _:
             return Outcome.COULD_NOT_RUN if wanting(error) else Outcome.BUG

@@ -14,7 +14,10 @@ no teleports, no chance. What it was seen to do (1.28):
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    import libsumo
 
 STEP_S: Final = 0.1
 SEED: Final = 1
@@ -52,13 +55,17 @@ def sumo_command(net: Path, step_s: float = STEP_S) -> tuple[str, ...]:
     return ("sumo", *(part for name, value in options.items() for part in (f"--{name}", value)))
 
 
-def add_train_type(type_id: str, length_m: float) -> None:
-    """Make the vehicle type of trains of `length_m` in the simulation that is running in this process.
+def add_train_type(
+    type_id: str, length_m: float, vehicletype: type[libsumo.vehicletype] | None = None
+) -> None:
+    """Make the vehicle type of trains of `length_m` in a simulation; default: the one running in this process.
 
     Each vehicle needs SPEED_MODE and LANE_CHANGE_MODE besides.
     """
-    from libsumo import vehicletype
+    if vehicletype is None:
+        import libsumo as running
 
+        vehicletype = running.vehicletype
     vehicletype.copy(RAIL_TYPE, type_id)
     vehicletype.setLength(type_id, length_m)
     vehicletype.setMinGap(type_id, 0.0)

@@ -68,17 +68,22 @@ def write_plain(line: Line, positions: Positions | None = None) -> PlainXml:
     Raises InputError where pieces do not form a track: two ways at a joint without points, or pieces whose
     alignments put their common joint at different places.
     """
-    if positions is None:
-        from network import alignment
-
-        positions = alignment.positions
-    shapes = {piece_id: _shape(line, line.pieces[piece_id], positions) for piece_id in sorted(line.pieces)}
+    shapes = piece_shapes(line, positions)
     places = _node_places(line, shapes)
     return PlainXml(
         nodes=_nodes_xml(places),
         edges=_edges_xml(line, shapes, places),
         connections=_connections_xml(line),
     )
+
+
+def piece_shapes(line: Line, positions: Positions | None = None) -> dict[str, Array]:
+    """Centre line of every piece in DOWN order, (n, 3), m; by piece id, sorted."""
+    if positions is None:
+        from network import alignment
+
+        positions = alignment.positions
+    return {piece_id: _shape(line, line.pieces[piece_id], positions) for piece_id in sorted(line.pieces)}
 
 
 def movements(line: Line) -> tuple[tuple[str, str], ...]:

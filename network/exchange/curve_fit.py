@@ -3,12 +3,13 @@
 The polyline gives vertices some 5 m to 500 m apart, each good to a metre or so. Curves are first found where
 the smoothed heading turns; then the gap before each curve, its length and its deflection are fitted together
 so that the integrated axis passes through the vertices (lateral residuals, soft_l1 against stray vertices);
-then radii are rounded to values a surveyor would have set out and everything else is fitted once more.
+then radii are rounded to values a surveyor would have set out and everything else is fitted once more. Of a long
+track that is done a few curves at a time, each time from where the axis fitted so far ends.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -27,6 +28,8 @@ STRAIGHT_RADIUS_M: Final = 2500.0  # flatter than this is straight within the ve
 DEFLECTION_MIN_RAD: Final = float(np.radians(1.0))
 CURVE_LENGTH_MIN_M: Final = 120.0  # a small turn is set out with a long radius, not with a kink
 RADIUS_MIN_M: Final = 200.0  # the vertices do not tell sharper curves of this length apart
+FAR_TURN_RAD: Final = float(np.radians(80.0))
+RADIUS_MIN_FAR_M: Final = 100.0  # assumed: sharper is a tramway
 TRANSITION_MAX_M: Final = 42.0  # 400 times the largest cant, 105 mm
 
 _GRID_M: Final = 5.0
@@ -36,7 +39,14 @@ _FILL_M: Final = 40.0  # on long sides, points between the vertices, so that str
 _BLOCK: Final = 500
 _PROJECTIONS: Final = 3  # each a Newton step; the first guess is metres off
 _OUTLIER_M: Final = 3.0
+_FIXED: Final = 1e-9
 _RESIDUAL_MAX_M: Final = 500.0
+CURVES_AT_ONCE: Final = 40  # with more, the far end swings too widely while the near one is fitted
+LOST_M: Final = 40.0  # no vertex is so wrong; a fit that is has found another minimum
+# Curves of a block, and those of them fitted again in the next, which sees what comes after; fewer where it is astray.
+_BLOCKS: Final = ((14, 5), (9, 3), (6, 2), (4, 1))
+_ASTRAY_M: Final = 100.0
+_HOPELESS_M: Final = 500.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,19 +120,22 @@ def sample_axis(east_m: float, north_m: float, table: CurvatureTable, to_m: floa
 def fit_curves(vertices: Floats) -> Fit:
     """Fit an axis to the vertices of a polyline, (n, 2) east and north in m, n >= 3."""
     problem = _Problem(vertices)
-    if problem.count == 0:
-        return _result(problem, problem.start, None)
-    free = problem.solve(problem.start, None)
-    _, lengths, deflections = problem.split(free)
-    arc_m = np.maximum(lengths - _transition(lengths), CURVE_LENGTH_MIN_M - TRANSITION_MAX_M)
-    radii = np.array([snap_radius(float(r)) for r in arc_m / np.abs(deflections)])
-    return _result(problem, problem.solve(free, radii), radii)
+    if problem.count <= CURVES_AT_ONCE:
+        unknowns, radii = problem.fitted()
+        whole = _result(problem, unknowns, radii)
+        if whole.max_m <= LOST_M or problem.count <= _BLOCKS[-1][0]:
+            return whole
+    return _fit_blocks(vertices)
 
 
-def snap_radius(radius_m: float) -> float:
-    """Round a fitted radius: steps of 10 m below 1000 m, 50 m below 2000 m, then 100 m; at least 200 m."""
+def snap_radius(radius_m: float, turn_rad: float = 0.0) -> float:
+    """Round a fitted radius: steps of 10 m below 1000 m, 50 m below 2000 m, then 100 m; at least 200 m.
+
+    A curve that turns far shows its radius well enough to be sharper, at least 100 m.
+    """
     step_m = 10.0 if radius_m < 1000.0 else 50.0 if radius_m < 2000.0 else 100.0
-    return max(RADIUS_MIN_M, round(radius_m / step_m) * step_m)
+    least_m = RADIUS_MIN_M if turn_rad < FAR_TURN_RAD else RADIUS_MIN_FAR_M
+    return max(least_m, round(radius_m / step_m) * step_m)
 
 
 def find_curves(vertices: Floats) -> Floats:
@@ -147,26 +160,147 @@ def _transition(length_m: Floats) -> Floats:
     return np.minimum(TRANSITION_MAX_M, length_m / 3.0)
 
 
+@dataclass(frozen=True, slots=True)
+class _Begin:
+    """Where an axis goes on: place (m), bearing (rad), and its kilometrage (m) there."""
+
+    east_m: float
+    north_m: float
+    bearing_rad: float
+    along_m: float
+
+
+def _fit_blocks(vertices: Floats) -> Fit:
+    """Fit a long track block by block; the last curves of each are fitted again with the next."""
+    along, found = chainage(vertices), find_curves(vertices)
+    curves: list[Curve] = []
+    first: tuple[float, float, float] | None = None
+    begin: _Begin | None = None
+    cut_m, low = 0.0, 0
+    while first is None or low < len(found):
+        block = _best_block(vertices, along, found, low, cut_m, begin)
+        if first is None:
+            first = (float(block.axis.east_m[0]), float(block.axis.north_m[0]), float(block.unknowns[1]))
+        kept = block.problem.curves(block.unknowns, block.radii)[: block.kept]
+        zero_m = 0.0 if begin is None else begin.along_m
+        curves += (replace(c, from_m=c.from_m + zero_m, to_m=c.to_m + zero_m) for c in kept)
+        low += len(kept)
+        if low >= len(found) or block.max_m > _HOPELESS_M:
+            break
+        begin, cut_m = _going_on(block.problem, block.axis, kept[-1].to_m, zero_m, cut_m)
+        while low < len(found) and found[low, :2].mean() < cut_m:  # the curve before has taken it in
+            low += 1
+    return _whole(vertices, along, first, tuple(curves))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """A fitted block: of its curves the first `kept` stay; `max_m` is the worst lateral distance up to there."""
+
+    problem: _Problem
+    unknowns: Floats
+    radii: Floats | None
+    axis: SampledAxis
+    kept: int
+    max_m: float
+
+
+def _best_block(
+    vertices: Floats, along: Floats, found: Floats, low: int, cut_m: float, begin: _Begin | None
+) -> _Block:
+    """The first block that lies on the polyline, from many curves to few; else the one that is least off."""
+    blocks: list[_Block] = []
+    for count, ahead in _BLOCKS:
+        high = min(low + count, len(found))
+        last = high == len(found)
+        end_m = along[-1] if last else (found[high - 1, 1] + found[high, 0]) / 2.0
+        part = _part(vertices, along, cut_m, end_m)
+        problem = _Problem(part, found[low:high] - (cut_m, cut_m, 0.0), begin)
+        unknowns, radii = problem.fitted()
+        axis = problem.axis(unknowns, radii)
+        kept = high - low if last else count - ahead
+        at_m, lateral = axis.nearest(problem.dense)
+        kept_m = axis.along_m[-1] if last else problem.curves(unknowns, radii)[kept - 1].to_m
+        max_m = float(np.abs(lateral[at_m <= kept_m]).max(initial=0.0))
+        blocks.append(_Block(problem, unknowns, radii, axis, kept, max_m))
+        if max_m <= _ASTRAY_M:
+            break
+    return min(blocks, key=lambda block: block.max_m)
+
+
+def _part(vertices: Floats, along: Floats, from_m: float, to_m: float) -> Floats:
+    """A polyline from one chainage to another."""
+    inside = vertices[(along > from_m) & (along < to_m)]
+    ends = interpolated(np.array([from_m, to_m]), along, vertices)
+    return np.vstack((ends[:1], inside, ends[1:]))
+
+
+def _going_on(
+    problem: _Problem, axis: SampledAxis, at_m: float, zero_m: float, cut_m: float
+) -> tuple[_Begin, float]:
+    """Place and bearing of the axis at `at_m`, and the polyline's chainage there."""
+    east, north, bearing = (
+        float(np.interp(at_m, axis.along_m, values))
+        for values in (axis.east_m, axis.north_m, axis.heading_rad)
+    )
+    near = int(np.argmin(np.hypot(*(problem.dense - (east, north)).T)))
+    return _Begin(east, north, bearing, zero_m + at_m), cut_m + float(problem.dense_m[near])
+
+
+def _whole(
+    vertices: Floats, along: Floats, first: tuple[float, float, float], curves: tuple[Curve, ...]
+) -> Fit:
+    """The blocks as one axis, with its distances from the whole polyline."""
+    east_m, north_m, bearing_rad = first
+    to_m = max(float(along[-1]), *(c.to_m for c in curves)) + _AXIS_BEYOND_M
+    axis = sample_axis(east_m, north_m, curvature_table(0.0, to_m, bearing_rad, curves), to_m)
+    dense = interpolated(np.arange(0.0, along[-1], 10.0), along, vertices)
+    _, lateral = axis.nearest(dense)
+    return Fit(
+        east_m=east_m,
+        north_m=north_m,
+        bearing_rad=bearing_rad,
+        curves=curves,
+        length_m=float(axis.nearest(vertices[-1:])[0][0]),
+        rms_m=float(np.sqrt(np.mean(lateral**2))),
+        max_m=float(np.abs(lateral).max()),
+    )
+
+
 class _Problem:
     """Unknowns: lateral start, start bearing, then for n curves the gaps, the lengths and the deflections.
 
     With `radii` given, a length follows from the deflection: length = radius * |deflection| + transition.
     """
 
-    def __init__(self, vertices: Floats) -> None:
-        self.origin = vertices[0]
+    def __init__(self, vertices: Floats, found: Floats | None = None, begin: _Begin | None = None) -> None:
+        self.begin = begin
+        self.origin = vertices[0] if begin is None else np.array((begin.east_m, begin.north_m))
         along = chainage(vertices)
         self.length_m = float(along[-1])
         self.points, self.along_m = _fill(vertices, along)
         self.dense_m = np.arange(0.0, self.length_m, 10.0)
         self.dense = interpolated(self.dense_m, along, vertices)
-        found = find_curves(vertices)
+        found = find_curves(vertices) if found is None else found
         self.count = len(found)
         gaps = np.diff(np.concatenate(([0.0], found[:, :2].ravel())))[::2]
         side = vertices[1] - vertices[0]
         lengths = np.maximum(found[:, 1] - found[:, 0], 55.0)
-        bearing = float(np.arctan2(side[0], side[1]))
+        bearing = float(np.arctan2(side[0], side[1])) if begin is None else begin.bearing_rad
         self.start = np.concatenate(([0.0, bearing], np.maximum(gaps, 0.5), lengths, found[:, 2]))
+
+    def fitted(self) -> tuple[Floats, Floats | None]:
+        """Unknowns and rounded radii: solved with free radii, then with these rounded."""
+        if self.count == 0:
+            return self.start, None
+        free = self.solve(self.start, None)
+        _, lengths, deflections = self.split(free)
+        arc_m = np.maximum(lengths - _transition(lengths), CURVE_LENGTH_MIN_M - TRANSITION_MAX_M)
+        turns = np.abs(deflections)
+        radii = np.array(
+            [snap_radius(r, turn) for r, turn in zip((arc_m / turns).tolist(), turns.tolist(), strict=True)]
+        )
+        return self.solve(free, radii), radii
 
     def split(self, unknowns: Floats) -> tuple[Floats, Floats, Floats]:
         """Gaps, lengths and deflections of the curves."""
@@ -212,6 +346,8 @@ class _Problem:
         lower = np.concatenate(([-20.0, start[1] - 1.0], 0.0 * gaps, 0.0 * lengths + 50.0))
         upper = np.concatenate(([20.0, start[1] + 1.0], gaps + 400.0, lengths + 600.0))
         low_turn, high_turn = np.where(sign > 0, flat, -sharp), np.where(sign > 0, sharp, -flat)
+        if self.begin is not None:  # goes on from an axis already fitted
+            lower[:2], upper[:2] = start[:2] - _FIXED, start[:2] + _FIXED
         scale = np.concatenate(([1.0, 0.001], 0.0 * gaps + 10.0, 0.0 * lengths + 10.0, 0.0 * gaps + 0.01))
 
         def residuals(unknowns: Floats) -> Floats:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from network.alignment import bearing_rad, curvature_table, positions
 from network.errors import InputError
-from network.exchange.curve_fit import Fit, SampledAxis, fit_curves, interpolated, sample_axis
+from network.exchange.curve_fit import Fit, SampledAxis, chainage, fit_curves, interpolated, sample_axis
 from network.files.json_input import read_json, write_aside
 from network.files.names import TITLE_HELP, title_of
 from network.model import Alignment, Curve, Direction, SpeedLimit
@@ -38,6 +38,7 @@ CANT_MAX_MM: Final = 105.0
 CANT_STEP_MM: Final = 5.0
 _RAIL_CENTRES_MM: Final = 1067.0  # the rule of 1067 mm gauge takes the gauge itself: C = 8.4 V^2 / R
 _STATION_FAR_M: Final = 300.0
+_BEYOND_M: Final = 300.0  # of track kept beyond the stations that are wanted
 _STATION_FAR_DEG: Final = 10.0  # of the middle of the track: the plane is none so far out
 _RELIEF_MIN_M: Final = 60.0  # a shorter gap between equal limits frees no train
 CANT_RAMP_MAX: Final = 1.0 / 400.0
@@ -46,6 +47,9 @@ VERTICES_MAX: Final = 20_000  # assumed: one every 10 m
 VERTEX_GAP_M_MAX: Final = 10_000.0  # assumed: on a straight; further apart a coordinate is wrong
 TRACK_M_MAX: Final = 200_000.0  # assumed: what the fit is made for are branch lines
 _BOTH: Final = (Direction.DOWN, Direction.UP)
+
+
+_Part = tuple[str, list[tuple[float, float]]]  # key and coordinates of a feature
 
 
 class _Geometry(msgspec.Struct):
@@ -61,15 +65,20 @@ class _PolylineFile(msgspec.Struct):
     features: list[_Feature]
 
 
-class _StationRow(msgspec.Struct):
+class StationRow(msgspec.Struct):
+    """A station of the source, in degrees; its name also in hiragana, where the source has that."""
+
     original_name: str
     lat: float
     lng: float
+    name_kana: str = ""
 
 
-class _StationsFile(msgspec.Struct):
+class StationsFile(msgspec.Struct):
+    """The source's stations of a line, in their order."""
+
     name: str
-    station_list: list[_StationRow]
+    station_list: list[StationRow]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +95,8 @@ class ImportedGeometry:
     """What the two files say, as an alignment without gradients and coverage.
 
     `origin_lat_deg`, `origin_lon_deg` is the point (0, 0) of the plane; `rms_m` and `max_m` are the lateral
-    distances between the alignment as written (rounded) and the polyline, sampled every 10 m.
+    distances between the alignment as written (rounded) and the polyline, sampled every 10 m; the largest is at
+    `max_at_m` of the alignment.
     """
 
     name_ja: str
@@ -96,6 +106,7 @@ class ImportedGeometry:
     origin_lon_deg: float
     rms_m: float
     max_m: float
+    max_at_m: float
 
 
 def curve_speed_kmh(radius_m: float) -> float:
@@ -136,16 +147,14 @@ def curve_limits(curves: Sequence[Curve], speed_max_kmh: float) -> tuple[SpeedLi
 
 def read_polyline(file: Path) -> Floats:
     """Vertices of the track, (n, 2) longitude and latitude in degrees. Raises InputError."""
-    features = read_json(file, _PolylineFile).features
-    points: list[tuple[float, float]] = []
-    for index, feature in enumerate(features):
+    parts: list[_Part] = []
+    for index, feature in enumerate(read_json(file, _PolylineFile).features):
         key = f"features[{index}].geometry"
         if feature.geometry.type != "LineString":
             raise InputError(str(file), f"{key}.type", feature.geometry.type, "LineString")
-        part = feature.geometry.coordinates
-        if points and part[:1] != points[-1:]:
-            raise InputError(str(file), key, part[:1], f"a line that goes on at {points[-1]}")
-        points += part[1:] if points else part
+        if feature.geometry.coordinates:
+            parts.append((key, feature.geometry.coordinates))
+    points = _chained(str(file), parts)
     if len(points) > VERTICES_MAX:
         raise InputError(str(file), "features", len(points), f"at most {VERTICES_MAX} vertices")
     vertices = np.array(points, dtype=np.float64).reshape(-1, 2)
@@ -158,7 +167,35 @@ def read_polyline(file: Path) -> Floats:
     return distinct
 
 
-def _names(table: _StationsFile) -> Iterator[tuple[str, str]]:
+def _chained(file: str, parts: list[_Part]) -> list[tuple[float, float]]:
+    """One line of parts that touch, in whatever order and direction they are given."""
+    points = list(parts[0][1]) if parts else []
+    waiting = parts[1:]
+    while waiting:
+        for part in waiting:
+            if _attached(points, part[1]):
+                waiting.remove(part)
+                break
+        else:
+            key, coordinates = waiting[0]
+            expected = f"a line that goes on at {points[-1]} or {points[0]}"
+            raise InputError(file, key, coordinates[:1], expected)
+    return points
+
+
+def _attached(points: list[tuple[float, float]], part: list[tuple[float, float]]) -> bool:
+    """Put a part behind or before the points, where one of its ends touches theirs."""
+    for way in (part, part[::-1]):
+        if way[0] == points[-1]:
+            points += way[1:]
+            return True
+        if way[-1] == points[0]:
+            points[:0] = way[:-1]
+            return True
+    return False
+
+
+def _names(table: StationsFile) -> Iterator[tuple[str, str]]:
     """What is written into the fragment, by key."""
     yield "name", table.name
     yield from (
@@ -185,46 +222,71 @@ def plane_projection(file: Path, lat_deg: float, lon_deg: float) -> Callable[[Fl
     return project
 
 
+def read_stations(file: Path) -> StationsFile:
+    """The stations of the source. Raises InputError."""
+    table = read_json(file, StationsFile)
+    for key, name in _names(table):
+        if title_of(name) != name:
+            raise InputError(str(file), key, name, TITLE_HELP)
+    return table
+
+
 def read_geometry(
-    polyline_file: Path, stations_file: Path, *, begin_km: float | None = None, max_speed_kmh: float = 85.0
+    polyline_file: Path,
+    stations_file: Path,
+    *,
+    begin_km: float | None = None,
+    max_speed_kmh: float = 85.0,
+    only: Sequence[int] | None = None,
 ) -> ImportedGeometry:
     """Read, project and fit. The alignment is prolonged straight to `begin_km` where that is given.
 
+    `only` are indices of the stations that are wanted, in order along the line: the track is cut to what they need.
     Raises InputError for input that is not a track with stations along it.
     """
     vertices = read_polyline(polyline_file)
-    table = read_json(stations_file, _StationsFile)
-    for key, name in _names(table):
-        if title_of(name) != name:
-            raise InputError(str(stations_file), key, name, TITLE_HELP)
-    if len(table.station_list) < 2:
-        raise InputError(str(stations_file), "station_list", len(table.station_list), "two or more stations")
+    table = read_stations(stations_file)
+    rows = table.station_list if only is None else [table.station_list[i] for i in only]
+    if len(rows) < 2:
+        raise InputError(str(stations_file), "station_list", len(rows), "two or more stations")
     lows, highs = np.min(vertices, axis=0), np.max(vertices, axis=0)
     lon_deg, lat_deg = (float(np.round((float(lows[i]) + float(highs[i])) / 2.0, 4)) for i in (0, 1))
     project = plane_projection(polyline_file, lat_deg, lon_deg)
     track = project(vertices)
     _check_track(polyline_file, track)
-    for index, row in enumerate(table.station_list):
+    for row in rows:
         if max(abs(row.lat - lat_deg), abs(row.lng - lon_deg)) > _STATION_FAR_DEG:
-            key = f"station_list[{index}]"
+            key = f"station_list[{table.station_list.index(row)}]"
             raise InputError(str(stations_file), key, row.original_name, "a station near the track")
-    stops = project(np.array([(row.lng, row.lat) for row in table.station_list]))
-    if math.dist(track[-1], stops[0]) < math.dist(track[0], stops[0]):
-        track = track[::-1]
+    stops = project(np.array([(row.lng, row.lat) for row in rows]))
+    if only is None:
+        turned = math.dist(track[-1], stops[0]) < math.dist(track[0], stops[0])
+    else:
+        turned = _foot_m(track, stops[0]) > _foot_m(track, stops[-1])
+    track = track[::-1] if turned else track
+    if only is not None:
+        track = _cut(track, stops)
     fit = fit_curves(track)
+    if fit.max_m > _STATION_FAR_M:
+        expected = (
+            f"a track that an axis can be fitted to; the best one found lies up to {fit.max_m:.0f} m off"
+        )
+        raise InputError(str(polyline_file), "features", None, expected)
     at_m, offset_m = _fitted_axis(fit).nearest(stops)
-    _check_stations(stations_file, table.station_list, at_m, offset_m)
+    _check_stations(stations_file, table.station_list, rows, at_m, offset_m)
     zero_m = float(at_m[0])
     begin_m = -zero_m if begin_km is None else begin_km * 1000.0
     if begin_m > -zero_m:
         raise InputError(str(polyline_file), "begin_km", begin_km, f"at most {-zero_m / 1000.0:.3f}")
     alignment = _alignment(fit, zero_m, begin_m, max_speed_kmh)
-    rms_m, max_m = deviation(alignment, track)
+    at, lateral = _laterals(alignment, track)
+    worst = int(np.argmax(lateral))
     places = tuple(
         StationPlace(row.original_name, round(float(at) - zero_m), round(float(off), 1))
-        for row, at, off in zip(table.station_list, at_m, offset_m, strict=True)
+        for row, at, off in zip(rows, at_m, offset_m, strict=True)
     )
-    return ImportedGeometry(table.name, alignment, places, lat_deg, lon_deg, rms_m, max_m)
+    rms_m, max_m = float(np.sqrt(np.mean(lateral**2))), float(lateral[worst])
+    return ImportedGeometry(table.name, alignment, places, lat_deg, lon_deg, rms_m, max_m, float(at[worst]))
 
 
 def import_geometry(
@@ -248,14 +310,19 @@ def import_geometry(
 
 def deviation(alignment: Alignment, track: Floats) -> tuple[float, float]:
     """Rms and largest lateral distance, m, of a polyline (n, 2) from an alignment, every 10 m."""
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(track, axis=0).T))))
-    sample_m = np.arange(0.0, along[-1], _DEVIATION_STEP_M)
-    points = interpolated(sample_m, along, track)
+    _, lateral = _laterals(alignment, track)
+    return float(np.sqrt(np.mean(lateral**2))), float(lateral.max())
+
+
+def _laterals(alignment: Alignment, track: Floats) -> tuple[Floats, Floats]:
+    """Kilometrages (m) of points every 10 m of a polyline (n, 2) on an alignment, and their distances from it."""
+    along = chainage(track)
+    points = interpolated(np.arange(0.0, along[-1], _DEVIATION_STEP_M), along, track)
     at_m = np.arange(alignment.from_m, alignment.to_m, 4.0)
     places = positions(alignment, at_m)
     axis = SampledAxis(at_m, places[:, 0], places[:, 1], bearing_rad(alignment, at_m))
-    _, lateral = axis.nearest(points)
-    return float(np.sqrt(np.mean(lateral**2))), float(np.abs(lateral).max())
+    feet_m, lateral = axis.nearest(points)
+    return feet_m, np.abs(lateral)
 
 
 def fragment(imported: ImportedGeometry) -> str:
@@ -328,13 +395,14 @@ def _alignment(fit: Fit, zero_m: float, begin_m: float, speed_max_kmh: float) ->
             transition_m=round(curve.transition_m, 3),
             cant_mm=assumed_cant_mm(curve.radius_m, curve.transition_m, speed_max_kmh),
         )
-        for curve in fit.curves
+        for curve in (_ended(curve, fit.length_m) for curve in fit.curves)
+        if curve.from_m < fit.length_m
     )
     ahead_m = begin_m + zero_m
     return Alignment(
         id="main",
         from_m=round(begin_m, 3) + 0.0,  # no negative zero
-        to_m=float(math.floor(fit.length_m - zero_m)),
+        to_m=max([float(math.floor(fit.length_m - zero_m)), *(curve.to_m for curve in curves)]),
         x_m=round(fit.east_m + ahead_m * math.sin(fit.bearing_rad), 3),
         y_m=round(fit.north_m + ahead_m * math.cos(fit.bearing_rad), 3),
         bearing_deg=round(math.degrees(fit.bearing_rad) % 360.0, 6),
@@ -344,6 +412,12 @@ def _alignment(fit: Fit, zero_m: float, begin_m: float, speed_max_kmh: float) ->
         limits=curve_limits(curves, speed_max_kmh),
         coverage=(),
     )
+
+
+def _ended(curve: Curve, length_m: float) -> Curve:
+    """A curve no longer than the track shows it: beyond its end only the transition back to straight."""
+    to_m = min(curve.to_m, length_m + curve.transition_m)
+    return replace(curve, to_m=to_m, transition_m=min(curve.transition_m, (to_m - curve.from_m) / 2.0))
 
 
 def _check_track(file: Path, track: Floats) -> None:
@@ -359,9 +433,25 @@ def _check_track(file: Path, track: Floats) -> None:
         raise InputError(str(file), "features", None, f"a track of at most {TRACK_M_MAX / 1000:g} km")
 
 
-def _check_stations(file: Path, rows: Sequence[_StationRow], at_m: Floats, offset_m: Floats) -> None:
+def _foot_m(track: Floats, place: Floats) -> float:
+    """Chainage (m) of the vertex nearest a place."""
+    return float(chainage(track)[int(np.argmin(np.hypot(*(track - place).T)))])
+
+
+def _cut(track: Floats, stops: Floats) -> Floats:
+    """The track from a little before the first station to a little beyond the last, in whole sides."""
+    along = chainage(track)
+    low_m, high_m = _foot_m(track, stops[0]) - _BEYOND_M, _foot_m(track, stops[-1]) + _BEYOND_M
+    first = max(int(np.searchsorted(along, low_m, side="right")) - 1, 0)
+    last = min(int(np.searchsorted(along, high_m)), len(track) - 1)
+    return track[first : last + 1]
+
+
+def _check_stations(
+    file: Path, listed: Sequence[StationRow], rows: Sequence[StationRow], at_m: Floats, offset_m: Floats
+) -> None:
     for index, (row, offset) in enumerate(zip(rows, offset_m, strict=True)):
-        key = f"station_list[{index}]"
+        key = f"station_list[{listed.index(row)}]"
         if abs(float(offset)) > _STATION_FAR_M:
             expected = (
                 f"a station within {_STATION_FAR_M:.0f} m of the track, not {abs(float(offset)):.0f} m off"

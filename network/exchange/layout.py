@@ -22,6 +22,7 @@ class NodeKind(Enum):
 
     BUFFER = "buffer stop"
     OPEN = "open end"  # the source ends here, the track does not
+    END = "end"  # of a track, or of the source: which, it does not say
     JOINT = "joint"
     POINTS = "points"
     CROSSING = "crossing"  # tracks that cross, with slips or without: nothing is said of who can go where

@@ -5,7 +5,7 @@ kilometrage carried over to tracks that have none of their own.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -131,9 +131,22 @@ def _put(done: Merged, first: Track, chain: list[tuple[Track, int]]) -> None:
             tail.high_node if tail_sign > 0 else tail.low_node,
             at_m,
             tuple(shape),
-            tuple(rows),
+            _rows_of_chain(at_m, rows),
         )
     )
+
+
+def _rows_of_chain(length_m: float, rows: list[KmRow]) -> tuple[KmRow, ...]:
+    """Rows of pieces end to end: where two meet at one kilometrage there is no row, where it jumps there are two."""
+    known: list[KmRow] = []
+    jumps: list[tuple[float, float, float]] = []
+    for row in rows:
+        if known and row[0] - known[-1][0] < SAME_PLACE_M and 0.0 < row[0] < length_m:
+            if abs(row[1] - known[-1][1]) > SAME_PLACE_M:
+                jumps.append((row[0], known[-1][1], row[1]))
+            continue
+        known.append(row)
+    return km_rows(length_m, known, jumps)
 
 
 def km_rows(
@@ -181,7 +194,7 @@ def _sense(part: list[KmRow]) -> int:
 
 
 def _thinned(part: list[KmRow]) -> list[KmRow]:
-    """Rows without those that say again what a straight line between the ends says, and without a second at one offset."""
+    """Rows without those that a straight line between the ends says too, and without a second at one offset."""
     kept: list[KmRow] = [part[0]]
     for row in part[1:-1]:
         (low_m, low_km_m), (high_m, high_km_m) = kept[-1], part[-1]
@@ -193,11 +206,14 @@ def _thinned(part: list[KmRow]) -> list[KmRow]:
     return [*kept, part[-1]]
 
 
-def carried(tracks: list[Track], points: Iterable[LayoutPoints]) -> tuple[list[Track], list[str]]:
+def carried(
+    tracks: Sequence[Track], points: Iterable[LayoutPoints], *, names_are_lines: bool = False
+) -> tuple[list[Track], list[str]]:
     """Kilometrage for tracks without one, from those that they continue or lie beside at points.
 
     Returns the tracks, and the ids of those that were given one. A track both of whose nodes are known is stretched
-    between them; else it runs on metre for metre.
+    between them; else it runs on metre for metre. Where names of tracks are those of lines, one line's kilometrage
+    goes to no track of another line.
     """
     by_id = {track.id: track for track in tracks}
     at: dict[str, list[str]] = defaultdict(list)
@@ -207,10 +223,15 @@ def carried(tracks: list[Track], points: Iterable[LayoutPoints]) -> tuple[list[T
     stems = {entry.node_id: entry.stem for entry in points}
     given: list[str] = []
     waiting = [track.id for track in tracks if track.kilometrage]
+    line_of = {track_id: by_id[track_id].name for track_id in waiting}
     for known in waiting:  # grows while it is walked: what was given one passes it on
         for node, other in _neighbours(by_id[known], at, stems):
             if by_id[other].kilometrage:
                 continue
+            named = by_id[other].name
+            if names_are_lines and named and line_of[known] and named != line_of[known]:
+                continue
+            line_of[other] = line_of[known] or named
             by_id[other] = _continued(by_id[known], by_id[other], node, stems, by_id, at)
             given.append(other)
             waiting.append(other)

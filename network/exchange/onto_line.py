@@ -154,8 +154,10 @@ def _cut_all(published: PublishedTimetable, line: Line, join: StationJoin, said:
     cuts: list[_Cut] = []
     for (train, calls, before, after), number in zip(found, numbers, strict=True):
         direction = Direction.DOWN if _runs_down(calls, line, join) else Direction.UP
-        if number != train.number:
-            said.note("numbers: {}", f"{train.number or 'a train without one'} is {number}")
+        if not train.number:
+            said.note("trains without a number are given one: {}", number)
+        elif number != train.number:
+            said.note("numbers: {}", f"{train.number} is {number}")
         try:
             ours = _merged(
                 [_call(call, join.ids[call.station], line, direction, said, number) for call in calls]
@@ -315,6 +317,7 @@ def _planned(cut: _Cut, timed: Timed, line: Line, said: _Said) -> PlannedTrain:
         cut.from_beyond,
         cut.to_beyond,
         timed.inferred,
+        cut.source.working,
     )
 
 

@@ -18,7 +18,8 @@ class PlannedTrain:
 
     `follows` and `becomes` are numbers of this day's trains that the same set runs before and after, where the source
     says so. `from_beyond`, `to_beyond`: it comes from, goes on to, a place beyond the line, over a portal. `inferred`:
-    indices of calls with a time that is not the source's but computed.
+    indices of calls with a time that is not the source's but computed. `working`: what one set runs, where the source
+    numbers that.
     """
 
     number: str
@@ -30,6 +31,7 @@ class PlannedTrain:
     from_beyond: bool = False
     to_beyond: bool = False
     inferred: frozenset[int] = frozenset()
+    working: str = ""
 
 
 @dataclass(frozen=True, slots=True)

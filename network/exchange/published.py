@@ -38,7 +38,8 @@ class PublishedTrain:
     """A train of the source. `direction` is "down" (下り) or "up" in the order of the source's stations.
 
     `follows` and `becomes` name trains that the same set runs before and after, where the source says so; `comes_from`
-    and `goes_to` name places beyond the source's stations.
+    and `goes_to` name places beyond the source's stations. `working` names what one set runs in the day (運用), where
+    the source numbers that.
     """
 
     number: str
@@ -51,6 +52,7 @@ class PublishedTrain:
     becomes: tuple[str, ...] = ()
     comes_from: str = ""
     goes_to: str = ""
+    working: str = ""
 
 
 @dataclass(frozen=True, slots=True)

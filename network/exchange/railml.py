@@ -1,7 +1,7 @@
 """Import a track layout from railML 2.4 or 3.2 (infrastructure).
 
-Both versions of one layout give the same tracks, lengths, ordinary points and stations: `railml2` and `railml3` read what
-each writes in its own way into one draft, from which `railml_draft` makes the layout.
+Both versions of one layout give the same tracks, lengths, ordinary points and stations: `railml2` and `railml3` read
+what each writes in its own way into one draft, from which `railml_draft` makes the layout.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What railML 2.4 writes: tracks with a beginning and an end, points that lie on one of their three tracks.
 
-Points at an offset of a track cut it in two; at its beginning or end the third track is the one that is connected there.
+Points at an offset of a track cut it in two; at its beginning or end the third track is the one connected there.
 Courses and orientations are those seen in the sense of the track that the points lie on (railML wiki, IS:switch and
 IS:connection_switch); `side` is turned to be seen from the toe.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final
 
 from network.errors import InputError
@@ -90,7 +91,7 @@ class _Reader:
         for element in self.infrastructure.iterfind(f"{_NS}tracks/{_NS}track"):
             cut = self._cut(element)
             self.cuts[cut.id] = cut
-            for n, (low_m, high_m) in enumerate(zip(cut.offsets_m, cut.offsets_m[1:], strict=False)):
+            for n, (low_m, high_m) in enumerate(pairwise(cut.offsets_m)):
                 piece_id = cut.piece(n)
                 rows = _rows_between(self._kilometrage(cut), low_m, high_m)
                 self.draft.pieces.append(

@@ -16,8 +16,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from network.errors import InputError
-from network.exchange.planned import PlannedTrain, Working, Workings
+from network.exchange.planned import PlannedTrain, Workings
 from network.exchange.portals import PortalWay, portal_of
+from network.exchange.sets import SetPlan, give_sets
 from network.exchange.standing import Stand, give_tracks, night_warnings, standing_tracks
 from network.files.names import is_identifier
 from network.model import Direction, Line
@@ -91,7 +92,9 @@ def workings_of(
     turned = 0
     for station_id in dict.fromkeys(place for train in day.trains.values() for place in _ends_of(train)):
         turned += _turn_round(day, station_id)
-    diagrams = _give_sets(day, file)
+    terminals = {points.terminal_id for points in line.points.values()}
+    rest = (day.rules.outside_min_s, day.rules.stock, terminals)
+    diagrams = give_sets(SetPlan(day.trains, day.begins, day.ends, day.outside, *rest), file)
     _say_rules(day, published, turned)
     stands = tuple(_stands(day))
     day.assumed += _morning_and_evening(day, stands)
@@ -164,6 +167,7 @@ def _follow_links(day: _Day) -> int:
     used = 0
     pairs = [(t.number, after) for t in day.trains.values() for after in t.becomes]
     pairs += [(before, t.number) for t in day.trains.values() for before in t.follows]
+    pairs += _of_workings(day)
     for before, after in dict.fromkeys(pairs):
         why = _no_link(day, before, after)
         if why:
@@ -172,6 +176,18 @@ def _follow_links(day: _Day) -> int:
         day.link(before, after)
         used += 1
     return used
+
+
+def _of_workings(day: _Day) -> Iterator[tuple[str, str]]:
+    """Trains that follow each other in a published working, where the set does not leave the line between them."""
+    last: dict[str, str] = {}
+    for train in day.trains.values():
+        if not train.working:
+            continue
+        before = last.get(train.working)
+        last[train.working] = train.number
+        if before is not None and before not in day.ends and train.number not in day.begins:
+            yield before, train.number
 
 
 def _no_link(day: _Day, before: str, after: str) -> str:
@@ -282,66 +298,6 @@ def _portal_behind(day: _Day, station_id: str, number: str, *, entering: bool) -
         return None
     way = day.way(station_id, day.trains[number].direction, entering=entering)
     return way if way is not None and way.routes == 1 else None
-
-
-def _give_sets(day: _Day, file: str) -> tuple[Working, ...]:
-    """Names of sets: those that stand on the line in the morning first, then as trains come in by portals."""
-    names = _names(day, file)
-    runs: dict[str, list[str]] = {}
-    waiting: dict[str, list[tuple[int, str]]] = {}
-
-    def run(name: str, number: str) -> None:
-        numbers = _chain(day, number)
-        runs.setdefault(name, []).extend(numbers)
-        end = day.ends[numbers[-1]]
-        if end != _STABLED:
-            place = day.outside[end.removeprefix("portal:")]
-            waiting.setdefault(place, []).append((ends_s(day.trains[numbers[-1]]), name))
-
-    for number in day.trains:
-        if day.begins[number] == _STABLED:
-            run(next(names), number)
-    spare = list(day.rules.stock[len(runs) :])
-    for number, train in day.trains.items():
-        if not day.begins[number].startswith("portal:"):
-            continue
-        place = day.outside[day.begins[number].removeprefix("portal:")]
-        back = [
-            set_ for set_ in waiting.get(place, ()) if set_[0] + day.rules.outside_min_s <= begins_s(train)
-        ]
-        if spare:
-            run(spare.pop(0), number)
-        elif back:
-            longest = min(back, key=lambda set_: set_[0])
-            waiting[place].remove(longest)
-            run(longest[1], number)
-        elif day.rules.stock:
-            expected = f"a day that {len(day.rules.stock)} sets can run: none is free for {number}"
-            raise InputError(file, "", None, expected)
-        else:
-            run(next(names), number)
-    return tuple(Working(name, tuple(numbers)) for name, numbers in runs.items())
-
-
-def _names(day: _Day, file: str) -> Iterator[str]:
-    """Names of sets; those given, which must suffice, or V1, V2, ... that no point terminal has."""
-    if day.rules.stock:
-        yield from day.rules.stock
-        raise InputError(file, "", None, f"a day that {len(day.rules.stock)} sets can run")
-    taken = {points.terminal_id for points in day.line.points.values()}
-    number = 0
-    while True:
-        number += 1
-        if f"V{number}" not in taken:
-            yield f"V{number}"
-
-
-def _chain(day: _Day, number: str) -> list[str]:
-    """Numbers of a train and of those its set becomes without leaving the line."""
-    numbers = [number]
-    while (end := day.ends[numbers[-1]]).startswith("becomes:"):
-        numbers.append(end.removeprefix("becomes:"))
-    return numbers
 
 
 def _stands(day: _Day) -> Iterator[Stand]:

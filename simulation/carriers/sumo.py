@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-import libsumo
-
 from network.model import Direction
 from simulation.carriers.carrier import Truth
+from simulation.carriers.sumo_api import SumoApi, in_process
 from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, add_train_type, sumo_command
 
 SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}
@@ -22,17 +21,18 @@ def edge_id(piece_id: str, direction: Direction) -> str:
 
 
 class SumoCarrier:
-    """One SUMO simulation; libsumo allows one a process."""
+    """One SUMO simulation; libsumo allows one a process. `api` may be another way to it than libsumo."""
 
-    def __init__(self, net: Path, begin_s: float) -> None:
-        libsumo.start([*sumo_command(net), "--begin", f"{begin_s:.1f}"])
+    def __init__(self, net: Path, begin_s: float, api: SumoApi | None = None) -> None:
+        self._sumo = in_process() if api is None else api
+        self._sumo.start([*sumo_command(net), "--begin", f"{begin_s:.1f}"])
         self._collisions: dict[tuple[str, str], str] = {}
         self._lengths_m: dict[str, float] = {}
-        self._set_speed = libsumo.vehicle.setSpeed
-        self._step = libsumo.simulationStep
-        self._colliding = libsumo.simulation.getCollidingVehiclesNumber
+        self._set_speed = self._sumo.vehicle.setSpeed
+        self._step = self._sumo.step
+        self._colliding = self._sumo.simulation.getCollidingVehiclesNumber
         self._routes = 0
-        self._step_s = float(libsumo.simulation.getDeltaT())
+        self._step_s = float(self._sumo.simulation.getDeltaT())
         self._reversing: list[tuple[str, str, float]] = []
 
     def insert(
@@ -40,17 +40,17 @@ class SumoCarrier:
     ) -> None:
         """Put a standing train on the net. SUMO inserts it at once: no step is taken for it."""
         kind = f"train-{length_m:g}"
-        if kind not in libsumo.vehicletype.getIDList():
-            add_train_type(kind, length_m)
+        if kind not in self._sumo.vehicletype.getIDList():
+            add_train_type(kind, length_m, self._sumo.vehicletype)
         self._lengths_m[unit_id] = length_m
         self._routes += 1
         route = f"route-{self._routes}"
-        libsumo.route.add(route, [edge_id(piece, direction) for piece in pieces])
-        libsumo.vehicle.add(unit_id, route, typeID=kind, departPos="0", departSpeed="0")
-        libsumo.vehicle.moveTo(unit_id, edge_id(pieces[0], direction) + "_0", offset_m)
-        libsumo.vehicle.setSpeedMode(unit_id, SPEED_MODE)
-        libsumo.vehicle.setLaneChangeMode(unit_id, LANE_CHANGE_MODE)
-        libsumo.vehicle.setSpeed(unit_id, 0.0)
+        self._sumo.route.add(route, [edge_id(piece, direction) for piece in pieces])
+        self._sumo.vehicle.add(unit_id, route, typeID=kind, departPos="0", departSpeed="0")
+        self._sumo.vehicle.moveTo(unit_id, edge_id(pieces[0], direction) + "_0", offset_m)
+        self._sumo.vehicle.setSpeedMode(unit_id, SPEED_MODE)
+        self._sumo.vehicle.setLaneChangeMode(unit_id, LANE_CHANGE_MODE)
+        self._sumo.vehicle.setSpeed(unit_id, 0.0)
 
     def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
         """Execute the speeds step by step, watching for collisions."""
@@ -59,9 +59,9 @@ class SumoCarrier:
             first_mps = {unit_id: speeds[0] for unit_id, speeds in columns}
             for unit_id, lane, offset_m in self._reversing:
                 speed_mps = first_mps.get(unit_id, 0.0)  # it stood when it turned, and SUMO lets it stand
-                libsumo.vehicle.moveTo(unit_id, lane, offset_m + 0.5 * speed_mps * self._step_s)
+                self._sumo.vehicle.moveTo(unit_id, lane, offset_m + 0.5 * speed_mps * self._step_s)
                 if speed_mps > 0.0:
-                    libsumo.vehicle.setPreviousSpeed(unit_id, speed_mps)
+                    self._sumo.vehicle.setPreviousSpeed(unit_id, speed_mps)
             self._reversing.clear()
             return hit or self._run_steps(columns, 1, steps)
         return self._run_steps(columns, 0, steps)
@@ -71,7 +71,7 @@ class SumoCarrier:
         set_speed, step, colliding = self._set_speed, self._step, self._colliding
         if not columns:
             if last > first:
-                step(libsumo.simulation.getTime() + (last - first) * self._step_s)
+                step(self._sumo.simulation.getTime() + (last - first) * self._step_s)
             return last if self._note_collisions() else 0
         if len(columns) == 1:
             unit_id, speeds = columns[0]
@@ -92,7 +92,7 @@ class SumoCarrier:
     def _note_collisions(self) -> int:
         """Write down collisions not seen before; returns their number."""
         new = 0
-        for collision in libsumo.simulation.getCollisions():
+        for collision in self._sumo.simulation.getCollisions():
             pair = (collision.collider, collision.victim)
             if pair not in self._collisions:
                 new += 1
@@ -104,31 +104,31 @@ class SumoCarrier:
 
     def truth(self, unit_id: str) -> Truth:
         """Where the front is, as SUMO has it."""
-        edge = libsumo.vehicle.getRoadID(unit_id)
+        edge = self._sumo.vehicle.getRoadID(unit_id)
         return Truth(
             edge[:-1],
             DIRECTION[edge[-1]],
-            libsumo.vehicle.getLanePosition(unit_id),
-            libsumo.vehicle.getSpeed(unit_id),
+            self._sumo.vehicle.getLanePosition(unit_id),
+            self._sumo.vehicle.getSpeed(unit_id),
         )
 
     def reroute(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
         """Change what lies ahead."""
-        libsumo.vehicle.setRoute(unit_id, [edge_id(piece, direction) for piece in pieces])
+        self._sumo.vehicle.setRoute(unit_id, [edge_id(piece, direction) for piece in pieces])
 
     def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
         """Change ends: SUMO turns the train in its next step; its own millimetre of overrun is then put back."""
-        here = libsumo.vehicle.getRoadID(unit_id)
-        piece_length_m = libsumo.lane.getLength(here + "_0")
-        offset_m = piece_length_m - libsumo.vehicle.getLanePosition(unit_id) + self._lengths_m[unit_id]
+        here = self._sumo.vehicle.getRoadID(unit_id)
+        piece_length_m = self._sumo.lane.getLength(here + "_0")
+        offset_m = piece_length_m - self._sumo.vehicle.getLanePosition(unit_id) + self._lengths_m[unit_id]
         edges = [edge_id(piece, direction) for piece in pieces]
-        libsumo.vehicle.setRoute(unit_id, [here, *edges])
-        libsumo.vehicle.setSpeed(unit_id, 0.0)
+        self._sumo.vehicle.setRoute(unit_id, [here, *edges])
+        self._sumo.vehicle.setSpeed(unit_id, 0.0)
         self._reversing.append((unit_id, edges[0] + "_0", offset_m))
 
     def remove(self, unit_id: str) -> None:
         """Take a train off the line."""
-        libsumo.vehicle.remove(unit_id)
+        self._sumo.vehicle.remove(unit_id)
 
     def collisions(self) -> tuple[str, ...]:
         """What SUMO's own check found."""
@@ -136,4 +136,4 @@ class SumoCarrier:
 
     def close(self) -> None:
         """End the simulation."""
-        libsumo.close()
+        self._sumo.close()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 from network.model import Line, SectionKind, TagPurpose
-from network.timetable import AtPortal, BecomesTrain, FromTrain, Stabled, Timetable, TimetableTrain
+from network.timetable import AtPortal, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, plan_mission
 
 PORTAL_STAND_M = 40.0  # a train enters with its rear this far inside the portal's outer end, at most
@@ -21,7 +22,7 @@ class Duty:
     enters: bool  # comes in by a portal, `enter_s` is when it stands there
     enter_s: float
     leaves: bool
-    becomes: str | None
+    becomes: str | None  # the next train of a set that stays on the line, at once or after a rest
 
 
 def draw_up(
@@ -31,11 +32,12 @@ def draw_up(
     duties: dict[str, tuple[Duty, ...]] = {}
     for diagram in timetable.diagrams:
         drawn: list[Duty] = []
-        for number in diagram.train_numbers:
-            stands_in = drawn[-1].mission.spans[-1].section_id if drawn else None
+        for number, following in zip_longest(diagram.train_numbers, diagram.train_numbers[1:]):
+            stands_in = drawn[-1].mission.spans[-1].section_id if drawn and not drawn[-1].leaves else None
             train = timetable.trains[number]
             length_m = train_lengths_m[diagram.stock_id]
-            drawn.append(_duty(line, train, diagram.stock_id, length_m, portal_lead_s, stands_in))
+            duty = _duty(line, train, diagram.stock_id, length_m, portal_lead_s, stands_in)
+            drawn.append(duty if duty.leaves else replace(duty, becomes=following))
         duties[diagram.stock_id] = tuple(drawn)
     return duties
 
@@ -48,11 +50,11 @@ def _duty(
     portal_lead_s: float,
     stands_in: str | None,
 ) -> Duty:
-    """One duty; a train that another has become starts where that one ended, `stands_in`."""
+    """One duty; a train starts where its set stands since the one before, `stands_in`, stabled or turning back."""
     enters = isinstance(train.begins, AtPortal)
     if isinstance(train.begins, AtPortal):
         start = train.begins.section_id
-    elif isinstance(train.begins, FromTrain) and stands_in is not None:
+    elif stands_in is not None:
         start = stands_in
     else:
         start = first_section(line, train)
@@ -65,7 +67,7 @@ def _duty(
         enters=enters,
         enter_s=train.calls[0].first_s - portal_lead_s if enters else train.calls[0].first_s,
         leaves=leave_by is not None,
-        becomes=train.ends.number if isinstance(train.ends, BecomesTrain) else None,
+        becomes=None,
     )
 
 

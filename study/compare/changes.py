@@ -1,4 +1,4 @@
-"""What two runs were made from, figure by figure: where their inputs differ, and whose patch wrote it."""
+"""What two runs were made from, figure by figure: where their inputs differ, and whose scenario set it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ COMMAND_LINE: Final = "command line"
 
 @dataclass(frozen=True, slots=True)
 class InputChange:
-    """One figure of the inputs that is not the same; None where it is not there. `by`: labels whose patch wrote it."""
+    """One figure of the inputs that is not the same; None where it is not there.
+
+    `by` are the labels of the runs whose scenario, or a patch of it, has set what stands there.
+    """
 
     file: str
     key: str
@@ -72,7 +75,7 @@ def _file(old: str, new: str) -> str:
 
 
 def _by(change: Change, base: Side, new: Side) -> tuple[str, ...]:
-    """The runs in which a patch has written what stands there; the key is the same in the patch's own account."""
+    """The runs whose own account of changes has this key and value."""
     return tuple(
         side.label
         for side, value in ((base, change.old), (new, change.new))

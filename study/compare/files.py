@@ -107,7 +107,7 @@ def _write_tables(found: Comparisons, folder: Path) -> None:
         for pair in found.pairs
         for c in pair.inputs
     )
-    _write(folder / "inputs.csv", ("run", "file", "key", "old", "new", "patched_by"), inputs)
+    _write(folder / "inputs.csv", ("run", "file", "key", "old", "new", "set_by"), inputs)
     for name, columns, rows in (
         ("times", _TIMES, [(pair.new, row.as_dict()) for pair in found.pairs for row in pair.times.moved]),
         ("once", _ONCE, [(pair.new, row.as_dict()) for pair in found.pairs for row in pair.times.once]),

@@ -56,7 +56,7 @@ def changed(measure: Measure) -> bool:
 def inputs_grid(found: Comparison) -> Grid:
     """Inputs that differ, with who patched them."""
     rows = tuple((c.file, c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs)
-    return Grid(("file", "key", "old", "new", "patched by"), rows)
+    return Grid(("file", "key", "old", "new", "set by"), rows)
 
 
 def moved_grid(found: Comparison, new: Side, *, largest_first: bool = False) -> Grid:
@@ -207,7 +207,10 @@ def _cell(moved: Mapping[What, Moved]) -> str:
     """Arrival and departure of a train at a station; nothing where neither moved."""
     if not moved:
         return ""
-    return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in What)
+    if What.PASSING in moved:
+        return signed(moved[What.PASSING].by_s, 0)
+    ends = (What.ARRIVAL, What.DEPARTURE)
+    return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in ends)
 
 
 def _later(by_s: float) -> str:

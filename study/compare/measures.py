@@ -91,7 +91,7 @@ def figures_of(side: Side) -> Iterator[Figure]:
         "trains", "ran their whole journey", "", 0, float(len(arrived_trains(tables.stops, timetable)))
     )
     yield Figure("trains", "meets as run", "", 0, float(len(meets_of(side.run))))
-    for what in What:
+    for what in (What.ARRIVAL, What.DEPARTURE):
         yield from _punctuality(side, what)
     yield from _margins(side)
     yield from _energy(side)
@@ -106,7 +106,7 @@ def figures_of(side: Side) -> Iterator[Figure]:
 
 
 def _punctuality(side: Side, what: What) -> Iterator[Figure]:
-    """The share of what was planned that was late by at most so much; what did not come was not on time."""
+    """What share of the planned was late by at most so much. What did not come was not; passings are departures."""
     stops, late = side.run.tables.stops, pl.col(f"late_{what.value}_s")
     planned = stops.filter(pl.col(f"planned_{what.value}_s").is_not_null())
     came = planned.filter(late.is_not_null())

@@ -73,6 +73,11 @@ class _Course:
     number: str
     t_s: Floats
     at_m: Floats
+    pieces: pl.Series
+
+    def piece_at(self, time_s: float) -> str:
+        """The piece of track on which the front was."""
+        return str(self.pieces[max(int(np.searchsorted(self.t_s, time_s, side="right")) - 1, 0)])
 
 
 def meets_of(run: Run) -> tuple[RunMeet, ...]:
@@ -83,7 +88,7 @@ def meets_of(run: Run) -> tuple[RunMeet, ...]:
     found: list[RunMeet] = []
     for down, up in product(courses[Direction.DOWN], courses[Direction.UP]):
         crossing = _crossing(down, up)
-        if crossing is not None:
+        if crossing is not None and _side_by_side(run.line, down, up, crossing[0]):
             time_s, at_m = crossing
             found.append(RunMeet(down.number, up.number, round(time_s, 1), at_m, place_at(run.line, at_m)))
     return tuple(sorted(found, key=lambda meet: (meet.time_s, meet.down_train, meet.up_train)))
@@ -116,7 +121,7 @@ def place_at(line: Line, at_m: float) -> tuple[str, ...]:
 
 
 def _course(number: str, samples: pl.DataFrame) -> _Course:
-    return _Course(number, samples["t_s"].to_numpy(), samples["kilometrage_m"].to_numpy())
+    return _Course(number, samples["t_s"].to_numpy(), samples["kilometrage_m"].to_numpy(), samples["piece"])
 
 
 def _crossing(down: _Course, up: _Course) -> tuple[float, float] | None:
@@ -134,6 +139,13 @@ def _crossing(down: _Course, up: _Course) -> tuple[float, float] | None:
     share = -gap_m[after - 1] / (gap_m[after] - gap_m[after - 1])
     time_s = float(times[after - 1] + share * (times[after] - times[after - 1]))
     return time_s, float(np.interp(time_s, down.t_s, down.at_m))
+
+
+def _side_by_side(line: Line, down: _Course, up: _Course, time_s: float) -> bool:
+    """Whether one kilometrage is one place: branches have kilometrages of their own, and a station may be on both."""
+    pieces = [line.pieces[course.piece_at(time_s)] for course in (down, up)]
+    stations = {line.sections[piece.section_id].station_id for piece in pieces}
+    return pieces[0].alignment_id == pieces[1].alignment_id or (len(stations) == 1 and None not in stations)
 
 
 def _by_pair(meets: Iterable[RunMeet]) -> Mapping[Pair, RunMeet]:

@@ -53,18 +53,23 @@ def of_run(run: Run, label: str) -> Side:
 
 
 def labels_of(directories: Sequence[Path]) -> tuple[str, ...]:
-    """What each directory is called: its own name; its whole path where two have one name."""
-    names = [directory.resolve().name for directory in directories]
-    seen = Counter(names)
-    labels = [
-        str(path.resolve()) if seen[name] > 1 else name for path, name in zip(directories, names, strict=True)
-    ]
-    repeated = Counter(labels)
+    """What each directory is called: the end of its path, as short as tells it from the others."""
+    paths = [directory.resolve() for directory in directories]
+    different = list(dict.fromkeys(paths))
+    ends = [path.name or str(path) for path in different]
+    for length in range(2, max(len(path.parts) for path in paths) + 1):
+        counts = Counter(ends)
+        if max(counts.values()) == 1:
+            break
+        ends = [
+            str(Path(*path.parts[-length:])) if counts[end] > 1 else end
+            for path, end in zip(different, ends, strict=True)
+        ]
+    labels, seen = [ends[different.index(path)] for path in paths], Counter[str]()
     for i, label in enumerate(labels):
-        if repeated[label] > 1:  # one directory named twice
-            labels[i] = (
-                f"{label} ({labels[: i + 1].count(label) + sum(x.startswith(f'{label} (') for x in labels[:i])})"
-            )
+        seen[label] += 1
+        if seen[label] > 1:  # one directory, named again
+            labels[i] = f"{label} ({seen[label]})"
     return tuple(labels)
 
 

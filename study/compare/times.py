@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any, TypeAlias
 
+from network.timetable import CallKind
 from study.report.data import Run
 
 # Train, station, how often the train was there before, and what it did.
@@ -19,6 +20,7 @@ class What(Enum):
 
     ARRIVAL = "arrival"
     DEPARTURE = "departure"
+    PASSING = "passing"  # the one time of a train that does not stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +29,14 @@ class At:
 
     true_s: float | None
     planned_s: float | None
-    unit: str
 
 
 @dataclass(frozen=True, slots=True)
 class Moved:
-    """An arrival or departure at another time: `by_s` > 0 is later in the new run; `plan_by_s` is the plan's share."""
+    """An arrival, departure or passing at another time.
+
+    `by_s` > 0 is later in the new run; `plan_by_s` is by how much the plan moved, None where one of both has none.
+    """
 
     train: str
     direction: str
@@ -83,9 +87,11 @@ def times_of(run: Run) -> dict[Key, At]:
         train, station = row["train"], row["station"]
         visit = visits[train, station]
         visits[train, station] += 1
-        for what in What:
-            name = what.value
-            at = At(row[f"{name}_s"], row[f"planned_{name}_s"], row["unit"])
+        passes = row["kind"] == CallKind.PASS.value
+        whats = (What.PASSING,) if passes else (What.ARRIVAL, What.DEPARTURE)
+        for what in whats:
+            name = What.DEPARTURE.value if passes else what.value
+            at = At(row[f"{name}_s"], row[f"planned_{name}_s"])
             if at.true_s is not None or at.planned_s is not None:
                 found[train, station, visit, what] = at
     return found

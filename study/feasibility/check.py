@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from network.errors import InputError, one_line
 from network.model import SectionKind
 from network.timetable import clock
 from simulation.setup import Setup
-from study.feasibility.conflicts import conflicts_of, pairs_of, severity
+from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of, severity
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, minute
 from study.feasibility.holdings import clashes_of, holds_of
@@ -25,8 +26,9 @@ def feasibility(setup: Setup) -> Feasibility:
     """All meets of the day and all that is wrong with it; nothing is run.
 
     The times of the plan are looked at first: what each set holds when, what each leg, stop and turn-back takes, what
-    units need of the line. Only a day in which all that can be is then played through in blocks (`Rehearsal`), for
-    what follows from the whole of it.
+    units need of the line. A day in which all that can be is then played through in blocks (`Rehearsal`): for what
+    follows from the whole of it, and whether trains that are in each other's way by the rules of blocks alone make up
+    for it, so that nobody comes more than a minute late; then that is tight, and not impossible.
     """
     day = planned_day(setup)
     by_section = holds_of(day)
@@ -38,16 +40,27 @@ def feasibility(setup: Setup) -> Feasibility:
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
     findings = [
         *_missing(setup, day),
+        *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
         *equipment_of(setup, day),
     ]
-    if not any(finding.severity is Severity.IMPOSSIBLE for finding in findings):
-        rehearsal = Rehearsal(setup, day)
-        findings += _circles(day, rehearsal.waits)
-        findings += _lateness(day, rehearsal.late)
+    paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
+    sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]
+    if not sure:
+        slowed = {(n, f.place) for f in findings if f.kind is Kind.TAG for n in f.trains}
+        rehearsal = Rehearsal(setup, day, frozenset(slowed))
+        found_late = [*_circles(day, rehearsal.waits), *_lateness(day, rehearsal.late)]
+        if not found_late:
+            findings = [replace(f, severity=Severity.TIGHT) for f in findings]
+        findings += found_late
     findings.sort(key=lambda f: (f.severity is not Severity.IMPOSSIBLE, f.time_s, f.trains, f.kind.value))
     return Feasibility(meets, tuple(findings))
+
+
+def _by_blocks(finding: Finding, paper: frozenset[Pair]) -> bool:
+    """Whether the day played through decides about a finding."""
+    return finding.kind in BY_BLOCKS and len(finding.trains) == 2 and frozenset(finding.trains) not in paper
 
 
 class PlanRefusedError(InputError):
@@ -68,7 +81,10 @@ class PlanRefusedError(InputError):
 
 
 def refuse(scenario: str, setup: Setup, *, anyway: bool = False) -> Feasibility:
-    """Look at a plan before it is run. Raises PlanRefusedError where it cannot work, `anyway` only where no way leads on."""
+    """Look at a plan before it is run.
+
+    Raises PlanRefusedError where it cannot work; `anyway`, only where the line has no way for a train.
+    """
     found = feasibility(setup)
     no_way = any(finding.kind is Kind.NO_WAY for finding in found.impossible)
     if no_way or not (found.good or anyway):
@@ -83,9 +99,19 @@ def _missing(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
         text = f"{missing.number} cannot run at {minute(first.last_s)}: {missing.why}"
         remedy = "other tracks, or points that lead there"
         trains = (missing.number,)
-        yield Finding(
-            Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy
-        )
+        yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy)
+
+
+def _nowhere(day: PlannedDay) -> Iterator[Finding]:
+    """Trains of one stop alone: a run counts none of them as arrived."""
+    for train in day.all():
+        if len(train.duty.mission.targets) < 2:
+            stand = train.stands[0]
+            place = stand.target.station_id or stand.target.section_id
+            text = f"{train.number} has one stop alone, at {minute(stand.departs_s)}, and goes nowhere"
+            remedy = "a second call, or no train"
+            trains = (train.number,)
+            yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, place, stand.departs_s, text, remedy)
 
 
 def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from network.model import Line, SectionKind
 from network.timetable import clock
@@ -19,6 +20,8 @@ from study.feasibility.places import (
 from study.feasibility.planned import PlannedTrain
 
 Pair = frozenset[str]
+# What follows from how a run gives sections, not from the plan's own times: the trains may still make it.
+BY_BLOCKS: Final = (Kind.FOLLOWING, Kind.CROSSING, Kind.PORTAL, Kind.TRACK, Kind.TERMINAL)
 
 
 def pairs_of(clashes: Sequence[Clash]) -> dict[Pair, list[Clash]]:
@@ -37,6 +40,11 @@ def severity(clash: Clash) -> Severity:
     first, second = clash.trains
     whole = all(t % 60 == 0 for t in _given_s(first)) or all(t % 60 == 0 for t in _given_s(second))
     return severity_of(clash.wait_s, *([] if whole else times_s))
+
+
+def on_paper(found: Sequence[Clash]) -> bool:
+    """Whether two trains would stand on one track at once by the plan's own times, whatever a run makes of them."""
+    return any(c.together_s > 0.0 and severity_of(c.together_s) is Severity.IMPOSSIBLE for c in found)
 
 
 def _given_s(train: PlannedTrain) -> list[int]:
@@ -62,7 +70,7 @@ def _finding(
     between = next((c for c in found if _kind_of(line, c) is SectionKind.BETWEEN), None)
     worst = found[0]
     if portal is not None:
-        return _at_portal(line, portal)
+        return _at_portal(portal)
     first, second = worst.trains
     opposing = first.direction is not second.direction
     if meet is not None and opposing:
@@ -71,10 +79,10 @@ def _finding(
             return _meeting(line, worst, meet)
         return _on_track(line, _on_a_track(line, found, station.id) or worst, by_section)
     if between is not None and (severity(between) is Severity.IMPOSSIBLE or between is worst):
-        return _follows(line, between) if not opposing else _towards(line, between)
+        return _follows(between) if not opposing else _towards(between)
     if _kind_of(line, worst) is SectionKind.TRACK:
         return _on_track(line, worst, by_section)
-    return _crossing(line, worst)
+    return _crossing(worst)
 
 
 def _kind_of(line: Line, clash: Clash) -> SectionKind:
@@ -105,7 +113,7 @@ def _until(time_s: float) -> str:
 def _later(clash: Clash, what: str) -> str:
     """The remedy of waiting, where there is an end to it."""
     if not math.isfinite(clash.wait_s):
-        return "the set that stands there has to go first"
+        return "one of them needs another track, or has to leave first"
     return f"{what} {math.ceil(clash.wait_s)} s later, at {_until(clash.first.to_s)}"
 
 
@@ -126,12 +134,10 @@ def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
     trains = (meet.down_train, meet.up_train)
     text = f"{trains[0]} and {trains[1]} would meet {where} at {minute(meet.time_s)}: {why}"
     remedy = where_to_pass(line, meet.position_m, None if at is None else at.id)
-    return Finding(
-        Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash)
-    )
+    return Finding(Kind.OPPOSING, severity(clash), trains, place, meet.time_s, text, remedy, _short(clash))
 
 
-def _towards(line: Line, clash: Clash) -> Finding:
+def _towards(clash: Clash) -> Finding:
     """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
     first, second = clash.trains
     text = (
@@ -150,7 +156,7 @@ def _towards(line: Line, clash: Clash) -> Finding:
     )
 
 
-def _follows(line: Line, clash: Clash) -> Finding:
+def _follows(clash: Clash) -> Finding:
     """One train behind another, into a stretch that is not free yet."""
     first, second = clash.trains
     text = (
@@ -177,24 +183,26 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     ends = second.nodes[-1].section_id == clash.section_id and not second.duty.leaves
     kind = Kind.TERMINAL if stays or ends else Kind.TRACK
     time_s = max(clash.second.arrives_s, clash.first.from_s)
+    if not math.isfinite(time_s):
+        time_s = min(train.nodes[0].departs_s for train in (first, second))
     if not math.isfinite(clash.second.from_s):
-        text = f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        text = (
+            f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
+        )
     elif math.isfinite(clash.first.to_s):
         text = (
             f"{second.number} is to come to {track} at {minute(time_s)}, and needs it from"
             f" {_until(clash.second.from_s)}; {first.number} has it until {_until(clash.first.to_s)}"
         )
     else:
-        text = (
-            f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
-        )
+        text = f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
     other = free_track(line, clash, by_section)
     remedy = f"track {other} is free then" if other else _later(clash, f"{second.number} leaves for it")
     trains = _numbers(first, second)
     return Finding(kind, severity(clash), trains, place, time_s, text, remedy, _short(clash))
 
 
-def _crossing(line: Line, clash: Clash) -> Finding:
+def _crossing(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.second.from_s)};"
@@ -212,7 +220,7 @@ def _crossing(line: Line, clash: Clash) -> Finding:
     )
 
 
-def _at_portal(line: Line, clash: Clash) -> Finding:
+def _at_portal(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
         f"{second.number} needs the portal {clash.section_id} from {_until(clash.second.from_s)}, and"

@@ -1,40 +1,52 @@
-"""What units need of the line to get a train through: tags that tell where it is, radio where something is to be said.
+"""What units need of the line to get a train through: tags that tell where it is, radio where something is said.
 
 A unit's bounds grow with the distance from the last tag. It stops that far before where it may go, so without tags it
-comes to stand short of its mark, and beyond `unit.doubt_bound_max_m` it gives its position up. Points before a track are
-thrown at the approach tag (④); without one the train stops before them. A route is asked for at a stand, what lies
-behind is given back there, and a throw is commanded under way: each where the radio reaches (`onboard.authority.coverage`).
+comes to stand short of its mark, and beyond `unit.doubt_bound_max_m` it gives its position up; by the wear of its
+wheels it is off its mark even where it may go further. Points before a track are thrown at the approach tag (④);
+without one the train stops before them. A route is asked for at a stand, what lies behind is given back there, and a
+throw is commanded under way: each where the radio reaches.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from network.model import Line, SectionKind, TagPurpose
 from onboard.authority.coverage import covered_at
 from onboard.driving.stopping import LIMIT_MARGIN_M
-from onboard.driving.supervision import RESERVE_M
 from onboard.duty.mission import Mission, SectionSpan, Target
+from onboard.duty.plan import Plan, plan_of
 from onboard.motion import ARRIVED_WITHIN_M
 from simulation.setup import Setup
 from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.finding import Finding, Kind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
 
+RESERVE_M: Final = 1.0  # what supervision keeps beyond that
 BEFORE_LIMIT_M: Final = LIMIT_MARGIN_M + RESERVE_M  # trains stop this far before a limit, and their bound
+MEASURED_OVER_M: Final = 1000.0  # assumed: tags this far apart measure the wheels
+MEASURED_SHARE: Final = 0.001  # assumed: what is left of their error then, 1 m in those 1000 m
 LOOK_EVERY_M: Final = 20.0  # a covered stretch shorter than this is not looked for
 
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """One train on its way; `since_m` is how far its set ran since the last tag before this train began."""
+    """One train on its way; `since_m` is how far its set ran since the last tag before this train began, and
+    `measured` whether tags have measured its wheels by then.
+
+    `mended_m`: where a tag is already said to be missing. What lies beyond is looked at as if it lay there.
+    """
 
     setup: Setup
     line: Line
     train: PlannedTrain
+    plan: Plan
     since_m: float
+    measured: bool
+    mended_m: list[float] = field(default_factory=list[float])
 
     @property
     def mission(self) -> Mission:
@@ -46,15 +58,43 @@ class _Way:
 
     def bound_m(self, at_m: float) -> float:
         """How far ahead the front may be of where the unit believes it at `at_m`."""
-        before = [tag.position_m for tag in self.mission.tags if tag.position_m <= at_m]
-        start_m = self.mission.targets[0].mark_m
-        run_m = at_m - before[-1] if before and before[-1] >= start_m else self.since_m + at_m - start_m
         unit = self.setup.unit
-        return unit.tag_accuracy_m + unit.wheel_error_share * max(run_m, 0.0)
+        return unit.tag_accuracy_m + unit.wheel_error_share * max(self.run_since_tag_m(at_m), 0.0)
+
+    def off_m(self, at_m: float) -> float:
+        """How far the front may truly be from where the unit believes it at `at_m`, by its wheels' wear: two sigma.
+
+        Tags that it has read measure the wheels: from then on far less.
+        """
+        share = MEASURED_SHARE if self.measured_by(at_m) else 2.0 * self.setup.sensors.wheel_factor_sigma
+        return share * max(self.run_since_tag_m(at_m), 0.0)
+
+    def measured_by(self, at_m: float) -> bool:
+        """Whether tags have measured the wheels before the train is at a place."""
+        start_m = self.mission.targets[0].mark_m
+        read_m = [tag.position_m for tag in self.mission.tags if start_m <= tag.position_m <= at_m]
+        return self.measured or (len(read_m) > 1 and read_m[-1] - read_m[0] >= MEASURED_OVER_M)
+
+    def run_since_tag_m(self, at_m: float) -> float:
+        """How far the train has run at a place since it last knew where it was."""
+        start_m = self.mission.targets[0].mark_m
+        tags = [tag.position_m for tag in self.mission.tags]
+        known = [tag_m for tag_m in (*tags, *self.mended_m) if start_m <= tag_m <= at_m]
+        return at_m - max(known) if known else self.since_m + at_m - start_m
 
     def stops_before_m(self, limit_m: float) -> float:
-        """Where the front stops before a limit, which it comes to with what tags have told it up to there."""
-        return limit_m - self.bound_m(limit_m) - BEFORE_LIMIT_M
+        """Where the front stops before a limit: a tag that lies beyond that is not read any more."""
+        unit = self.setup.unit
+        start_m = self.mission.targets[0].mark_m
+        known = sorted({*(tag.position_m for tag in self.mission.tags), *self.mended_m})
+        fixes_m = [start_m - self.since_m, *(at_m for at_m in known if start_m <= at_m < limit_m)]
+        share, room_m = unit.wheel_error_share, BEFORE_LIMIT_M + unit.tag_accuracy_m
+        stops_m = -math.inf
+        for index, fix_m in enumerate(fixes_m):
+            if index and fix_m > stops_m:
+                break
+            stops_m = (limit_m - room_m + share * fix_m) / (1.0 + share)
+        return max(stops_m, start_m)
 
     def covered(self, from_m: float, to_m: float) -> bool:
         """Whether the radio reaches anywhere on a stretch of the way."""
@@ -90,29 +130,27 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
     """What is missing, one finding a place and a thing, with all trains that miss it."""
     found: list[Finding] = []
     for trains in day.trains.values():
-        since_m = 0.0
+        since_m: float = 0.0
+        measured: bool = False
         for train in trains:
-            way = _Way(setup, day.line, train, 0.0 if train.duty.enters else since_m)
-            found += _marks(way)
-            found += _points(way)
+            length_m = float(setup.trains[train.stock_id].row[0]["length_m"])
+            plan = plan_of(train.duty.mission, length_m)
+            way = _Way(setup, day.line, train, plan, 0.0 if train.duty.enters else since_m, measured)
+            found += _position(way)
             found += _radio(way)
-            since_m = _run_since_tag_m(way)
+            end_m = way.mission.targets[-1].mark_m
+            since_m = way.run_since_tag_m(end_m)
+            measured = way.measured_by(end_m)
     return _gathered(found)
-
-
-def _run_since_tag_m(way: _Way) -> float:
-    end_m = way.mission.targets[-1].mark_m
-    start_m = way.mission.targets[0].mark_m
-    read = [tag.position_m for tag in way.mission.tags if start_m <= tag.position_m <= end_m]
-    return end_m - read[-1] if read else way.since_m + end_m - start_m
 
 
 def _gathered(found: Iterable[Finding]) -> list[Finding]:
     """One finding for what several trains lack at one place."""
     by_what: dict[tuple[Kind, Severity, str, str], list[Finding]] = {}
     for finding in found:
-        reason = finding.text.partition(": ")[2]
-        by_what.setdefault((finding.kind, finding.severity, finding.place, reason), []).append(finding)
+        by_what.setdefault((finding.kind, finding.severity, finding.place, finding.remedy), []).append(
+            finding
+        )
     gathered: list[Finding] = []
     for same in by_what.values():
         first = min(same, key=lambda finding: finding.time_s)
@@ -125,30 +163,51 @@ def _time(finding: Finding) -> float:
     return finding.time_s
 
 
-# position ------------------------------------------------------------------------------------------------------------
+# position ----------------------------------------------------------------------------------------------------
 
 
-def _marks(way: _Way) -> Iterator[Finding]:
-    """Stops that a unit could not make because no tag has told it where it is."""
-    for target in way.mission.targets[1:]:
-        if target.station_id is None:
-            continue
-        limit_m = _limit_m(way, target)
-        bound_m = way.bound_m(target.mark_m)
-        short_m = target.mark_m - (limit_m - bound_m - BEFORE_LIMIT_M)
-        lost = bound_m > way.setup.unit.doubt_bound_max_m and short_m > ARRIVED_WITHIN_M
-        if not lost and short_m <= max(CALLS_SHORT_M, _spare_m(way, target)):
-            continue
-        stand, (_, name) = way.stand_at(target), way.place(target)
-        text = (
-            f"{way.train.number} would stop {short_m:.0f} m short of its mark at {name} at"
-            f" {minute(stand.arrives_s)}: no position tag tells it nearer than {bound_m:.0f} m where it is"
-        )
-        unit = way.setup.unit
-        room_m = (limit_m - target.mark_m - BEFORE_LIMIT_M - unit.tag_accuracy_m) / unit.wheel_error_share
-        within_m = max(min(room_m, 300.0), 15.0)
-        remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
-        yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+def _position(way: _Way) -> Iterator[Finding]:
+    """Along the way: points that are to be thrown, and stops to be made."""
+    spans = way.mission.spans
+    places: list[tuple[float, int, int]] = [
+        (span.start_m, 0, index) for index, span in enumerate(spans) if span.kind is SectionKind.POINTS
+    ]
+    places += [(target.mark_m, 1, index) for index, target in enumerate(way.mission.targets) if index > 0]
+    for _, what, index in sorted(places):
+        yield from _mark(way, way.mission.targets[index]) if what else _points(way, index)
+
+
+def _mark(way: _Way, target: Target) -> Iterator[Finding]:
+    """A stop that a unit could not make because no tag has told it where it is."""
+    if target.station_id is None:
+        return
+    unit = way.setup.unit
+    limit_m = _limit_m(way, target)
+    stops_m = way.stops_before_m(limit_m)
+    bound_m = way.bound_m(min(target.mark_m, stops_m))
+    short_m = target.mark_m - stops_m
+    off_m = way.off_m(target.mark_m)
+    lost = bound_m > unit.doubt_bound_max_m and short_m > ARRIVED_WITHIN_M
+    spare_m = CALLS_SHORT_M if _by_eye(way, target) else max(CALLS_SHORT_M, _spare_m(way, target))
+    if not lost and short_m <= max(CALLS_SHORT_M, _spare_m(way, target)) and off_m <= spare_m:
+        return
+    stand, (_, name) = way.stand_at(target), way.place(target)
+    misses = f"{short_m:.0f} m short of" if short_m > off_m else f"perhaps {off_m:.0f} m off"
+    text = (
+        f"{way.train.number} would stop {misses} its mark at {name} at {minute(stand.arrives_s)}:"
+        f" no position tag for the {way.run_since_tag_m(target.mark_m) / 1000.0:.1f} km before it"
+    )
+    room_m = (limit_m - target.mark_m - BEFORE_LIMIT_M - unit.tag_accuracy_m) / unit.wheel_error_share
+    within_m = max(min(room_m, 300.0), 15.0)
+    remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
+    way.mended_m.append(target.mark_m)
+    yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+
+
+def _by_eye(way: _Way, target: Target) -> bool:
+    """Whether the driver has to confirm a stop there, which only one at its mark allows."""
+    stops = zip(way.mission.targets, way.plan.stops, strict=True)
+    return next(stop.by_eye for at, stop in stops if at is target)
 
 
 def _limit_m(way: _Way, target: Target) -> float:
@@ -175,43 +234,44 @@ def _spare_m(way: _Way, target: Target) -> float:
     return target.mark_m - way.length_m - min(ends_m)
 
 
-# points ----------------------------------------------------------------------------------------------------------------
+# points ------------------------------------------------------------------------------------------------------
 
 
-def _points(way: _Way) -> Iterator[Finding]:
+def _points(way: _Way, index: int) -> Iterator[Finding]:
     """Points that are to be thrown under way: their approach tag, and the radio to command them."""
     spans = way.mission.spans
-    for index, span in enumerate(spans[1:], start=1):
-        arrives = span.kind is SectionKind.POINTS and spans[index - 1].kind is SectionKind.BETWEEN
-        needed = [one for group in _group(spans, index) for one in group.points]
-        if not arrives or not needed:
-            continue
-        tags = _approach_tags(way, span)
-        stops_m = way.stops_before_m(span.start_m)
-        stand = way.next_stand(span.start_m)
-        head = f"{way.train.number} comes to points {needed[0][0]} before {minute(stand.arrives_s)}: "
-        if tags:
-            if not way.covered(tags[0], max(stops_m, tags[0])):
-                text = f"{head}no radio between their approach tag and them, so they cannot be thrown"
-                yield way.finding(
-                    Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, _coverage_to(way, stops_m))
-                )
-            continue
-        yield from _without_approach_tag(way, stand, stops_m, head)
+    span = spans[index]
+    needed = [one for group in _group(spans, index) for one in group.points]
+    if index == 0 or spans[index - 1].kind is not SectionKind.BETWEEN or not needed:
+        return
+    tags = _approach_tags(way, span)
+    stops_m = way.stops_before_m(span.start_m)
+    stand = way.next_stand(span.start_m)
+    head = f"{way.train.number} comes to points {needed[0][0]} before {minute(stand.arrives_s)}: "
+    if not tags:
+        yield from _without_approach_tag(way, stand, span, head)
+    elif not way.covered(tags[0], max(stops_m, tags[0])):
+        text = f"{head}no radio between their approach tag and them, so they cannot be thrown"
+        remedy = _coverage_to(way, stops_m)
+        yield way.finding(Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))
 
 
-def _without_approach_tag(way: _Way, stand: Stand, stops_m: float, head: str) -> Iterator[Finding]:
+def _without_approach_tag(way: _Way, stand: Stand, span: SectionSpan, head: str) -> Iterator[Finding]:
     """The train stops before the points: it can go on if it still knows where it is, and has radio there."""
+    stops_m = way.stops_before_m(span.start_m)
     bound_m = way.bound_m(stops_m)
-    remedy = f"an approach tag before {way.km(stops_m)}"
+    remedy = f"an approach tag well before them ({way.km(span.start_m)})"
     if bound_m > way.setup.unit.doubt_bound_max_m:
         text = (
             f"{head}no approach tag has them thrown, and no position tag tells the train nearer than {bound_m:.0f} m"
             " where it is, so that it gives its position up"
         )
+        way.mended_m.append(span.start_m)
         yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
     elif not way.covered(stops_m, stops_m):
-        text = f"{head}no approach tag has them thrown, and there is no radio where the train stops before them"
+        text = (
+            f"{head}no approach tag has them thrown, and there is no radio where the train stops before them"
+        )
         yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, f"{remedy}, where the radio reaches"))
     else:
         text = f"{head}no approach tag has them thrown, so that the train stops before them"
@@ -240,7 +300,7 @@ def _approach_tags(way: _Way, points: SectionSpan, before_m: float | None = None
     return [tag.position_m for tag in tags if start_m <= tag.position_m < end_m]
 
 
-# radio -----------------------------------------------------------------------------------------------------------------
+# radio -------------------------------------------------------------------------------------------------------
 
 
 def _radio(way: _Way) -> Iterator[Finding]:
@@ -274,7 +334,7 @@ def _radio(way: _Way) -> Iterator[Finding]:
 
 
 def _passing(way: _Way) -> Iterator[Finding]:
-    """Tracks that a train runs through: the route beyond is asked for from the approach tag on, or at the track's end."""
+    """Tracks that a train runs through: it asks for the way on from the approach tag on, or at the track's end."""
     for node in way.train.nodes[1:-1]:
         if node.target is not None:
             continue
@@ -289,8 +349,8 @@ def _passing(way: _Way) -> Iterator[Finding]:
             continue
         stand = way.next_stand(span.start_m)
         text = (
-            f"{way.train.number} runs through section {span.section_id} before {minute(stand.arrives_s)}: no radio to ask"
-            " for its route beyond"
+            f"{way.train.number} runs through section {span.section_id} before {minute(stand.arrives_s)}: no radio to"
+            " ask for its route beyond"
         )
         remedy = _coverage_to(way, stops_m)
         yield way.finding(Kind.COVERAGE, Severity.IMPOSSIBLE, stand, (text, remedy))

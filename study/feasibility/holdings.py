@@ -20,7 +20,8 @@ from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 class Hold:
     """One set holds a section from `from_s` to `to_s`; `arrives_s` is when it comes to the end of that route.
 
-    `trains` are those as which it does: one, or those that it becomes while it stands there.
+    `trains` are those as which it does: one, or those that it becomes while it stands there. On the track at the end of
+    its route it stands from `arrives_s` to `leaves_s`.
     """
 
     section_id: str
@@ -29,6 +30,7 @@ class Hold:
     from_s: float
     arrives_s: float
     to_s: float = math.inf
+    leaves_s: float = math.inf
 
     def train_at(self, time_s: float) -> PlannedTrain:
         """As which train the set holds the section at a time."""
@@ -52,6 +54,12 @@ class Clash:
     def wait_s(self) -> float:
         """From when the second needs the section to when the first gives it back, s."""
         return self.first.to_s - self.second.from_s if math.isfinite(self.second.from_s) else math.inf
+
+    @property
+    def together_s(self) -> float:
+        """For how long both would stand there at once by the plan's own times, s; negative where they never do."""
+        begin_s = max(self.first.arrives_s, self.second.arrives_s)
+        return min(self.first.leaves_s, self.second.leaves_s) - begin_s
 
     @property
     def trains(self) -> tuple[PlannedTrain, PlannedTrain]:
@@ -87,19 +95,18 @@ def _holds_of_set(trains: Sequence[PlannedTrain]) -> Iterator[Hold]:
         start = train.nodes[0]
         if standing is None:
             from_s = start.departs_s - SIGNS_S if train.duty.enters else -math.inf
-            standing = Hold(start.section_id, train.stock_id, [train], from_s, start.arrives_s)
+            standing = Hold(start.section_id, train.stock_id, [train], from_s, from_s)
         else:
             standing.trains.append(train)
         for route, here, there in zip(train.routes, train.nodes[:-1], train.nodes[1:], strict=True):
             for section_id in route.section_ids[:-1]:
-                yield Hold(
-                    section_id, train.stock_id, [train], here.departs_s, there.arrives_s, there.arrives_s
-                )
-            standing.to_s = there.arrives_s
+                comes_s = there.arrives_s
+                yield Hold(section_id, train.stock_id, [train], here.departs_s, comes_s, comes_s, comes_s)
+            standing.to_s, standing.leaves_s = there.arrives_s, here.departs_s
             yield standing
             standing = Hold(there.section_id, train.stock_id, [train], here.departs_s, there.arrives_s)
         if train.duty.leaves:
-            standing.to_s = train.nodes[-1].arrives_s + SIGNS_S
+            standing.to_s = standing.leaves_s = train.nodes[-1].arrives_s + SIGNS_S
             yield standing
             standing = None
     if standing is not None:

@@ -16,12 +16,15 @@ from functools import partial
 from typing import Final
 
 from onboard.authority.tables import REFUSED_REPEAT_S
+from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from simulation.setup import Setup
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 from study.feasibility.timing import throws_s
 
 OPENING_S: Final = 600.0  # the run begins this long before the first train
 COMES_S: Final = 40.0  # assumed: from the approach tag to the track
+SLOWEST_MPS: Final = CRUISE_MIN_KMH / 3.6
+SLOWED_S: Final = 40.0  # assumed: what a stop before points costs that are thrown only then
 RESTARTS_S: Final = 30.0  # assumed: what a train loses that must stop where it was to run through
 
 
@@ -79,10 +82,16 @@ class _Set:
 
 
 class Rehearsal:
-    """The day played through; `waits` and `late` say what came of it."""
+    """The day played through; `waits` and `late` say what came of it.
 
-    def __init__(self, setup: Setup, day: PlannedDay) -> None:
+    `slowed`: trains that must stop before the points of a station, by number and the station's id.
+    """
+
+    def __init__(
+        self, setup: Setup, day: PlannedDay, slowed: frozenset[tuple[str, str]] = frozenset()
+    ) -> None:
         self._setup = setup
+        self._slowed = slowed
         self._day = day
         self._holder: dict[str, _Set] = {}
         self._sets = [_Set(stock_id, trains) for stock_id, trains in day.trains.items() if trains]
@@ -184,7 +193,14 @@ class Rehearsal:
         elif granted_s > one.ready_s:  # it had to stop where it was to run through
             leaves_s += RESTARTS_S
         runs_s, not_before_s = self._run(train, one.node)
-        arrives_s = max(leaves_s + runs_s, not_before_s)
+        runs_s += (
+            SLOWED_S
+            if (train.number, self._day.line.sections[there.section_id].station_id) in self._slowed
+            else 0.0
+        )
+        # As late as the plan says, but no train goes slower than its unit lets it.
+        slowest_s = (there.position_m - here.position_m) / SLOWEST_MPS + RESTARTS_S
+        arrives_s = max(leaves_s + runs_s, min(not_before_s, leaves_s + slowest_s))
         one.moving = True
         if there.target is None:
             one.asks = one.node + 1
@@ -198,7 +214,9 @@ class Rehearsal:
             ahead = next(i for i, s in enumerate(train.stands) if s.target.mark_m >= there.position_m)
             whole_m = train.stands[ahead].target.mark_m - train.stands[ahead - 1].target.mark_m
             share = (there.position_m - here.position_m) / max(whole_m, 1.0)
-            return train.stands[ahead].run_s * min(share, 1.0), there.arrives_s - self._setup.unit.time_margin_s
+            return train.stands[ahead].run_s * min(
+                share, 1.0
+            ), there.arrives_s - self._setup.unit.time_margin_s
         stands = [s for s in train.stands if here.position_m < s.target.mark_m <= there.position_m]
         halts = sum(stand.target.passengers for stand in stands[:-1])
         runs_s = sum(stand.run_s for stand in stands) + halts * self._setup.unit.dwell_min_s

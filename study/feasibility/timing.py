@@ -59,7 +59,9 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:
                 f"{train.number} leaves {names[0]} at {minute(before.departs_s)} and has {planned_s:.0f} s for"
                 f" {km:.1f} km to {names[1]}; {setup.trains[train.stock_id].name} needs {there.run_s:.0f} s"
             )
-            remedy = f"it is at {names[1]} at {clock(math.ceil(before.departs_s + there.run_s))} at the earliest"
+            remedy = (
+                f"it is at {names[1]} at {clock(math.ceil(before.departs_s + there.run_s))} at the earliest"
+            )
             times_s = (before.target.departure_s, there.target.arrival_s or there.target.departure_s)
             short, severity = short_s, severity_of(short_s, *times_s)
         place = f"{before.target.station_id}-{there.target.station_id}"

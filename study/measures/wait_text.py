@@ -22,8 +22,8 @@ class Name:
     ja: str
 
     def in_(self, language: Language) -> str:
-        """The name in a language."""
-        return self.ja if language == "ja" else self.en
+        """The name in a language; in English where it has no other."""
+        return (self.ja or self.en) if language == "ja" else self.en
 
 
 Names = Mapping[str, Name]

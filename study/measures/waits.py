@@ -30,7 +30,8 @@ from study.measures.wait_view import Doing, View, subject_of
 from study.measures.where import Whereabouts
 
 AT_ITS_STOP: Final = (Phase.AT_STOP, Phase.LAYOVER)
-SLOWED_SHARE: Final = 0.5  # of the braking to a stop: with less to go, its pattern holds a train back
+SLOWED_SHARE: Final = 0.8  # of the braking to a stop: a train that must brake so hard and does is held back
+BRAKES_MPS2: Final = -0.05  # less than this is to hold its speed
 ASKS_AGAIN: Final = "asks again"
 WRONG_CLOCK: Final = "clock"
 NO_PASSENGERS: Final = "operational"
@@ -454,7 +455,8 @@ class _Finder:
         left_m = np.maximum(limit_m - rows["position_m"] - self._setup.unit.standoff_m, 1.0)
         needed_mps2 = rows["speed_mps"] ** 2 / (2.0 * left_m)
         near = needed_mps2 >= SLOWED_SHARE * driving.stop_deceleration_mps2
-        begins = times_s[near & (rows["notch"] <= 0.0) & (rows["position_m"] < limit_m)]
+        brakes = (rows["acceleration_mps2"] <= BRAKES_MPS2) & (rows["notch"] < 0.0)
+        begins = times_s[near & brakes & (rows["position_m"] < limit_m)]
         if not goes_on and not begins.size:
             return None
         begins_s = from_s if goes_on or begins[0] - from_s < SAMPLES_S else float(begins[0])

@@ -20,14 +20,15 @@ from host.unit import PartyUnits, unit_specs
 from host.units import LocalUnits
 from network.errors import InputError
 from network.graph import all_routes
-from study.feasibility.check import feasibility
 from network.model import Line
 from radio.keys import KEY_BYTES
 from simulation.carriers.carrier import Carrier
+from simulation.carriers.sumo_api import STEP_DELAY_MS, Window
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.feasibility.check import feasibility
 from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
 from study.measures.second_opinion import comparisons_of
@@ -57,10 +58,12 @@ from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
+from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import read_net
 from wayside.config import manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
+SCENERY_FILE: Final = "scenery.add.xml"
 
 
 class Link(Enum):
@@ -82,6 +85,12 @@ class CarrierKind(Enum):
 
     SUMO = "sumo"
     PLAIN = "plain"
+    SUMO_GUI = "sumo-gui"  # SUMO with a window on the run
+
+    @property
+    def shown(self) -> bool:
+        """Whether a window shows the run."""
+        return self is CarrierKind.SUMO_GUI
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,12 +114,14 @@ def execute(
     wrap: Callable[[Carrier], Carrier] | None = None,
     watch: Callable[[Parties], Parties] | None = None,
     journal: Path | None = None,
+    delay_ms: int = STEP_DELAY_MS,
 ) -> Run:
     """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
     `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
-    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties.
+    `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
+    `delay_ms` is how long sumo-gui takes over a step.
     """
     setup = scenario.setup
     with scratch(TEMPORARY) as folder:
@@ -121,7 +132,10 @@ def execute(
         specs = specs_of(setup, master_key)
         if units is UnitsAt.PROCESSES:
             specs = (*specs, *unit_specs(on_board))
-        make = carrier_factory(carrier, setup.line, net)
+        window = Window(folder / SCENERY_FILE, delay_ms)
+        make = carrier_factory(carrier, setup.line, net, window)
+        # Days of learning pass without a window.
+        make_before = carrier_factory(CarrierKind.SUMO, setup.line, net) if carrier.shown else make
         wrapped = wrap or _as_it_is
         started = time.perf_counter()
         while True:
@@ -131,7 +145,7 @@ def execute(
             with parties_of(link, setup.line.id, specs, state) as parties:
                 simulation = Simulation(
                     setup,
-                    (lambda begin_s: wrapped(make(begin_s))) if last else make,
+                    (lambda begin_s: wrapped(make(begin_s))) if last else make_before,
                     parties if watch is None else watch(parties),
                     read_net(net),
                     PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
@@ -234,11 +248,11 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
     run.tables.write(folder)
     if run.result.learned:
         (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
-    summary = run.summary | {"out": str(out), "tables": digests_of_tables(folder)}
+    summary = run.summary | {"out": str(out)}
     inputs = run.scenario.inputs
     (folder / SUMMARY_FILE).write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
     (folder / INPUTS_FILE).write_text(inputs.as_json(), "utf-8")
-    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill)
+    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill, digests_of_tables(folder))
     (folder / SHOWN_FILE).write_bytes(shown.as_json())
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
     for name, text in more.files.items():
@@ -282,8 +296,20 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     )
 
 
-def carrier_factory(kind: CarrierKind, line: Line, net: Path) -> Callable[[float], Carrier]:
-    """How the loop makes its carrier, given the time at which the run begins (s)."""
+def carrier_factory(
+    kind: CarrierKind, line: Line, net: Path, window: Window | None = None
+) -> Callable[[float], Carrier]:
+    """How the loop makes its carrier, given the time at which the run begins (s).
+
+    Where the kind is `shown`, the scenery of the line is written where `window` has it.
+    """
+    if kind is CarrierKind.SUMO_GUI:
+        from simulation.carriers.window import WindowCarrier
+
+        shown = window or Window()
+        if shown.scenery is not None:
+            shown.scenery.write_bytes(scenery_xml(line))
+        return lambda begin_s: WindowCarrier(net, begin_s, shown)
     if kind is CarrierKind.SUMO:
         from simulation.carriers.sumo import SumoCarrier
 

@@ -54,6 +54,9 @@ def test_help_is_no_error(main: Callable[..., Any], arguments: tuple[str, ...]) 
         (("drill", "list", "--every", "0"), "--every"),
         (("reproduce",), "name"),
         (("check",), "scenario"),
+        (("compare",), "base"),
+        (("compare", "one"), "OTHER"),
+        (("compare", "one", "two", "--over", "much"), "--over"),
         (("schema", "a", "b"), "b"),
         (("import",), "command"),
         (("import", "dance"), "dance"),
@@ -91,6 +94,7 @@ def test_the_version_is_that_of_the_package(main: Callable[..., Any]) -> None:
         (("reproduce", "no_such_paper"), Outcome.BAD_INPUT),
         (("bench", "no_such_scenario"), Outcome.BAD_INPUT),
         (("check", "no_such_scenario"), Outcome.BAD_INPUT),
+        (("compare", "no_such_run", "another"), Outcome.BAD_INPUT),
     ],
 )
 def test_one_object_says_how_it_ended(

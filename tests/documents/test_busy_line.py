@@ -12,9 +12,9 @@ import pytest
 from documents.busy_line import DWELL_S, INTERVAL_S, LINE_ID, STATIONS, STEP_S, TURN_BACK_S, files
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
-from network.meets import planned_meets, unresolvable_meets
 from network.model import Direction, SectionKind
 from network.timetable import AtPortal, BecomesTrain, Timetable, load_timetable
+from study.feasibility.check import feasibility
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 from sumo_cfg.build import committed_net, net_digest
@@ -55,9 +55,9 @@ def test_48_trains_each_way_every_15_minutes(direction: Direction) -> None:
 
 
 def test_every_meet_is_at_a_station_and_every_station_sees_some() -> None:
-    meets = planned_meets(LINE, TIMETABLE)
-    assert unresolvable_meets(LINE, TIMETABLE) == ()
-    places = Counter(meet.crossing_station for meet in meets)
+    found = feasibility(load_scenario(LINE_ID).setup)
+    assert found.findings == ()
+    places = Counter(meet.station for meet in found.meets)
     # At each of the four stations inside, each of 47 intervals shared by both directions has its meet.
     assert set(places) == {name for name, _ in STATIONS[1:-1]}
     assert min(places.values()) >= 45

@@ -18,7 +18,6 @@ from network.exchange.geometry import (
 from network.files.line_file import load_line, validate_train_fits
 from network.files.shipped import shipped_line, shipped_timetable
 from network.graph import find_route
-from network.meets import planned_meets, unresolvable_meets
 from network.model import Direction, Line, Position, SectionKind, TagPurpose
 from network.tag_layout import TagRule, lay_tags, tags_toml
 from network.timetable import Timetable, TimetableTrain, load_timetable
@@ -164,13 +163,6 @@ def test_27_trains_and_one_empty(day: Timetable) -> None:
     assert sum(t.revenue and t.direction is Direction.DOWN for t in day.trains.values()) == 14
     assert [t.number for t in day.trains.values() if not t.revenue] == ["E346M"]
     assert [d.stock_id for d in day.diagrams] == ["V1", "V2", "V3", "V4"]
-
-
-def test_opposing_trains_meet_only_at_ogane(line: Line, day: Timetable) -> None:
-    assert unresolvable_meets(line, day) == ()
-    meets = planned_meets(line, day)
-    assert meets
-    assert {meet.crossing_station for meet in meets} == {"OGN"}
 
 
 def test_platforms_hold_the_trains(line: Line, day: Timetable) -> None:

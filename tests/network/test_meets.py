@@ -1,60 +1,61 @@
-"""Meets in words; where they are found is tested with the timetables."""
+"""Where trains meet on the train graph, by hand-made trajectories on a line of three stations."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from network.files.line_file import load_line
-from network.files.patch import load_patched_line
-from network.files.shipped import shipped_line, shipped_timetable
-from network.meets import Meet, meet_text, planned_meets, unresolvable_meets
-from network.model import Line
-from network.timetable import load_timetable
+from network.meets import Trajectory, meets_of
+from network.model import Direction
 
 LINE = load_line(Path(__file__).with_name("sample_line.toml"))
-WITHOUT_LOOP = load_patched_line(shipped_line("karasuyama"), {"remove_tracks": ["OGN.2"]}, "what_if.toml")
-TIME_S = 10 * 3600 + 5 * 60 + 59.9  # 10:05 until the next minute begins
+A_M, H_M, B_M = (LINE.stations[name].position_m for name in "AHB")
+TEN = 36_000.0
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "position_m", "text"),
-    [
-        ("H", "B", 2900.0, "between Halt and Bessho at 10:05: the line is single there, and the nearest "
-         "station with two tracks is Bessho"),
-        ("H", "H", 1500.0, "at Halt at 10:05: a halt has no second track, and the nearest other station "
-         "with two tracks is Aoki"),
-        ("A", "A", 260.0, "at Aoki at 10:05: both need the same track, and the nearest other station with two "
-         "tracks is Bessho"),
-        (None, "A", 10.0, "beyond Aoki at 10:05: the line is single there, and the nearest station with two "
-         "tracks is Aoki"),
-    ],
-)  # fmt: skip
-def test_why_two_trains_cannot_pass(low: str | None, high: str, position_m: float, text: str) -> None:
-    meet = Meet("D", "U", TIME_S, position_m, low, high, None)
-    assert meet_text(meet, LINE) == f"D and U would meet {text}"
+def down(*corners: tuple[float, float], number: str = "D") -> Trajectory:
+    return Trajectory(number, Direction.DOWN, tuple(t for t, _ in corners), tuple(m for _, m in corners))
 
 
-def test_trains_that_pass() -> None:
-    meet = Meet("D", "U", TIME_S, 260.0, "A", "A", "A")
-    assert meet_text(meet, LINE) == "D and U pass each other at Aoki at 10:05"
+def up(*corners: tuple[float, float], number: str = "U") -> Trajectory:
+    return Trajectory(number, Direction.UP, tuple(t for t, _ in corners), tuple(m for _, m in corners))
 
 
-@pytest.fixture(params=["karasuyama_weekday", "karasuyama_holiday"])
-def day(request: pytest.FixtureRequest) -> str:
-    return str(request.param)
+def test_same_speeds_opposite_ends_meet_half_way_at_half_time() -> None:
+    (meet,) = meets_of(LINE, [down((TEN, A_M), (TEN + 600, B_M)), up((TEN, B_M), (TEN + 600, A_M))])
+    assert (meet.down_train, meet.up_train) == ("D", "U")
+    assert meet.time_s == pytest.approx(TEN + 300)
+    assert meet.position_m == pytest.approx((A_M + B_M) / 2)
+    assert (meet.low_station, meet.high_station, meet.station) == ("H", "B", None)
+    assert str(meet) == "D and U meet between H and B at 10:05:00"
 
 
-def test_without_the_loop_every_meet_at_ogane_is_impossible(day: str) -> None:
-    """The timetable has ten meets, all at Ogane, where one track is left."""
-    path = shipped_timetable(day)
-    line: Line = load_line(shipped_line("karasuyama"))
-    wanted = planned_meets(line, load_timetable(path, line))
-    found = unresolvable_meets(WITHOUT_LOOP, load_timetable(path, WITHOUT_LOOP))
-    assert len(found) == 10
-    pairs = [(meet.down_train, meet.up_train, meet.time_s) for meet in found]
-    assert pairs == [(meet.down_train, meet.up_train, meet.time_s) for meet in wanted]
-    assert meet_text(found[0], WITHOUT_LOOP) == (
-        "321M and 322M would meet at Ogane at 05:57: it has one track, and no other station has two tracks"
-    )
+def test_a_train_that_stands_is_met_where_it_stands() -> None:
+    waits = down((TEN - 60, A_M), (TEN + 120, A_M), (TEN + 600, B_M))
+    (meet,) = meets_of(LINE, [waits, up((TEN - 540, B_M), (TEN + 60, A_M), (TEN + 180, A_M))])
+    assert (meet.station, meet.time_s) == ("A", TEN + 60)
+    assert str(meet) == "D and U meet at A at 10:01:00"
+
+
+def test_who_has_gone_or_goes_the_same_way_is_not_met() -> None:
+    runs = down((TEN, A_M), (TEN + 600, B_M))
+    assert meets_of(LINE, [runs, up((TEN - 600, B_M), (TEN, A_M))]) == ()  # touch, no overlap
+    assert meets_of(LINE, [runs, up((TEN + 900, B_M), (TEN + 1500, A_M))]) == ()
+    assert meets_of(LINE, [runs, up((TEN + 540, H_M), (TEN + 900, A_M))]) == ()  # has long passed it
+    assert meets_of(LINE, [runs, down((TEN + 60, A_M), (TEN + 660, B_M), number="E")]) == ()
+
+
+@given(st.integers(-500, 500), st.integers(0, 86_400))
+def test_the_same_day_later_has_the_same_meets(shift_s: int, later_s: int) -> None:
+    def found(by_s: float) -> list[tuple[float, float]]:
+        one = down((TEN + by_s, A_M), (TEN + by_s + 600, B_M))
+        other = up((TEN + by_s + shift_s, B_M), (TEN + by_s + shift_s + 600, A_M))
+        return [(meet.time_s - by_s, meet.position_m) for meet in meets_of(LINE, [one, other])]
+
+    now = found(0.0)
+    assert len(now) == 1  # trains that are on the line together going towards each other meet once
+    assert [pytest.approx(each) for each in now] == found(float(later_s))

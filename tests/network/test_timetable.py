@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,7 +7,6 @@ import pytest
 from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
-from network.meets import planned_meets, unresolvable_meets
 from network.model import Direction
 from network.timetable import (
     AtPortal,
@@ -275,85 +273,6 @@ def test_a_fault_names_file_key_value_and_expectation(
     assert (error.file, error.key, error.value) == ("day.toml", key, value)
     assert expected in error.expected
     assert "\n" not in str(error)
-
-
-def opposing(down: str, up: str) -> str:
-    return f"""
-[timetable]
-id = "two"
-line = "sample"
-dwell_min_s = 30
-[[trains]]
-number = "D"
-direction = "down"
-calls = [{down}]
-begins = "stabled"
-ends = "stabled"
-[[trains]]
-number = "U"
-direction = "up"
-calls = [{up}]
-begins = "stabled"
-ends = "stabled"
-[[diagrams]]
-stock = "V1"
-trains = ["D"]
-[[diagrams]]
-stock = "V2"
-trains = ["U"]
-"""
-
-
-DOWN_RUN = '{station="A", departure="10:00"}, {station="B", arrival="10:10"}'
-
-
-def test_meet_on_the_single_line_is_unresolvable() -> None:
-    """Same speeds, opposite ends, same time: they meet half-way at half-time."""
-    up = '{station="B", departure="10:00"}, {station="A", arrival="10:10"}'
-    timetable = parse_timetable(opposing(DOWN_RUN, up), "f", LINE)
-    (meet,) = unresolvable_meets(LINE, timetable)
-    assert (meet.down_train, meet.up_train) == ("D", "U")
-    assert meet.time_s == pytest.approx(10 * 3600 + 300)
-    assert meet.position_m == pytest.approx((260 + 3150) / 2)
-    assert (meet.low_station, meet.high_station, meet.crossing_station) == ("H", "B", None)
-    assert str(meet) == "D and U meet between H and B at 10:05:00"
-
-
-def test_meet_at_a_station_with_two_tracks() -> None:
-    up = '{station="B", departure="09:50"}, {station="A", arrival="10:00"}'
-    assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, up), "f", LINE)) == ()  # touch, no overlap
-    later = '{station="B", departure="09:51"}, {station="A", arrival="10:01", departure="10:03"}'
-    waits = '{station="A", arrival="09:59", departure="10:02"}, {station="B", arrival="10:10"}'
-    timetable = parse_timetable(opposing(waits, later), "f", LINE)
-    (meet,) = planned_meets(LINE, timetable)
-    assert (meet.crossing_station, meet.low_station, meet.high_station) == ("A", "A", "A")
-    assert meet.time_s == 10 * 3600 + 60
-    assert unresolvable_meets(LINE, timetable) == ()
-    same = opposing(waits.replace('"A",', '"A", track="1",'), later.replace('"A",', '"A", track="1",'))
-    (clash,) = unresolvable_meets(LINE, parse_timetable(same, "f", LINE))
-    assert str(clash) == "D and U meet at A at 10:01:00"
-
-
-def test_meet_at_a_halt_or_with_one_usable_track_is_unresolvable() -> None:
-    halt = '{{station="H", arrival="10:0{}", departure="10:07"}}'
-    down = '{station="A", departure="10:00"}, ' + halt.format(4) + ', {station="B", arrival="10:10"}'
-    up = '{station="B", departure="10:00"}, ' + halt.format(5) + ', {station="A", arrival="10:11"}'
-    (meet,) = unresolvable_meets(LINE, parse_timetable(opposing(down, up), "f", LINE))
-    assert (meet.low_station, meet.high_station) == ("H", "H")
-    assert meet.time_s == 10 * 3600 + 300
-
-
-def test_following_one_another_is_no_meet() -> None:
-    up = '{station="B", departure="10:15"}, {station="A", arrival="10:25"}'
-    assert planned_meets(LINE, parse_timetable(opposing(DOWN_RUN, up), "f", LINE)) == ()
-    later = parse_timetable(opposing(DOWN_RUN, up), "f", LINE)
-    ups = [train for train in later.trains.values() if train.direction is Direction.UP]
-    calls = (
-        Call("H", None, None, 36_540),
-        Call("A", None, 36_900, None),
-    )  # 10:09: the other has long passed H
-    trains = {**later.trains, ups[0].number: replace(ups[0], calls=calls)}
-    assert planned_meets(LINE, replace(later, trains=trains)) == ()
 
 
 def test_load_from_a_file(tmp_path: Path) -> None:

@@ -1,8 +1,9 @@
 """What OuDia has no place for, in the places that it leaves to people: the route's comment and a train's remark.
 
 The comment ends in a table of TOML: the head of the timetable file, ids of stations and order of sets. A remark has
-words `運転停車=OGN,KRS` (stations where the train stands without passengers, though OuDia has it stop), `番線=OGN`
-(stations whose track is named, though it is the usual one) and `日=+1` (it begins a day later than its first time says). Who edits the file may change or drop them; then they are not read.
+words, each with ids of stations: `運転停車=OGN,KRS`, where the train stands without passengers and OuDia has a stop;
+`番線=OGN`, where its track is named, the usual one as it is; and `日=+1`, by how many days it begins later than its
+first time says. Who edits the file may change or drop them; then they are not read.
 """
 
 from __future__ import annotations

@@ -143,12 +143,10 @@ def operation_text(kind: int, *parts: str) -> str:
     return text
 
 
-def operating_day(
-    times: Sequence[int | None], begins_s: int = DAY_BEGINS_S, back_s: int = DAY_S // 2
-) -> tuple[int | None, ...]:
+def operating_day(times: Sequence[int | None]) -> tuple[int | None, ...]:
     """Times of a train in its order, s after the midnight before its operating day, from those of the clock.
 
-    A first time before `begins_s` is of the night after; one over `back_s` before the one before it of the next day.
+    A first time before DAY_BEGINS_S is of the night after; one over 12 h before the one before it of the next day.
     """
     found: list[int | None] = []
     last_s: int | None = None
@@ -157,9 +155,9 @@ def operating_day(
             found.append(None)
             continue
         if last_s is None:
-            last_s = time_s + (DAY_S if time_s < begins_s else 0)
+            last_s = time_s + (DAY_S if time_s < DAY_BEGINS_S else 0)
         else:
-            last_s = time_s + DAY_S * max(0, math.ceil((last_s - back_s - time_s) / DAY_S))
+            last_s = time_s + DAY_S * max(0, math.ceil((last_s - DAY_S // 2 - time_s) / DAY_S))
         found.append(last_s)
     return tuple(found)
 

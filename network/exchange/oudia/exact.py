@@ -14,14 +14,12 @@ from itertools import pairwise
 from network.errors import InputError
 from network.exchange.oudia.carried import Carried, carried_in, words_in
 from network.exchange.oudia.cells import (
-    DAY_BEGINS_S,
     After,
     Before,
     Cell,
     How,
     Operation,
     index_of,
-    operating_day,
 )
 from network.exchange.oudia.published import NOT_FOR_PASSENGERS
 from network.exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain
@@ -109,12 +107,12 @@ def _along(train: OudiaTrain, route: OudiaRoute, ids: Sequence[str]) -> list[tup
 def _calls(train: OudiaTrain, route: OudiaRoute, ids: Sequence[str]) -> list[tuple[int, CallTable]]:
     """Calls with the time (s) at which each begins."""
     words = words_in(train.remark)
-    times = _times(train, words.days)
     found: list[tuple[int, CallTable]] = []
-    for i, ((station, station_id), of) in enumerate(
-        zip(_along(train, route, ids), train.cells, strict=False)
-    ):
-        arrival_s, departure_s = times[i]
+    for (station, station_id), of in zip(_along(train, route, ids), train.cells, strict=False):
+        arrival_s, departure_s = (
+            None if time_s is None else time_s + words.days * DAY_S
+            for time_s in (of.arrival_s, of.departure_s)
+        )
         first_s = arrival_s if arrival_s is not None else departure_s
         if of.how not in (How.STOP, How.PASS) or first_s is None:
             continue  # it runs through, and nobody says when
@@ -132,16 +130,6 @@ def _calls(train: OudiaTrain, route: OudiaRoute, ids: Sequence[str]) -> list[tup
     if not found:
         raise _LostError(f"train {train.number} has no times")
     return found
-
-
-def _times(train: OudiaTrain, days: int) -> list[tuple[int | None, int | None]]:
-    """Arrival and departure of each cell, s: no time of a train that we wrote goes back."""
-    flat = [time_s for of in train.cells for time_s in (of.arrival_s, of.departure_s)]
-    day = operating_day(
-        [None if time_s is None else time_s % DAY_S for time_s in flat], DAY_BEGINS_S, back_s=0
-    )
-    whole = [None if time_s is None else time_s + days * DAY_S for time_s in day]
-    return list(zip(whole[::2], whole[1::2], strict=True))
 
 
 def _track(train: OudiaTrain, station: OudiaStation, of: Cell, *, named: bool) -> str | None:

@@ -69,6 +69,7 @@ class OudiaText:
     root: Node
     utf8: bool  # else cp932
     newline: str = "\r\n"
+    ended: bool = True  # with an end of line behind the last one
 
     @property
     def second(self) -> bool:
@@ -82,7 +83,7 @@ class OudiaText:
 
     def encoded(self) -> bytes:
         """The file. Raises UnicodeEncodeError for what cp932 has not."""
-        text = "".join(f"{line}{self.newline}" for line in _lines(self.root.items))
+        text = self.newline.join(_lines(self.root.items)) + (self.newline if self.ended else "")
         return codecs.BOM_UTF8 + text.encode("utf-8") if self.utf8 else text.encode(_CP932)
 
 
@@ -129,7 +130,7 @@ def parse_oudia(data: bytes, file: str) -> OudiaText:
             "OuDiaSecond's text in UTF-8 with its mark at the front (BOM), but it is in Shift-JIS (cp932)"
         )
         raise InputError(file, "", None, expected)
-    return OudiaText(root, utf8, newline)
+    return OudiaText(root, utf8, newline, text.endswith("\n"))
 
 
 def _decoded(file: str, data: bytes, *, utf8: bool) -> str:
@@ -142,7 +143,8 @@ def _decoded(file: str, data: bytes, *, utf8: bool) -> str:
         if found is not None and found[0] != "Shift-JIS":
             expected = f"text in Shift-JIS, but it is in {found[0]}; convert it: iconv -f {found[1]} -t CP932 OLD > NEW"
             raise InputError(file, "", None, expected)
-    codec, name = ("utf-8-sig", "UTF-8") if utf8 else (_CP932, "Shift-JIS (cp932)")
+    codec, name = ("utf-8", "UTF-8") if utf8 else (_CP932, "Shift-JIS (cp932)")
+    data = data.removeprefix(codecs.BOM_UTF8)
     try:
         return data.decode(codec)
     except UnicodeDecodeError as error:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from network.errors import InputError
 from network.exchange.oudia.cells import (
@@ -25,6 +25,7 @@ from network.exchange.oudia.cells import (
     seconds,
 )
 from network.exchange.oudia.nodes import Node, OudiaText
+from network.timetable import clock
 
 DOWN: Final = "Kudari"
 UP: Final = "Nobori"
@@ -127,6 +128,10 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     rosen = text.root.node("Rosen")
     if rosen is None:
         raise InputError(file, "Rosen", None, "a route, which is missing")
+    if text.root.node("DispProp") is None:
+        raise InputError(
+            file, "DispProp", None, "how it is shown, without which no file ends: is it cut off?"
+        )
     stations = tuple(_station(node) for node in rosen.nodes("Eki"))
     if not stations:
         raise InputError(file, "Rosen.Eki", None, "stations, of which there are none")
@@ -141,6 +146,25 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     )
     kind = text.root.text("FileType")
     return OudiaRoute(file, kind, rosen.text("Rosenmei"), rosen.text("Comment"), stations, dias)
+
+
+def summary_of(dia: OudiaDia) -> dict[str, Any]:
+    """For reports: trains by direction, when the first begins and the last ends, passings, and what is left out."""
+    used = [train for train in dia.trains if train.runs and not train.cancelled]
+    cells = [of for train in used for of in train.cells]
+    times = [time_s for of in cells for time_s in (of.arrival_s, of.departure_s) if time_s is not None]
+    return {
+        "name": dia.name,
+        "trains": len(dia.trains),
+        "down": sum(train.direction == DOWN for train in dia.trains),
+        "up": sum(train.direction == UP for train in dia.trains),
+        "first": clock(min(times)) if times else "",
+        "last": clock(max(times)) if times else "",
+        "calls": sum(of.how is How.STOP for of in cells),
+        "passings": sum(of.how is How.PASS for of in cells),
+        "without_number": sum(not train.number for train in dia.trains),
+        "left": list(left_of(dia)),
+    }
 
 
 def left_of(dia: OudiaDia) -> tuple[str, ...]:

@@ -240,9 +240,10 @@ def _train(train: TimetableTrain, direction: str, dia: _Dia, places: Sequence[_P
     first, last = index[train.calls[0].station_id], index[train.calls[-1].station_id]
     cells = [*("" for _ in range(first)), *_cells(train, along[first : last + 1])]
     main = {place.station.id: place.tracks[place.main[train.direction]] for place in along if place.tracks}
+    named = (call.station_id for call in train.calls if call.track == main.get(call.station_id, ""))
     words = Words(
         frozenset(call.station_id for call in train.calls if _is_said(train, call)),
-        frozenset(call.station_id for call in train.calls if call.track == main.get(call.station_id, "")),
+        frozenset(named if dia.first_kind == 0 else ()),  # as it was run all tracks are named
         _days(train),
     )
     note = remark(words)

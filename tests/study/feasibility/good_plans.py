@@ -136,12 +136,15 @@ def _run(
         first, last = k == 0, k == len(stops) - 1
         if not first:
             arrival_s = up_to(departure_s + stop.run_s)
-        stays_s = draw.whole(25, 60) if stop.station in halts else draw.one_of((draw.whole(25, 90), draw.whole(60, 600)))
-        if first and not from_portal:
-            departure_s = arrival_s
-        else:
-            departure_s = up_to(arrival_s + stays_s)
-        track = "1" if stop.tracks < 2 else trip.stands_on[2] if first and trip.stands_on else draw.one_of("12")
+        stays_s = (
+            draw.whole(25, 60)
+            if stop.station in halts
+            else draw.one_of((draw.whole(25, 90), draw.whole(60, 600)))
+        )
+        departure_s = arrival_s if first and not from_portal else up_to(arrival_s + stays_s)
+        track = (
+            "1" if stop.tracks < 2 else trip.stands_on[2] if first and trip.stands_on else draw.one_of("12")
+        )
         calls.append(
             Call(
                 stop.station,

@@ -44,6 +44,8 @@ class Plan:
     def setup(self) -> Setup:
         table: dict[str, Any] = timetable_table("plan", self.line.id, list(self.trains))
         table["timetable"]["dwell_min_s"] = self.dwell_min_s
+        for train in table["trains"]:  # a call may name no track
+            train["calls"] = [{k: v for k, v in call.items() if v} for call in train["calls"]]
         timetable = parse_timetable(toml_of(table), "plan.toml", self.line)
         kind = train_type()
         return Setup(
@@ -74,7 +76,7 @@ def call_at(train: Planned, station: str) -> Call:
     return next(call for call in train.calls if call.station == station)
 
 
-def with_call(train: Planned, station: str, **changes: Any) -> Planned:
+def with_call(train: Planned, station: str, **changes: object) -> Planned:
     """The train with its call at a station changed."""
     calls = tuple(replace(c, **changes) if c.station == station else c for c in train.calls)
     return replace(train, calls=calls)
@@ -85,9 +87,8 @@ def later(train: Planned, by_s: int, only_from: str | None = None) -> Planned:
     begun = only_from is None
     calls: list[Call] = []
     for call in train.calls:
-        arrives = begun
         begun = begun or call.station == only_from
-        arrival_s = call.arrival_s if call.arrival_s is None or not arrives else call.arrival_s + by_s
+        arrival_s = call.arrival_s if call.arrival_s is None or not begun else call.arrival_s + by_s
         departure_s = call.departure_s if call.departure_s is None or not begun else call.departure_s + by_s
         calls.append(replace(call, arrival_s=arrival_s, departure_s=departure_s))
     return replace(train, calls=tuple(calls))

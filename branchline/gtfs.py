@@ -1,0 +1,198 @@
+"""`branchline import gtfs` and `branchline export gtfs`."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from branchline.ending import print_json
+from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, Wanted, finish, print_figures
+from branchline.options import (
+    Additions,
+    ByHand,
+    ByHandFile,
+    Json,
+    LineName,
+    OutsideMin,
+    TimetableId,
+    TimetableOut,
+    TurnMin,
+)
+from branchline.progress import tell
+from study.outcome import Outcome
+
+if TYPE_CHECKING:
+    from network.exchange.gtfs.reader import GtfsDay
+    from network.exchange.gtfs.writer import FeedFacts
+    from network.model import Line
+    from network.timetable import Timetable
+
+# As `network.exchange.gtfs.writer` has them, which is not imported for `--help`.
+_URL: Final = "https://example.com/"
+_TIMEZONE: Final = "Asia/Tokyo"
+_FIRST, _LAST = "20260101", "20261231"
+_EVERY_DAY: Final = "1111111"
+_CENTRE: Final = "35,135"
+
+
+def import_gtfs(
+    source: Annotated[Path, typer.Argument(help="A GTFS feed: a zip archive, or a folder with its tables.")],
+    out: TimetableOut = None,
+    line: LineName = None,
+    date: Annotated[str, typer.Option("--date", help="The day, YYYY-MM-DD.")] = "",
+    service: Annotated[
+        str, typer.Option("--service", help="A service id of the feed in place of a day.")
+    ] = "",
+    route: Annotated[
+        list[str] | None,
+        typer.Option("--route", help="A route by id or short name; default all by rail. Again for more."),
+    ] = None,
+    timetable_id: TimetableId = None,
+    name: ByHand = None,
+    names: ByHandFile = None,
+    add: Additions = None,
+    turn_min: TurnMin = TURN_MIN_S,
+    outside_min: OutsideMin = OUTSIDE_MIN_S,
+    as_json: Json = False,
+) -> None:
+    """Read the trains of a day from a GTFS feed; with a line, make its timetable file."""
+    from network.exchange.gtfs.reader import GtfsChoice, read_gtfs
+
+    day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
+    plain = not (date or service or route or name or names or add)
+    if line is not None and plain and _read_back(day, line, timetable_id, out, as_json=as_json):
+        return
+    suffix = date.replace("-", "") or service or "day"
+    credit = f"numbers and times: GTFS feed {source.name}"
+    wanted = Wanted(
+        credit, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, in_order=False
+    )
+    counts = {"feed_trips": day.trips, "feed_stops": day.stops, "feed_calls": day.calls}
+    finish(day.published, wanted, counts, as_json=as_json)
+
+
+def export_gtfs(
+    source: Annotated[
+        str, typer.Argument(help="A run directory, a shipped scenario, or a scenario file (.toml).")
+    ],
+    out: Annotated[Path, typer.Argument(help="Archive to write (.zip).")],
+    agency: Annotated[str, typer.Option("--agency", help="Name of the operator; default the line's.")] = "",
+    url: Annotated[str, typer.Option("--agency-url", help="Its address.")] = _URL,
+    timezone: Annotated[str, typer.Option("--timezone", help="Of its times.")] = _TIMEZONE,
+    first: Annotated[str, typer.Option("--from", help="First day, YYYYMMDD.")] = _FIRST,
+    last: Annotated[str, typer.Option("--to", help="Last day, YYYYMMDD.")] = _LAST,
+    weekdays: Annotated[str, typer.Option("--weekdays", help="Seven of 0 and 1, from Monday.")] = _EVERY_DAY,
+    centre: Annotated[
+        str, typer.Option("--centre", help="LATITUDE,LONGITUDE that the plane of the line lies about.")
+    ] = _CENTRE,
+    as_json: Json = False,
+) -> None:
+    """Write a timetable as a GTFS feed; of a run, the day as it was run."""
+    from network.exchange.gtfs.writer import write_gtfs
+
+    facts = _facts(agency, url, timezone, (first, last), weekdays, centre)
+    line, timetable = _source(source)
+    rows = write_gtfs(out, line, timetable, facts)
+    if centre == _CENTRE:
+        tell(f"places of stations are about {_CENTRE} degrees; --centre says where the line really is")
+    figures: dict[str, Any] = {"line": line.id, "timetable": timetable.id, **rows}
+    if as_json:
+        print_json(figures, Outcome.GOOD)
+    else:
+        print_figures(figures)
+    tell(f"wrote {out}")
+
+
+def _facts(
+    agency: str, url: str, timezone: str, dates: tuple[str, str], weekdays: str, centre: str
+) -> FeedFacts:
+    from network.errors import COMMAND_LINE, InputError
+    from network.exchange.gtfs.days import date_of
+    from network.exchange.gtfs.writer import FeedFacts
+    from network.files.names import TITLE_HELP, title_of
+
+    for option, text in (("--agency", agency), ("--agency-url", url), ("--timezone", timezone)):
+        if title_of(text) != text:
+            raise InputError(COMMAND_LINE, option, text, TITLE_HELP)
+    if not re.fullmatch(r"https?://\S+", url):
+        raise InputError(COMMAND_LINE, "--agency-url", url, "an address that begins with http:// or https://")
+    if not re.fullmatch(r"[A-Z][A-Za-z_]*(?:/[A-Za-z0-9_+-]+)*", timezone):
+        raise InputError(
+            COMMAND_LINE, "--timezone", timezone, "a name of the tz database, such as Asia/Tokyo"
+        )
+    if not re.fullmatch("[01]{7}", weekdays) or "1" not in weekdays:
+        raise InputError(
+            COMMAND_LINE, "--weekdays", weekdays, "seven of 0 and 1 from Monday, such as 1111100"
+        )
+    first, last = (
+        date_of(COMMAND_LINE, option, text) for option, text in zip(("--from", "--to"), dates, strict=True)
+    )
+    if last < first:
+        raise InputError(COMMAND_LINE, "--to", dates[1], f"a day not before {dates[0]}")
+    match = re.fullmatch(r"(-?\d{1,2}(?:\.\d+)?),(-?\d{1,3}(?:\.\d+)?)", centre)
+    place = (float(match[1]), float(match[2])) if match else (90.0, 0.0)
+    if abs(place[0]) > 84 or abs(place[1]) > 180:
+        expected = "LATITUDE,LONGITUDE in degrees, latitude at most 84, such as 36.6491,140.067"
+        raise InputError(COMMAND_LINE, "--centre", centre, expected)
+    return FeedFacts(agency, url, timezone, first, last, weekdays, place)
+
+
+def _source(source: str) -> tuple[Line, Timetable]:
+    """Line and timetable of a scenario, or of a run directory the day as it was run."""
+    if Path(source).is_dir():
+        from study.run.as_run import trains_as_run
+        from study.run.read_back import read_run
+
+        run = read_run(Path(source))
+        trains = {train.number: train for train in trains_as_run(run.timetable, run.tables.stops)}
+        return run.line, replace(run.timetable, trains=trains)
+    from study.scenario.scenario import load_scenario
+
+    setup = load_scenario(source).setup
+    return setup.line, setup.timetable
+
+
+def _read_back(
+    day: GtfsDay, line_name: str, timetable_id: str | None, out: Path | None, *, as_json: bool
+) -> bool:
+    """Whether the feed is one of ours and whole; then it is read back as it was written."""
+    from network.errors import COMMAND_LINE, InputError
+    from network.exchange.gtfs.exact import read_back
+    from network.exchange.timetable_writer import timetable_toml
+    from network.files.json_input import write_aside
+    from network.files.line_file import load_line
+    from network.files.names import IDENTIFIER_HELP, is_identifier
+    from network.files.shipped import shipped_line
+
+    if day.written is None:
+        return False
+    line = load_line(shipped_line(line_name))
+    file, why = read_back(day.written, line, day.published.source)
+    if file is None:
+        tell(f"read as any other feed: {why}")
+        return False
+    if timetable_id is not None:
+        if not is_identifier(timetable_id):
+            raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+        file = file.model_copy(update={"timetable": file.timetable.model_copy(update={"id": timetable_id})})
+    if out is not None:
+        write_aside(out, timetable_toml(file))
+    figures: dict[str, Any] = {
+        "timetable": file.timetable.id,
+        "line": line.id,
+        "trains": len(file.trains),
+        "calls": sum(len(train.calls) for train in file.trains),
+        "sets": len(file.diagrams),
+        "read": "back, as it was written by branchline",
+    }
+    if as_json:
+        print_json(figures, Outcome.GOOD)
+    else:
+        print_figures(figures)
+    if out is not None:
+        tell(f"wrote {out}")
+    return True

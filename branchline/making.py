@@ -1,0 +1,76 @@
+"""`branchline new`: files made from little, to go on from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from branchline.making_files import new_drill, new_scenario, new_timetable, new_train
+from branchline.progress import tell
+
+makers = typer.Typer(help="Make a new file from little: it can be run, and says what it assumes.")
+makers.command("scenario")(new_scenario)
+makers.command("timetable")(new_timetable)
+makers.command("train")(new_train)
+makers.command("drill")(new_drill)
+
+
+@makers.callback()
+def _of_all_makers() -> None:
+    """Make a new file from little: it can be run, and says what it assumes."""
+
+
+@makers.command("line")
+def new_line(
+    stations: Annotated[Path, typer.Argument(help="Stations in order (CSV or TOML): name, tracks, km, ...")],
+    out: Annotated[Path, typer.Argument(help="Line file (TOML) to write.")],
+    polyline: Annotated[
+        Path | None, typer.Option("--polyline", help="Track polyline (GeoJSON) to fit the axis to.")
+    ] = None,
+    stations_geometry: Annotated[
+        Path | None, typer.Option("--stations-geometry", help="Stations of the same source (JSON).")
+    ] = None,
+    gradients: Annotated[
+        Path | None, typer.Option("--gradients", help="CSV of from_km, to_km, permille.")
+    ] = None,
+    limits: Annotated[
+        Path | None, typer.Option("--limits", help="CSV of from_km, to_km, speed_kmh, directions.")
+    ] = None,
+    max_speed: Annotated[
+        float | None, typer.Option("--max-speed", help="Greatest speed, km/h; default 85, assumed.")
+    ] = None,
+    train_length: Annotated[
+        float | None, typer.Option("--train-length", help="Longest train, m; default 40, assumed.")
+    ] = None,
+    line_id: Annotated[
+        str | None, typer.Option("--id", help="Id of the line; default: the file's name.")
+    ] = None,
+    name: Annotated[str | None, typer.Option("--name", help="What people call the line.")] = None,
+    name_ja: Annotated[str | None, typer.Option("--name-ja", help="The same in Japanese.")] = None,
+    scenario: Annotated[
+        Path | None,
+        typer.Option(
+            "--scenario", help="Also write a scenario that runs two trains over it, and their times."
+        ),
+    ] = None,
+) -> None:
+    """Make a whole line file from a list of stations: sections, points, tags, limits, and what is assumed."""
+    from network.making.new_line import Asked, write_line
+    from network.making.sample_day import sample_timetable, write_sample
+
+    if scenario is not None:
+        sample_timetable(out, scenario)
+    asked = Asked(
+        line_id, name, name_ja, max_speed, train_length, polyline, stations_geometry, gradients, limits
+    )
+    made = write_line(stations, out, asked)
+    for text in made.rows:
+        tell(text)
+    for text in made.remarks:
+        tell(f"remark: {text}")
+    tell(f"wrote {out}")
+    if scenario is not None:
+        for path in write_sample(made.line, out, scenario):
+            tell(f"wrote {path}")

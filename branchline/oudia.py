@@ -1,0 +1,194 @@
+"""`branchline import oudia` and `branchline export oudia`: timetables of OuDia and OuDiaSecond."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from branchline.ending import print_json
+from branchline.importing_timetables import OUTSIDE_MIN_S, TURN_MIN_S, Wanted, finish
+from branchline.options import (
+    Additions,
+    ByHand,
+    ByHandFile,
+    Json,
+    LineName,
+    OutsideMin,
+    TimetableId,
+    TimetableOut,
+    TurnMin,
+)
+from branchline.progress import tell
+from study.outcome import Outcome
+
+if TYPE_CHECKING:
+    from network.exchange.oudia.route import OudiaDia, OudiaRoute
+    from network.files.timetable_schema import TimetableFile
+    from network.model import Line
+    from network.timetable import Timetable, TimetableTrain
+
+
+def import_oudia(
+    source: Annotated[Path, typer.Argument(help="File of OuDia (.oud) or OuDiaSecond (.oud2).")],
+    out: TimetableOut = None,
+    line: LineName = None,
+    dia: Annotated[str | None, typer.Option("--dia", help="Which Dia, where the file has several.")] = None,
+    timetable_id: TimetableId = None,
+    name: ByHand = None,
+    names: ByHandFile = None,
+    add: Additions = None,
+    turn_min: TurnMin = TURN_MIN_S,
+    outside_min: OutsideMin = OUTSIDE_MIN_S,
+    as_json: Json = False,
+) -> None:
+    """Read a timetable of OuDia or OuDiaSecond; with a line, make its timetable file."""
+    from network.errors import COMMAND_LINE, InputError
+    from network.exchange.oudia.nodes import read_oudia
+    from network.exchange.oudia.published import published_of
+    from network.exchange.oudia.route import route_of
+
+    route = route_of(read_oudia(source), str(source))
+    counts = _counted(route)
+    if line is None:
+        if out is not None:
+            raise InputError(
+                COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written"
+            )
+        _say(counts if dia is None else _counted(route, [route.dia(dia)]), as_json=as_json)
+        return
+    chosen = route.dia(dia)
+    if not (name or names or add) and _read_back(route, chosen, line, timetable_id, out, as_json=as_json):
+        return
+    credit = f"{source.name}: {route.name}, {chosen.name} ({route.kind})"
+    wanted = Wanted(credit, "oudia", line, out, timetable_id, name or (), names, add, turn_min, outside_min)
+    finish(
+        published_of(route, chosen), wanted, {"file_type": route.kind, "dia": chosen.name}, as_json=as_json
+    )
+
+
+def export_oudia(
+    source: Annotated[
+        str, typer.Argument(help="A run directory, a shipped scenario, or a scenario file (.toml).")
+    ],
+    out: Annotated[Path, typer.Argument(help="File to write (.oud2).")],
+    as_json: Json = False,
+) -> None:
+    """Write a timetable for OuDiaSecond; of a run, the day as it was run stands beside it as a second Dia."""
+    from network.exchange.oudia.writer import AS_RUN, plan_name, write_oudia
+
+    line, timetable, as_run = _source(source)
+    write_oudia(out, line, timetable, as_run)
+    dias = [{"name": plan_name(timetable), "trains": len(timetable.trains)}]
+    dias += [{"name": AS_RUN, "trains": len(as_run)}] if as_run else []
+    _say(
+        {"line": line.id, "timetable": timetable.id, "stations": len(line.stations), "dias": dias},
+        as_json=as_json,
+    )
+    tell(f"wrote {out}")
+
+
+def _source(source: str) -> tuple[Line, Timetable, tuple[TimetableTrain, ...]]:
+    """Line and timetable, and of a run directory its trains as they were run."""
+    if Path(source).is_dir():
+        from study.run.as_run import trains_as_run
+        from study.run.read_back import read_run
+
+        run = read_run(Path(source))
+        return run.line, run.timetable, trains_as_run(run.timetable, run.tables.stops)
+    from study.scenario.scenario import load_scenario
+
+    setup = load_scenario(source).setup
+    return setup.line, setup.timetable, ()
+
+
+def _read_back(
+    route: OudiaRoute,
+    dia: OudiaDia,
+    line_name: str,
+    timetable_id: str | None,
+    out: Path | None,
+    *,
+    as_json: bool,
+) -> bool:
+    """Whether the file is one of ours and whole; then it is read back as it was written."""
+    from network.exchange.oudia.exact import read_back
+    from network.exchange.timetable_writer import timetable_toml
+    from network.files.json_input import write_aside
+    from network.files.line_file import load_line
+    from network.files.shipped import shipped_line
+
+    line = load_line(shipped_line(line_name))
+    back = read_back(route, dia, line)
+    if back.file is None:
+        if back.why:
+            tell(f"read as any other file: {back.why}")
+        return False
+    file = _renamed(back.file, timetable_id)
+    if out is not None:
+        write_aside(out, timetable_toml(file))
+    figures = {
+        "timetable": file.timetable.id,
+        "line": line.id,
+        "dia": dia.name,
+        "trains": len(file.trains),
+        "calls": sum(len(train.calls) for train in file.trains),
+        "sets": len(file.diagrams),
+        "read": "back, as it was written by branchline",
+    }
+    _say(figures, as_json=as_json)
+    if out is not None:
+        tell(f"wrote {out}")
+    return True
+
+
+def _renamed(file: TimetableFile, timetable_id: str | None) -> TimetableFile:
+    from network.errors import COMMAND_LINE, InputError
+    from network.files.names import IDENTIFIER_HELP, is_identifier
+
+    if timetable_id is None:
+        return file
+    if not is_identifier(timetable_id):
+        raise InputError(COMMAND_LINE, "--id", timetable_id, IDENTIFIER_HELP)
+    return file.model_copy(update={"timetable": file.timetable.model_copy(update={"id": timetable_id})})
+
+
+def _counted(route: OudiaRoute, dias: Iterable[OudiaDia] | None = None) -> dict[str, Any]:
+    """What a file holds: stations, and for each Dia its trains."""
+    from network.exchange.oudia.route import summary_of
+
+    shown = [summary_of(dia) for dia in (route.dias if dias is None else dias)]
+    return {
+        "file_type": route.kind,
+        "name": route.name,
+        "stations": len(route.stations),
+        "trains": sum(dia["trains"] for dia in shown),
+        "dias": shown,
+        "station_names": [station.name for station in route.stations],
+    }
+
+
+def _say(figures: dict[str, Any], *, as_json: bool) -> None:
+    """Figures as `key: value`, a Dia a line."""
+    from network.files.raw import is_list, is_table
+
+    if as_json:
+        print_json(figures, Outcome.GOOD)
+        return
+    for key, value in figures.items():
+        if is_list(value) and all(is_table(item) for item in value):
+            for item in value:
+                parts = (
+                    f"{name} {part}"
+                    for name, part in item.items()
+                    if name not in ("name", "left") and part != ""
+                )
+                left = f"; left: {', '.join(item['left'])}" if item.get("left") else ""
+                sys.stdout.write(f"dia {item['name']}: {', '.join(parts)}{left}\n")
+        elif is_list(value):
+            sys.stdout.write(f"{key}: {', '.join(map(str, value))}\n")
+        else:
+            sys.stdout.write(f"{key}: {value}\n")

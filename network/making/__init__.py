@@ -1,0 +1,1 @@
+"""Whole files made from little: a line file from a list of its stations."""

@@ -1,0 +1,1 @@
+"""Scenarios in the forms of other programs."""

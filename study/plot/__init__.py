@@ -1,0 +1,1 @@
+"""Pictures and tables of a finished run, one kind at a time: PNG, SVG and CSV."""

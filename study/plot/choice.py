@@ -1,0 +1,98 @@
+"""What of a run is to be shown: a train, a station, a stretch of time, a language."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+
+import polars as pl
+
+from network.errors import InputError
+from network.files.toml_input import one_of
+from network.model import Station
+from network.timetable import seconds_of
+from study.measures.wait_text import Language, Names, names_of
+from study.report.data import Run
+from study.run.read_back import RunRead
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What a person asked for; None: everything. Times in s since midnight."""
+
+    train: str | None = None
+    station: str | None = None
+    from_s: float | None = None
+    to_s: float | None = None
+    language: Language = "en"
+
+
+@dataclass(frozen=True)
+class Seen(Run):
+    """A run as a kind shows it: its figures and tables, seen through a choice."""
+
+    read: RunRead
+    choice: Choice
+    window: tuple[float, float]
+
+    @cached_property
+    def window_s(self) -> tuple[float, float]:
+        """First and last time shown, s."""
+        return self.window
+
+    @cached_property
+    def names(self) -> Names:
+        """Names of stations by id."""
+        return names_of(self.line)
+
+    def name(self, station_id: str) -> str:
+        """What a station is called in the language chosen; a portal's section goes by its id."""
+        known = self.names.get(station_id)
+        return station_id if known is None else known.in_(self.choice.language)
+
+    def shown(self, frame: pl.DataFrame) -> pl.DataFrame:
+        """The rows of a table that are of the train and the station chosen, where it has such columns."""
+        choice = self.choice
+        if choice.train is not None and "train" in frame.columns:
+            frame = frame.filter(pl.col("train") == choice.train)
+        if choice.station is not None and "station" in frame.columns:
+            frame = frame.filter(pl.col("station") == choice.station)
+        return frame
+
+    def within(self, frame: pl.DataFrame, *columns: str) -> pl.DataFrame:
+        """The rows with any of these times in the window, or with none at all; all of them if nobody chose one."""
+        if self.choice.from_s is None and self.choice.to_s is None:
+            return frame
+        from_s, to_s = self.window_s
+        first = pl.min_horizontal(columns)
+        last = pl.max_horizontal(columns)
+        return frame.filter((last >= from_s) & (first < to_s))
+
+    @property
+    def station(self) -> Station | None:
+        """The station chosen."""
+        return None if self.choice.station is None else self.line.stations[self.choice.station]
+
+
+def seen(read: RunRead, choice: Choice) -> Seen:
+    """A run through a choice. InputError for a train, station or time that the run does not have."""
+    _known("--train", choice.train, {str(train) for train in read.tables.stops["train"].unique()})
+    _known("--station", choice.station, read.line.stations)
+    whole_s = Run(read.line, read.timetable, read.tables).window_s
+    from_s = whole_s[0] if choice.from_s is None else choice.from_s
+    to_s = whole_s[1] if choice.to_s is None else choice.to_s
+    if from_s >= to_s:
+        asked = choice.to_s if choice.from_s is None else choice.from_s
+        raise InputError("command line", "--from, --to", asked, "a stretch of time in which the run is")
+    return Seen(read.line, read.timetable, read.tables, read, choice, (from_s, to_s))
+
+
+def _known(option: str, value: str | None, choices: Collection[str]) -> None:
+    if value is not None and value not in choices:
+        raise InputError("command line", option, value, one_of(choices, value))
+
+
+def time_of(option: str, text: str | None) -> float | None:
+    """The time of a text HH:MM or HH:MM:SS, s; None of none. InputError naming the option."""
+    return None if text is None else float(seconds_of("command line", option, text, None))

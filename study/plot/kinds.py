@@ -1,0 +1,204 @@
+"""The kinds of plots: what each shows, what may be chosen of it, its table and its picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Final
+
+import polars as pl
+from matplotlib.figure import Figure
+
+from network.errors import InputError
+from network.files.toml_input import one_of
+from simulation.setup import Setup
+from study.measures.standard_times import planned_runs, standard_times
+from study.plot import days, energy, stations
+from study.plot.choice import Seen
+from study.plot.margins import draw_margins
+from study.report.charts import draw_delays, draw_energy, draw_stop_errors
+from study.report.curve import draw_run_curve
+from study.report.graph import draw_train_graph
+from study.report.occupancy import draw_occupancy
+from study.report.running_times import draw_running_times
+
+
+class Chosen(Enum):
+    """What may be chosen of a kind; its option on the command line."""
+
+    TRAIN = "--train"
+    STATION = "--station"
+    TIME = "--from, --to"
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of plot. `needs` must be chosen for its picture; its table does without."""
+
+    name: str
+    title: str
+    title_ja: str
+    table: Callable[[Seen], pl.DataFrame]
+    draw: Callable[[Seen], Figure | None]
+    takes: frozenset[Chosen] = frozenset()
+    needs: frozenset[Chosen] = frozenset()
+
+
+def _times_of_stops(run: Seen) -> pl.DataFrame:
+    stops = run.shown(run.tables.stops)
+    return run.within(stops, "planned_arrival_s", "planned_departure_s", "arrival_s", "departure_s")
+
+
+def _run_curve_table(run: Seen) -> pl.DataFrame:
+    return run.shown(run.tables.trajectory)
+
+
+def _run_curve(run: Seen) -> Figure | None:
+    found = next((key for key in run.courses if key[1] == run.choice.train), None)
+    return None if found is None else draw_run_curve(run, *found)
+
+
+def _blocks_table(run: Seen) -> pl.DataFrame:
+    return run.within(run.shown(run.tables.blocks), "granted_s", "released_s", "entered_s", "cleared_s")
+
+
+def _running_times_table(run: Seen) -> pl.DataFrame:
+    return pl.DataFrame([time.as_dict() for time in standard_times(_setup(run))], infer_schema_length=None)
+
+
+def _running_times(run: Seen) -> Figure | None:
+    setup = _setup(run)
+    return draw_running_times(run.line, standard_times(setup), planned_runs(setup))
+
+
+def _setup(run: Seen) -> Setup:
+    """What running times depend on, as the run had it."""
+    read = run.read
+    return Setup(
+        read.name,
+        read.line,
+        read.timetable,
+        read.trains,
+        driving=read.settings.driving,
+        load=read.settings.trains,
+        operation=read.settings.operation,
+    )
+
+
+def _stop_errors(run: Seen) -> Figure | None:
+    return draw_stop_errors(run, run.read.summary)
+
+
+_ALL: Final = frozenset(Chosen)
+_TIME: Final = frozenset({Chosen.TIME})
+_TRAIN: Final = frozenset({Chosen.TRAIN})
+_STATION: Final = frozenset({Chosen.STATION})
+_KINDS: Final = (
+    Kind(
+        "train-graph",
+        "Train graph, plan thin and run thick",
+        "列車ダイヤ（細線：計画、太線：実績）",
+        _times_of_stops,
+        lambda run: draw_train_graph(run)[0],
+        _TIME,
+    ),
+    Kind("run-curve", "Run curve", "運転曲線", _run_curve_table, _run_curve, _TRAIN, _TRAIN),
+    Kind(
+        "track-occupation",
+        "Track occupation",
+        "番線使用",
+        stations.occupation_table,
+        stations.draw_occupation,
+        _ALL,
+    ),
+    Kind(
+        "station-timetable",
+        "Station timetable",
+        "駅時刻表",
+        stations.timetable_table,
+        stations.draw_timetable,
+        _STATION | _TIME,
+        _STATION,
+    ),
+    Kind(
+        "punctuality",
+        "Punctuality by station",
+        "駅別定時性",
+        stations.punctuality_table,
+        stations.draw_punctuality,
+        _STATION | _TIME,
+    ),
+    Kind("delays", "Lateness of every call, s", "列車別・駅別の遅れ [s]", _times_of_stops, draw_delays),
+    Kind(
+        "waits",
+        "Why each stock waited",
+        "待ちの理由",
+        days.waits_table,
+        days.draw_waits,
+        _ALL,
+    ),
+    Kind("duties", "Duties", "運用", days.duties_table, days.draw_duties, _TIME),
+    Kind(
+        "energy-train",
+        "Energy by train; above, net kWh a train-km",
+        "列車別電力量（数値は正味kWh/列車キロ）",
+        lambda run: run.tables.energy,
+        draw_energy,
+    ),
+    Kind(
+        "energy-leg",
+        "Net energy by leg",
+        "区間別電力量（正味）",
+        lambda run: run.shown(run.tables.energy_legs),
+        energy.draw_energy_legs,
+        _TRAIN,
+    ),
+    Kind(
+        "energy-hour",
+        "Energy by hour",
+        "時間帯別電力量",
+        energy.energy_hours_table,
+        energy.draw_energy_hours,
+        _TIME,
+    ),
+    Kind(
+        "margins",
+        "Margins by hop",
+        "区間別余裕時分",
+        lambda run: run.shown(run.tables.margins),
+        draw_margins,
+        _TRAIN,
+    ),
+    Kind(
+        "section-occupancy",
+        "Sections, held pale and occupied solid",
+        "閉そく区間の確保（淡）と在線（濃）",
+        _blocks_table,
+        draw_occupancy,
+        _TIME,
+    ),
+    Kind(
+        "stop-errors",
+        "Stop errors",
+        "停止誤差",
+        lambda run: run.shown(run.tables.stops).filter(pl.col("stop_error_m").is_not_null()),
+        _stop_errors,
+    ),
+    Kind(
+        "running-times",
+        "Minimum running times",
+        "基準運転時分",
+        _running_times_table,
+        _running_times,
+    ),
+)
+KINDS: Final[Mapping[str, Kind]] = MappingProxyType({kind.name: kind for kind in _KINDS})
+
+
+def kind_of(name: str) -> Kind:
+    """The kind of that name; InputError otherwise."""
+    if name not in KINDS:
+        raise InputError("command line", "KIND", name, one_of(KINDS, name))
+    return KINDS[name]

@@ -1,0 +1,137 @@
+"""The words of pictures in Japanese: every text of a figure that is known is put into the language chosen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final
+
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from study.measures.wait import Cause
+from study.measures.wait_text import Language
+
+JAPANESE: Final[Mapping[str, str]] = {
+    # axes and legends of the figures that the report has too
+    "kilometrage, km": "キロ程 [km]",
+    "speed, km/h": "速度 [km/h]",
+    "speed": "速度",
+    "target": "目標速度",
+    "speed limit of the line": "線区の制限速度",
+    "permitted by supervision": "照査速度",
+    "supervision brakes": "保安ブレーキ",
+    "gradient\n‰": "勾配\n‰",
+    "curve\nradius m": "曲線半径\nm",
+    "notch": "ノッチ",
+    "energy, kWh": "電力量 [kWh]",
+    "traction": "力行",
+    "regenerated": "回生",
+    "auxiliary": "補機",
+    "auxiliary, running": "補機（走行中）",
+    "auxiliary, standing": "補機（停車中）",
+    "stops": "停車回数",
+    "front beyond the mark, m": "停止位置の誤差（停止目標から） [m]",
+    "held": "確保",
+    "occupied": "在線",
+    "down trains": "下り列車",
+    "up trains": "上り列車",
+    "down": "下り",
+    "up": "上り",
+    "running time, s": "運転時分 [s]",
+    "planned": "計画",
+    "planned, too short": "計画（不足）",
+    "needed, from stand to stand": "所要（停車～停車）",
+    "needed, passing both": "所要（通過～通過）",
+    # this package's own
+    "as run": "実績",
+    "arrival": "着",
+    "departure": "発",
+    "share on time (less than 1 min late), %": "定時率（遅れ1分未満） [%]",
+    "lateness, s": "遅れ [s]",
+    "mean ± σ": "平均±σ",
+    "95th percentile": "95パーセンタイル",
+    "worst": "最大",
+    "hour": "時",
+    "net": "正味",
+    "net energy, kWh": "正味電力量 [kWh]",
+    "per train, kWh": "1列車あたり [kWh]",
+    "margin, s": "余裕時分 [s]",
+    "left on arrival, as run": "到着時の残り（実績）",
+    "running": "走行",
+    "at a stop": "停車",
+    "layover": "折返し",
+    "stabled": "留置",
+    "passes": "通過",
+    "trains": "列車",
+    "empty": "回送",
+    "The plan is in whole minutes: less than one minute says little.": (
+        "計画は分単位のため、1分未満の値はあまり意味を持ちません。"
+    ),
+}
+CAUSES: Final[Mapping[Cause, str]] = {
+    Cause.RUNS: "走行",
+    Cause.STOP_LIMIT: "停止限界による減速",
+    Cause.OUTSIDE: "線区外（進入前）",
+    Cause.LEFT: "線区外（進出後）",
+    Cause.QUEUE: "進入順番待ち",
+    Cause.PORTAL: "進入口支障",
+    Cause.DEPARTURE_TIME: "発車時刻待ち",
+    Cause.DWELL: "客扱い",
+    Cause.ROUTE_HELD: "進路支障",
+    Cause.REFUSED: "要求拒否",
+    Cause.ANSWER: "応答待ち",
+    Cause.COVERAGE: "無線エリア外",
+    Cause.SET_BACK: "進路取消",
+    Cause.POINTS_MOVE: "転てつ機転換",
+    Cause.POINTS_REFUSED: "転てつ機制御拒否",
+    Cause.POINTS_PROOF: "転てつ機照査待ち",
+    Cause.POINTS_BY_EYE: "転てつ機現地確認",
+    Cause.VEHICLE: "車両異常",
+    Cause.EMERGENCY: "非常停止確認待ち",
+    Cause.CONTRADICTION: "登録矛盾",
+    Cause.ON_SIGHT: "目視運転",
+    Cause.UNIT_OFF: "車上装置断",
+    Cause.UNIT_FROZEN: "車上装置停止",
+    Cause.ARRIVAL_BY_EYE: "到着確認待ち",
+    Cause.TURN_BACK: "折返し",
+    Cause.NEXT_TRAIN: "次列車へ",
+    Cause.STARTING: "発車",
+    Cause.STABLED: "留置",
+}
+_PATTERNS: Final = (
+    (re.compile(r"mean ([+−-][\d.]+) m"), r"平均 \1 m"),
+    (re.compile(r"mean ± σ, σ = ([\d.]+) m"), r"平均±σ、σ = \1 m"),
+    (
+        re.compile(r"(.+), (down|up): minimum running times and what the timetable plans"),
+        r"\1 \2：基準運転時分と計画",
+    ),
+)
+
+
+def cause_name(cause: Cause, language: Language) -> str:
+    """A cause in few words."""
+    return CAUSES[cause] if language == "ja" else cause.value
+
+
+def word(text: str, language: Language) -> str:
+    """A text of a figure in a language; as it is where it has no other."""
+    if language == "en":
+        return text
+    known = JAPANESE.get(text)
+    if known is not None:
+        return known
+    for pattern, replacement in _PATTERNS:
+        if pattern.fullmatch(text):
+            translated = pattern.sub(replacement, text)
+            return translated.replace(" down：", " 下り：").replace(" up：", " 上り：")
+    return text
+
+
+def translate(figure: Figure, language: Language) -> None:
+    """Put every known text of a figure into a language."""
+    for text in figure.findobj(Text):
+        if isinstance(text, Text):
+            said = word(text.get_text(), language)
+            if said != text.get_text():
+                text.set_text(said)

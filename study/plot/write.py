@@ -1,0 +1,114 @@
+"""One kind of plot of a run as PNG, SVG or CSV: the same run gives the same file."""
+
+from __future__ import annotations
+
+from enum import Enum
+from io import BytesIO
+from pathlib import Path
+from typing import Final
+
+import matplotlib as mpl
+import polars as pl
+from matplotlib.figure import Figure
+
+from network.errors import InputError
+from network.files.json_input import write_bytes_aside
+from network.files.toml_input import one_of
+from study.measures.wait_text import at_time
+from study.plot.choice import Choice, Seen, seen
+from study.plot.kinds import Chosen, Kind
+from study.plot.words import translate
+from study.report.style import drawing
+from study.run.read_back import RunRead
+
+DPI: Final = 150
+
+
+class Format(Enum):
+    """How a plot is written; the ending of its file."""
+
+    PNG = "png"
+    SVG = "svg"
+    CSV = "csv"
+
+
+def format_of(name: str | None, out: Path | None) -> Format:
+    """The format of that name, else of the file's ending, else PNG. InputError for another."""
+    key, wanted = "--format", name
+    if wanted is None and out is not None and out.suffix:
+        key, wanted = "--out", out.suffix[1:].lower()
+    try:
+        return Format("png" if wanted is None else wanted)
+    except ValueError:
+        raise InputError("command line", key, wanted, one_of([f.value for f in Format])) from None
+
+
+def write_plot(read: RunRead, kind: Kind, choice: Choice, form: Format, out: Path) -> None:
+    """Write a plot; nothing stays if that fails.
+
+    InputError for a choice that the kind does not take or lacks, for one that shows nothing, for a path that cannot
+    be written.
+    """
+    run = seen(read, choice)
+    _check(run, kind, choice, form)
+    data = csv_of(kind.table(run)) if form is Format.CSV else _picture(run, kind, form)
+    write_bytes_aside(out, data)
+
+
+def csv_of(table: pl.DataFrame) -> bytes:
+    """The table in UTF-8 with a mark at its beginning, which spreadsheets need to read Japanese."""
+    return b"\xef\xbb\xbf" + table.write_csv().encode("utf-8")
+
+
+def default_name(kind: Kind, choice: Choice, form: Format) -> str:
+    """The file's name where nobody gives one: the kind, and the train or station chosen."""
+    return "-".join(filter(None, (kind.name, choice.train, choice.station))) + f".{form.value}"
+
+
+def _check(run: Seen, kind: Kind, choice: Choice, form: Format) -> None:
+    chosen = {
+        Chosen.TRAIN: choice.train,
+        Chosen.STATION: choice.station,
+        Chosen.TIME: choice.from_s if choice.from_s is not None else choice.to_s,
+    }
+    for option, value in chosen.items():
+        if value is not None and option not in kind.takes:
+            takes = ", ".join(sorted(o.value for o in kind.takes)) or "no choice"
+            raise InputError("command line", option.value, value, f"{kind.name} takes {takes}")
+        if value is None and option in kind.needs and form is not Format.CSV:
+            known = list(run.trains) if option is Chosen.TRAIN else list(run.line.stations)
+            raise InputError("command line", option.value, None, f"{one_of(known)}: a picture is of one")
+
+
+def _picture(run: Seen, kind: Kind, form: Format) -> bytes:
+    with drawing(), mpl.rc_context({"svg.hashsalt": kind.name}):
+        figure = figure_of(run, kind)
+        buffer = BytesIO()
+        if form is Format.SVG:
+            figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+        else:
+            figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
+        return buffer.getvalue()
+
+
+def figure_of(run: Seen, kind: Kind) -> Figure:
+    """The picture, with its title, in the language chosen; call within `drawing()`. InputError where there is none."""
+    figure = kind.draw(run)
+    if figure is None:
+        raise InputError("command line", "KIND", kind.name, "a kind of which the run has something to show")
+    figure.suptitle(title_of(run, kind), x=0.008, ha="left", fontsize=9.5)
+    translate(figure, run.choice.language)
+    return figure
+
+
+def title_of(run: Seen, kind: Kind) -> str:
+    """What stands above a picture: the kind, of what of the run, and the run's name."""
+    choice = run.choice
+    parts = [kind.title_ja if choice.language == "ja" else kind.title]
+    if choice.train is not None:
+        parts.append(choice.train)
+    if choice.station is not None:
+        parts.append(run.name(choice.station))
+    if choice.from_s is not None or choice.to_s is not None:
+        parts.append("–".join(at_time(time_s) for time_s in run.window_s))
+    return " · ".join([*parts, run.read.name])

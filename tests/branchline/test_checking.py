@@ -1,0 +1,106 @@
+"""`branchline check`, and what `branchline run` does with a plan that cannot work."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+LINE = Path(__file__).parents[1] / "examples/line"
+
+
+@pytest.fixture
+def valley(tmp_path: Path) -> Callable[..., None]:
+    """Put the example line where the test is, with changes in its timetable or line."""
+
+    def put(*changes: tuple[str, str]) -> None:
+        for path in LINE.iterdir():
+            text = path.read_text("utf-8")
+            for old, new in changes:
+                text = text.replace(old, new)
+            (tmp_path / path.name).write_text(text, "utf-8")
+
+    return put
+
+
+ONE_TRACK = ('track = "2"', 'track = "1"')
+
+
+def test_a_good_plan_shows_its_meets(main: Callable[..., Any], valley: Callable[..., None]) -> None:
+    valley()
+    checked = main("check", "valley_day.toml")
+    assert checked.code == 0
+    assert "meet: 10:04 1 and 2 at Mori on tracks 1 and 2\nmeets: 1\nimpossible: 0, tight: 0\n" in checked.out
+
+
+def test_a_plan_that_cannot_work_is_shown_with_train_place_and_minute(
+    main: Callable[..., Any], valley: Callable[..., None]
+) -> None:
+    valley(ONE_TRACK)
+    checked = main("check", "valley_day.toml")
+    assert checked.code == 1
+    assert "meet: 10:04 1 and 2 at Mori on tracks 1 and 1: they cannot pass\n" in checked.out
+    assert (
+        "impossible: track occupied: 2 is to come to track 1 at Mori at 10:04, and needs it from 10:00;"
+        " 1 has it until 10:09:30; track 2 is free then\n"
+    ) in checked.out
+    figures = main("check", "valley_day.toml", "--json").figures()
+    (finding,) = figures["findings"]
+    keys = ("kind", "severity", "trains", "place", "minute")
+    assert [finding[key] for key in keys] == ["track occupied", "impossible", ["1", "2"], "MRI", "10:04"]
+    assert (figures["outcome"], figures["impossible"], figures["tight"]) == ("broken", 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (ONE_TRACK, "2 is to come to track 1 at Mori at 10:04"),
+        (('arrival = "10:09:30" },\n]\n\n[[trains]]', 'arrival = "10:06:30" },\n]\n\n[[trains]]'),
+         "1 leaves Mori at 10:05 and has 60 s for 3.0 km to Kawa"),
+        (("tags = [\n", "tags = []\nother = [\n"), ""),
+    ],
+)  # fmt: skip
+def test_a_plan_that_cannot_work_is_not_run(
+    main: Callable[..., Any], valley: Callable[..., None], tmp_path: Path, change: tuple[str, str], told: str
+) -> None:
+    valley(change)
+    if not told:
+        _without_tags(tmp_path / "valley.toml")
+        told = "1 would stop perhaps 18 m off its mark at Mori at 10:04"
+    ended = main("run", "valley_day.toml", "--json", "--out", "out")
+    assert ended.code == 2
+    assert ended.figures()["outcome"] == "bad input"
+    assert ended.err.count("\n") == 1
+    assert told in ended.err
+    assert "branchline check valley_day.toml shows all, --anyway runs it all the same" in ended.err
+    assert not (tmp_path / "out").exists()
+
+
+def _without_tags(path: Path) -> None:
+    before, _, rest = path.read_text("utf-8").partition("tags = []\n")
+    path.write_text(before + rest.partition("]\n\n[line]")[1][3:] + rest.partition("]\n\n[line]")[2], "utf-8")
+
+
+def test_the_two_agree_on_every_shipped_scenario_name(main: Callable[..., Any]) -> None:
+    refused = main("run", "karasuyama_without_loop", "--json")
+    checked = main("check", "karasuyama_without_loop", "--json")
+    assert (refused.code, checked.code) == (2, 1)
+    first = checked.figures()["findings"][0]
+    assert f"{first['text']}; {first['remedy']}; 9 more" in refused.err
+
+
+@pytest.mark.system
+def test_anyway_runs_it_all_the_same(
+    main: Callable[..., Any], valley: Callable[..., None], tmp_path: Path
+) -> None:
+    valley(ONE_TRACK)
+    ended = main("run", "valley_day.toml", "--anyway", "--json", "--out", "out")
+    assert ended.code in (0, 1)
+    figures = ended.figures()
+    assert figures["trains_planned"] == 2
+    assert figures["trains_arrived"] < 2 or figures["late_s_max"] > 300.0
+    assert (tmp_path / "out/report.html").is_file()
+    shutil.rmtree(tmp_path / "out")

@@ -1,0 +1,127 @@
+"""The figures by which runs are compared, and the rows behind them, on made-up tables whose figures are known."""
+
+from __future__ import annotations
+
+import polars as pl
+import pytest
+
+from study.compare.comparison import compare, compare_two, verdict_of
+from study.compare.grids import inputs_grid, measures_grid, moved_matrix, rows_grid
+from study.compare.measures import compare_rows, figures_of, measures_of
+from study.report.data import Run
+from tests.study.compare.sides import side, with_tables
+
+
+def figure(run: Run, group: str, name: str, unit: str = "") -> float | None:
+    (found,) = (f for f in figures_of(side(run)) if (f.group, f.name, f.unit) == (group, name, unit))
+    return found.value
+
+
+def arrivals(run: Run, late_s: list[float | None]) -> Run:
+    """A run with so many planned arrivals at one station each, late by so much; None did not come."""
+    stops = run.tables.stops.filter(pl.col("planned_arrival_s").is_not_null()).head(len(late_s))
+    late = pl.Series(late_s, dtype=pl.Float64)
+    return with_tables(
+        run,
+        stops=stops.with_columns(
+            late.alias("late_arrival_s"), (pl.col("planned_arrival_s") + late).alias("arrival_s")
+        ),
+    )
+
+
+def test_punctuality_counts_what_did_not_come_as_late(weekday: Run) -> None:
+    run = arrivals(weekday, [-20.0, 0.0, 0.1, 15.0, 60.0, 60.1, 180.0, 300.1, None, -1.0])
+    shares = {
+        name: figure(run, "arrivals", name, "%")
+        for name in (
+            "not late",
+            "at most 15 s late",
+            "at most 1 min late",
+            "at most 3 min late",
+            "at most 5 min late",
+        )
+    }
+    assert list(shares.values()) == pytest.approx([30.0, 50.0, 60.0, 80.0, 80.0])
+    assert figure(run, "arrivals", "worst lateness", "s") == 300.1
+    late = [-20.0, 0.0, 0.1, 15.0, 60.0, 60.1, 180.0, 300.1, -1.0]
+    assert figure(run, "arrivals", "mean lateness", "s") == pytest.approx(sum(late) / 9)
+
+
+def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: Run) -> None:
+    empty = Run(
+        weekday.line,
+        weekday.timetable,
+        type(weekday.tables)(
+            **{name: getattr(weekday.tables, name).clear() for name in weekday.tables.__slots__}
+        ),
+    )
+    values = [f.value for f in figures_of(side(empty))]
+    assert None in values and all(value is None or value >= 0.0 for value in values)
+    found = compare((side(weekday), side(empty, "empty")), 1.0)
+    assert "there is nothing to compare" in verdict_of(found.pairs[0])[0]
+    assert len(found.pairs[0].times.only_base) == len(weekday.timetable.trains)
+
+
+def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: Run) -> None:
+    margins = weekday.tables.margins.with_columns(
+        pl.when(pl.col("train") == "330M").then(-3.0).otherwise(40.0).alias("margin_s"),
+        pl.when(pl.col("train") == "331M").then(float("-inf")).otherwise(20.0).alias("margin_percent"),
+    )
+    found = list(figures_of(side(with_tables(weekday, margins=margins))))
+    least = next(f for f in found if (f.group, f.name, f.unit) == ("margins", "smallest planned", "s"))
+    assert (least.value, least.where) == (-3.0, "330M Karasuyama – Hoshakuji")
+    percent = next(f for f in found if (f.group, f.name, f.unit) == ("margins", "smallest planned", "%"))
+    assert percent.value == 20.0
+
+
+def test_rows_are_matched_by_name_and_told_where_they_differ(weekday: Run) -> None:
+    energy = weekday.tables.energy
+    more = energy.with_columns(
+        pl.when(pl.col("train") == "333M")
+        .then(pl.col("net_kwh") + 2.5)
+        .otherwise(pl.col("net_kwh"))
+        .alias("net_kwh")
+    ).reverse()
+    base, new = side(weekday), side(with_tables(weekday, energy=more), "new")
+    (row,) = compare_rows(base, new, "energy")
+    assert row.names == ("333M",) and row.by("net_kwh") == pytest.approx(2.5)
+    without = side(with_tables(weekday, energy=energy.filter(pl.col("train") != "333M")), "new")
+    (gone,) = compare_rows(base, without, "energy")
+    assert gone.values["net_kwh"][1] is None
+    assert gone.by("net_kwh") == pytest.approx(-float(energy.filter(pl.col("train") == "333M")["net_kwh"][0]))
+
+
+def test_telegrams_are_counted_by_kind_whoever_sent_them(weekday: Run) -> None:
+    telegrams = weekday.tables.telegrams
+    asked = pl.col("kind") == "PointsCommand"
+    more = telegrams.with_columns(
+        pl.when(asked).then(pl.col("sent") + 7).otherwise(pl.col("sent")).alias("sent")
+    )
+    (row,) = compare_rows(side(weekday), side(with_tables(weekday, telegrams=more), "new"), "telegrams")
+    units = telegrams.filter(asked).height
+    assert row.names == ("PointsCommand",) and row.by("sent") == 7 * units
+
+
+def test_grids_show_two_runs_with_their_difference_and_more_in_one_table(weekday: Run) -> None:
+    late = arrivals(weekday, [5.0] * 20)
+    three = compare((side(weekday), side(weekday, "same"), side(late, "late")), 1.0)
+    grid = measures_grid(three)
+    assert grid.header == ("", "", "base", "same", "late")
+    assert all(row[2] == row[3] for row in grid.rows)
+    two = measures_grid(three.of_two(1), changed_only=True)
+    assert two.header == ("", "", "base", "late", "difference")
+    assert 0 < len(two.rows) < len(grid.rows)
+    assert all(row[4] != "=" for row in two.rows)
+    assert not measures_grid(three.of_two(0), changed_only=True).rows
+    assert len({len(row) for row in grid.rows}) == 1
+    assert measures_of(three.sides) == three.measures
+
+
+def test_every_grid_has_as_many_cells_as_headings(weekday: Run) -> None:
+    stops = weekday.tables.stops.with_columns(pl.col("departure_s") + 9.0)
+    base, new = side(weekday), side(with_tables(weekday, stops=stops), "new")
+    pair = compare_two(base, new, 1.0)
+    for grid in (moved_matrix(pair, new), inputs_grid(pair), *(rows_grid(pair, t, new) for t in pair.rows)):
+        assert all(len(row) == len(grid.header) for row in grid.rows)
+    matrix = moved_matrix(pair, new)
+    assert {cell for row in matrix.rows for cell in row[2:]} <= {"· / +9", ""}

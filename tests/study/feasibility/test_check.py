@@ -1,0 +1,265 @@
+"""The one check: broken plans are refused for what was broken, good ones are not, and what lies between is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from network.model import Direction, TagPurpose
+from simulation.settings import Operation
+from study.feasibility.check import PlanRefusedError, feasibility, refuse
+from study.feasibility.finding import Kind, Severity, minute, severity_of
+from study.feasibility.planned import planned_day
+from study.feasibility.rehearsal import Rehearsal
+from study.scenario.scenario import load_scenario, shipped_scenarios
+from tests.study.feasibility.broken_plans import BREAKS, TEN, Broken, good
+from tests.study.feasibility.good_plans import good_plan
+from tests.study.feasibility.plans import Plan, call_at, later, with_call
+
+GOOD_PLANS = 200
+NOT_TO_WORK = ("karasuyama_without_loop",)
+
+
+# what is broken, and what is good ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", BREAKS.values(), ids=BREAKS.keys())
+def test_a_broken_plan_is_refused_for_what_was_broken(make: Callable[[], Broken]) -> None:
+    broken = make()
+    first = feasibility(broken.plan.setup()).impossible[0]
+    assert (first.kind, first.place, first.minute) == (broken.kind, broken.place, broken.minute)
+    assert set(first.trains) == broken.trains
+    assert all(number in first.text for number in first.trains[:1])
+    assert first.remedy
+    assert "\n" not in first.sentence
+
+
+def test_the_plan_before_it_is_broken_is_good_and_shows_its_meets() -> None:
+    found = feasibility(good().setup())
+    assert found.findings == ()
+    meets = [(m.down_train, m.up_train, m.station, m.down_track, m.up_track, m.possible) for m in found.meets]
+    assert meets == [("D", "V", "EDO", "1", "2", True), ("W", "V", "IZU", "1", "2", True)]
+    assert [minute(meet.time_s) for meet in found.meets] == ["10:23", "10:39"]
+
+
+def test_no_good_plan_of_200_is_refused() -> None:
+    refused: list[tuple[int, str]] = []
+    meets = trains = 0
+    for seed in range(GOOD_PLANS):
+        plan = good_plan(seed)
+        found = feasibility(plan.setup())
+        refused += [(seed, finding.sentence) for finding in found.impossible]
+        meets, trains = meets + len(found.meets), trains + len(plan.trains)
+    assert refused == []
+    assert trains > 3 * GOOD_PLANS  # they are no empty days
+    assert meets > GOOD_PLANS // 2
+
+
+@pytest.mark.parametrize("name", shipped_scenarios())
+def test_what_is_shipped_is_good_unless_it_is_meant_not_to_work(name: str) -> None:
+    found = feasibility(load_scenario(name).setup)
+    assert found.good is (name not in NOT_TO_WORK), [f.sentence for f in found.impossible]
+
+
+@pytest.mark.parametrize("day", ["karasuyama_weekday", "karasuyama_holiday"])
+def test_the_real_days_meet_ten_times_at_ogane(day: str) -> None:
+    found = feasibility(load_scenario(day).setup)
+    assert [meet.station for meet in found.meets] == ["OGN"] * 10
+    assert all({meet.down_track, meet.up_track} == {"1", "2"} for meet in found.meets)
+
+
+def test_without_the_loop_each_of_these_meets_is_impossible() -> None:
+    wanted = feasibility(load_scenario("karasuyama_weekday").setup).meets
+    found = feasibility(load_scenario("karasuyama_without_loop").setup)
+    assert [f.trains for f in found.impossible] == [(m.down_train, m.up_train) for m in wanted]
+    assert not any(meet.possible for meet in found.meets)
+    assert found.impossible[0].sentence == (
+        "321M and 322M would meet at Ogane at 05:57: it has one track; no other station has two tracks"
+    )
+
+
+# the rule ------------------------------------------------------------------------------------------------------------
+
+
+def test_whole_minutes_hide_up_to_59_seconds_and_seconds_up_to_29() -> None:
+    assert severity_of(59.9, 600, 1200) is Severity.TIGHT
+    assert severity_of(60.0, 600, 1200) is Severity.IMPOSSIBLE
+    assert severity_of(29.9, 600, 1215) is Severity.TIGHT
+    assert severity_of(30.0, 600, 1215) is Severity.IMPOSSIBLE
+
+
+@given(st.floats(0.0, 600.0), st.floats(0.0, 600.0), st.lists(st.integers(0, 86_400)))
+def test_what_is_shorter_is_not_less_severe(one_s: float, other_s: float, planned_s: list[int]) -> None:
+    low, high = (severity_of(short_s, *planned_s) for short_s in sorted((one_s, other_s)))
+    assert low is Severity.TIGHT or high is Severity.IMPOSSIBLE
+
+
+def test_a_leg_that_is_somewhat_short_is_told_and_not_refused() -> None:
+    """Oka 100 s earlier: 320 s for what takes 344 s, in a plan with seconds; 150 s earlier it is refused."""
+    plan = good()
+    tight = feasibility(plan.with_train(later(plan.train("W"), -100, "OKA")).setup())
+    assert [(f.kind, f.severity, f.place) for f in tight.findings] == [(Kind.LEG, Severity.TIGHT, "EDO-OKA")]
+    assert tight.good
+    assert tight.findings[0].short_s == pytest.approx(24.0, abs=2.0)
+    assert not feasibility(plan.with_train(later(plan.train("W"), -150, "OKA")).setup()).good
+
+
+@given(st.integers(-6 * 3600, 8 * 3600))
+def test_the_same_plan_at_another_time_is_found_alike(by_s: int) -> None:
+    whole_s = by_s // 60 * 60
+    plan = BREAKS["one_track_for_both"]().plan
+    moved = replace(plan, trains=tuple(later(train, whole_s) for train in plan.trains))
+    (first,), (second,) = (feasibility(each.setup()).impossible for each in (plan, moved))
+    assert (first.kind, first.trains, first.place) == (second.kind, second.trains, second.place)
+    assert second.time_s - first.time_s == whole_s
+
+
+def test_unnamed_tracks_are_those_that_the_run_takes() -> None:
+    """On the busy line track 1 is the usual one going down and track 2 going up; at the ends both are for both."""
+    plan = good()
+    unnamed = plan
+    for train in plan.trains:
+        calls = tuple(replace(call, track=None) for call in train.calls[1:-1])
+        named = replace(train, calls=(train.calls[0], *calls, train.calls[-1]))
+        unnamed = unnamed.with_train(named)
+    found = feasibility(unnamed.setup())
+    assert found.findings == ()
+    assert [(m.down_track, m.up_track) for m in found.meets] == [("1", "2")] * 2
+    both = unnamed.with_train(with_call(unnamed.train("W"), "KAS", track=None))
+    assert [f.kind for f in feasibility(both.setup()).impossible] == [Kind.TERMINAL]
+
+
+def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
+    """Without arrivals the good plan stays good, and a leg that is too fast is found by its departures."""
+    plan = good()
+
+    def bare(plan: Plan) -> Plan:
+        for train in plan.trains:
+            middle = tuple(replace(call, arrival_s=None) for call in train.calls[1:-1])
+            plan = plan.with_train(replace(train, calls=(train.calls[0], *middle, train.calls[-1])))
+        return plan
+
+    assert feasibility(bare(plan).setup()).findings == ()
+    fast = bare(plan.with_train(later(plan.train("W"), -5 * 60, "OKA")))
+    assert [(f.kind, f.place) for f in feasibility(fast.setup()).impossible] == [(Kind.LEG, "EDO-OKA")]
+
+
+def test_blocks_that_the_day_makes_up_for_are_tight() -> None:
+    """W leaves Asahi behind D 30 s before the next section is free, with slack for more than that on the leg."""
+    plan = good()
+    behind = later(plan.train("W"), -32 * 60 + 6 * 60)
+    behind = replace(behind, calls=tuple(replace(call, track="2") for call in behind.calls))
+    calls = tuple(
+        replace(c, arrival_s=(c.arrival_s or 0) + 60, departure_s=c.departure_s and c.departure_s + 60)
+        for c in behind.calls[1:]
+    )
+    behind = replace(behind, calls=(behind.calls[0], *calls))
+    alone = replace(plan, trains=(*(t for t in plan.trains if t.number in "DU"), behind))
+    found = feasibility(alone.setup())
+    assert found.good
+    assert {f.kind for f in found.tight} == {Kind.FOLLOWING}
+
+
+# what follows from the whole day -----------------------------------------------------------------------------------
+
+
+def test_a_day_without_fault_is_on_time_when_played_through() -> None:
+    setup = good().setup()
+    rehearsal = Rehearsal(setup, planned_day(setup))
+    assert rehearsal.waits == []
+    assert max(one.late_s for one in rehearsal.late) < 0.0  # trains aim to be there a little early
+
+
+def test_a_shorter_lead_mends_what_a_long_one_breaks() -> None:
+    plan = BREAKS["sent_into_each_other"]().plan
+    assert feasibility(replace(plan, operation=Operation(portal_lead_s=120.0)).setup()).good
+
+
+def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
+    """A stop before points costs 40 s: with 116 s to spare a hop that is made up, with none it adds up."""
+    plan = good()
+    line = plan.line
+    tags = {i: tag for i, tag in line.tags.items() if tag.purpose is not TagPurpose.APPROACH}
+    extra = {
+        900 + i: replace(tag, id=900 + i, purpose=TagPurpose.POSITION)
+        for i, tag in line.tags.items()
+        if tag.purpose is TagPurpose.APPROACH
+    }
+    without = replace(plan, line=replace(line, tags=tags | extra))
+    found = feasibility(without.setup())
+    assert {f.kind for f in found.findings} == {Kind.TAG}
+    assert found.good
+    late = without
+    for train in plan.trains:
+        calls = tuple(
+            call
+            if k == 0
+            else replace(
+                call,
+                arrival_s=call.arrival_s and call.arrival_s - 95 * k,
+                departure_s=call.departure_s and call.departure_s - 95 * k,
+            )
+            for k, call in enumerate(train.calls)
+        )
+        late = late.with_train(replace(train, calls=calls))
+    alone = replace(late, dwell_min_s=60, trains=(replace(late.train("D"), ends="stabled"),))
+    (impossible,) = feasibility(alone.setup()).impossible
+    assert (impossible.kind, impossible.trains[0]) == (Kind.LATE, "D")
+    assert (impossible.short_s or 0.0) >= 180.0
+
+
+# refusing ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_plan_is_refused_in_one_line_unless_it_is_to_run_anyway() -> None:
+    setup = BREAKS["sent_too_late"]().plan.setup()
+    with pytest.raises(PlanRefusedError) as refused:
+        refuse("plan.toml", setup)
+    text = str(refused.value)
+    assert text.startswith(
+        "plan.toml cannot work: D stands in portal ASA.P 10 s before its first call at 09:59"
+    )
+    assert text.endswith("; 2 more; branchline check plan.toml shows all, --anyway runs it all the same")
+    assert "\n" not in text
+    assert not refuse("plan.toml", setup, anyway=True).good
+    assert refuse("plan.toml", good().setup()).good
+
+
+def test_a_train_without_a_way_is_refused_even_then() -> None:
+    with pytest.raises(PlanRefusedError, match=r"shows all$"):
+        refuse("stub.toml", BREAKS["no_way"]().plan.setup(), anyway=True)
+
+
+def test_a_train_of_one_stop_alone_is_refused() -> None:
+    """A run has nothing of which it could say that it arrived."""
+    train = replace(good().train("D"), ends="stabled", begins="stabled", calls=good().train("D").calls[3:4])
+    (finding,) = feasibility(replace(good(), trains=(train,)).setup()).impossible
+    assert (finding.kind, finding.trains, finding.place) == (Kind.NO_WAY, ("D",), "EDO")
+
+
+# sets between their trains -----------------------------------------------------------------------------------------
+
+
+def test_a_set_that_is_stabled_between_two_trains_holds_its_track() -> None:
+    plan = good()
+    stays = replace(plan.train("D"), ends="stabled")
+    goes = replace(plan.train("U"), begins="stabled")
+    rests = plan.with_train(stays).with_train(goes)
+    assert feasibility(rests.setup()).findings == ()
+    clash = rests.with_train(with_call(rests.train("W"), "KAS", track="1"))
+    assert [(f.kind, f.trains) for f in feasibility(clash.setup()).impossible] == [
+        (Kind.TERMINAL, ("D", "W"))
+    ]
+
+
+def test_trains_of_one_set_are_never_in_its_own_way() -> None:
+    plan = good()
+    leaves_s = call_at(plan.train("U"), "KAS").departure_s
+    assert leaves_s == TEN + 2 * 3600
+    alone = replace(plan, trains=(plan.train("D"), plan.train("U")))
+    assert feasibility(alone.setup()).findings == ()
+    assert {train.direction for train in planned_day(alone.setup()).all()} == set(Direction)

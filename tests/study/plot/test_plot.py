@@ -1,0 +1,184 @@
+"""Every kind of plot of real runs, in both languages: written whole, the same each time, with no text cut."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import polars as pl
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from network.errors import InputError
+from study.measures.wait import Cause
+from study.plot.choice import Choice, seen, time_of
+from study.plot.kinds import KINDS, Chosen, Kind, kind_of
+from study.plot.words import CAUSES, JAPANESE, cause_name, word
+from study.plot.write import DPI, Format, default_name, figure_of, format_of, write_plot
+from study.report.style import drawing
+from study.run.read_back import RunRead, read_run
+from study.run.run import CarrierKind, Link, execute, write_run
+from study.scenario.scenario import load_scenario
+
+BEGINNINGS = {Format.PNG: b"\x89PNG\r\n", Format.SVG: b"<?xml", Format.CSV: b"\xef\xbb\xbf"}
+OF_ONE_TRAIN = {"rtri_test_line": ("T1", "A"), "karasuyama_round_trip": ("321M", "OGN")}
+
+
+@pytest.fixture(scope="session", params=list(OF_ONE_TRAIN))
+def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> RunRead:
+    run = execute(load_scenario(request.param), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    folder = tmp_path_factory.mktemp("plots") / request.param
+    write_run(run, folder)
+    return read_run(folder)
+
+
+def needed(read: RunRead, kind: Kind) -> tuple[str | None, str | None]:
+    train, station = OF_ONE_TRAIN[str(read.settings.id)]
+    return (train if Chosen.TRAIN in kind.needs else None, station if Chosen.STATION in kind.needs else None)
+
+
+EVERY = pytest.mark.parametrize("name", list(KINDS))
+
+
+@EVERY
+@pytest.mark.parametrize("form", list(Format))
+def test_every_kind_is_written_the_same_each_time(
+    read: RunRead, name: str, form: Format, tmp_path: Path
+) -> None:
+    kind = kind_of(name)
+    train, station = needed(read, kind)
+    choice = Choice(train, station, language="ja")
+    for out in (tmp_path / "first", tmp_path / "second"):
+        write_plot(read, kind, choice, form, out)
+    data = (tmp_path / "first").read_bytes()
+    assert data.startswith(BEGINNINGS[form])
+    assert data == (tmp_path / "second").read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["first", "second"]
+
+
+def cut_texts(figure: Figure) -> list[str]:
+    """Texts that reach beyond the picture, in its own dots; half a dot is the edge of a letter."""
+    figure.dpi = DPI
+    figure.draw_without_rendering()
+    width, height = figure.bbox.width, figure.bbox.height
+    cut: list[str] = []
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        if not text.get_visible() or not text.get_text().strip() or text.get_clip_on():
+            continue
+        box = text.get_window_extent()
+        axes = text.axes
+        if axes is not None and text in axes.get_xticklabels() + axes.get_yticklabels():
+            low, high = sorted(axes.get_xlim() if text in axes.get_xticklabels() else axes.get_ylim())
+            at = text.get_position()[0 if text in axes.get_xticklabels() else 1]
+            if not low <= at <= high:
+                continue  # a label that matplotlib keeps and does not draw
+        if box.x0 < -1 or box.y0 < -1 or box.x1 > width + 1 or box.y1 > height + 1:
+            cut.append(text.get_text())
+    return cut
+
+
+@EVERY
+@pytest.mark.parametrize("language", ["en", "ja"])
+def test_no_text_of_a_picture_is_cut(read: RunRead, name: str, language: str) -> None:
+    kind = kind_of(name)
+    run = seen(read, Choice(*needed(read, kind), language="ja" if language == "ja" else "en"))
+    with drawing():
+        assert not cut_texts(figure_of(run, kind))
+
+
+@EVERY
+def test_a_japanese_picture_keeps_no_english_words(read: RunRead, name: str) -> None:
+    kind = kind_of(name)
+    run = seen(read, Choice(*needed(read, kind), language="ja"))
+    with drawing():
+        figure = figure_of(run, kind)
+    texts = {text.get_text() for text in figure.findobj(Text) if isinstance(text, Text)}
+    assert not texts & set(JAPANESE)
+    labels = {axes.get_ylabel() for axes in figure.axes} | {axes.get_xlabel() for axes in figure.axes}
+    assert all(not label or any(ord(c) > 0x2E80 for c in label) for label in labels)
+    assert any(ord(c) > 0x2E80 for c in kind.title_ja)
+
+
+def test_every_cause_has_a_name_in_both_languages() -> None:
+    assert set(CAUSES) == set(Cause)
+    assert cause_name(Cause.ROUTE_HELD, "en") == "route held"
+    assert word("mean +0.016 m", "ja") == "平均 +0.016 m"
+    assert word("321M", "ja") == "321M"
+
+
+def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
+    if read.settings.id != "karasuyama_round_trip":
+        return
+    choice = Choice(from_s=6 * 3600.0, to_s=6.5 * 3600.0)
+    run = seen(read, choice)
+    for name in ("waits", "track-occupation", "station-timetable"):
+        table = kind_of(name).table(run)
+        times = [c for c in table.columns if c.endswith("_s") and c not in ("since_s", "until_s")]
+        latest, earliest = pl.max_horizontal(times), pl.min_horizontal(times)
+        assert len(table)
+        assert table.filter((latest < choice.from_s) | (earliest >= choice.to_s)).is_empty()
+    with drawing():
+        axes = figure_of(run, kind_of("train-graph")).axes[0]
+    low, high = axes.get_xlim()
+    assert (low, high) == (6 * 3600.0, 6.5 * 3600.0)
+
+
+def test_sentences_stand_in_the_table_of_waits(read: RunRead) -> None:
+    for language, ends in (("en", "."), ("ja", "。")):
+        table = kind_of("waits").table(seen(read, Choice(language="ja" if language == "ja" else "en")))
+        assert len(table)
+        assert all(sentence.endswith(ends) for sentence in table["sentence"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "choice", "key"),
+    [
+        ("train-graph", Choice(train="999"), "--train"),
+        ("train-graph", Choice(station="NOWHERE"), "--station"),
+        ("run-curve", Choice(), "--train"),
+        ("station-timetable", Choice(), "--station"),
+        ("train-graph", Choice(from_s=9e4, to_s=8e4), "--from, --to"),
+        ("duties", Choice(from_s=9e5), "--from, --to"),
+        ("stop-errors", Choice(from_s=9 * 3600.0), "--from, --to"),
+    ],
+)
+def test_a_choice_that_makes_no_sense_is_refused(
+    read: RunRead, kind: str, choice: Choice, key: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError) as refused:
+        write_plot(read, kind_of(kind), choice, Format.PNG, tmp_path / "none.png")
+    assert refused.value.key == key
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_format_is_that_of_the_option_or_of_the_file() -> None:
+    assert format_of(None, None) is Format.PNG
+    assert format_of(None, Path("a.svg")) is Format.SVG
+    assert format_of("csv", Path("a.svg")) is Format.CSV
+    for name, out, key in (("pdf", None, "--format"), (None, Path("a.pdf"), "--out")):
+        with pytest.raises(InputError) as refused:
+            format_of(name, out)
+        assert refused.value.key == key
+        assert "png, svg, csv" in refused.value.expected
+
+
+def test_a_time_that_is_none_and_a_kind_that_is_none() -> None:
+    assert time_of("--from", "07:30") == 27000.0
+    assert time_of("--from", None) is None
+    with pytest.raises(InputError):
+        time_of("--from", "7.30")
+    with pytest.raises(InputError) as refused:
+        kind_of("traingraph")
+    assert all(name in refused.value.expected for name in KINDS)
+
+
+def test_the_name_of_a_file_says_what_it_shows() -> None:
+    assert default_name(kind_of("run-curve"), Choice(train="321M"), Format.SVG) == "run-curve-321M.svg"
+
+
+def test_settings_of_matplotlib_come_back(read: RunRead, tmp_path: Path) -> None:
+    before = dict(mpl.rcParams)
+    write_plot(read, kind_of("punctuality"), Choice(), Format.SVG, tmp_path / "a.svg")
+    assert dict(mpl.rcParams) == before
