@@ -1,7 +1,7 @@
 // The train graph (列車ダイヤ): time across, stations down at true distances, plan thin and run thick.
 import { lastBefore, valueAt } from "./data.js";
 import { COLOURS, font, unitColour } from "./layer.js";
-import { drawEvents, drawFaults, drawStrip, stripHeight } from "./marks.js";
+import { drawEvents, drawFaultNumbers, drawFaults, drawStrip, stripHeight } from "./marks.js";
 import { clock, clockGrid, spread } from "./view.js";
 
 export const TOP = 24;
@@ -76,6 +76,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   if (scale.px * 60 >= MINUTE_PX) drawMinutes(context, day, view, scale, plot, options);
   drawNumbers(context, day, view, scale, plot, options);
   drawEvents(context, day, view, scale, plot, options);
+  drawFaultNumbers(context, day, scale, plot);
   drawMoment(context, scale, plot, options.moment);
   context.restore();
   drawStationNames(context, day, scale, plot, options, width);
