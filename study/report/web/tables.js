@@ -69,7 +69,7 @@ export function makeTable(doc, table, context, open = false) {
   const count = table.columns[0]?.values.length ?? 0;
   const body = element(doc, "div", { class: "grid" });
   const details = element(doc, "details", { class: "table", id: `table-${table.id}` },
-    element(doc, "summary", {}, `${title} · ${words.say("rows", { count: count.toLocaleString(words.lang) })}`), body);
+    element(doc, "summary", {}, `${title} · ${words.say(count === 1 ? "row" : "rows", { count: count.toLocaleString(words.lang) })}`), body);
   const fill = () => body.childElementCount || fillTable(doc, body, table, context, title);
   details.addEventListener("toggle", () => details.open && fill());
   if (open) {

@@ -1,4 +1,4 @@
-"""A day of many trains on the busy line: its own timetable again and again, minutes apart, every run a little different."""
+"""A day of many trains on the busy line: its own timetable again and again, every run a little different."""
 
 from __future__ import annotations
 

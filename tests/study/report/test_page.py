@@ -24,7 +24,12 @@ from tests.study.report.page import payload_of
 from tests.study.report.test_face import characters_of
 
 HOSTILE = "</script><img src=x onerror=alert(1)><!-- courses of trains -->"
-HOSTILE_TEXTS = (HOSTILE, "\"'><svg onload=alert(1)>", "{{ 7 * 7 }}", "/* Japanese characters of this page */")
+HOSTILE_TEXTS = (
+    HOSTILE,
+    "\"'><svg onload=alert(1)>",
+    "{{ 7 * 7 }}",
+    "/* Japanese characters of this page */",
+)
 
 
 def test_five_hundred_trains_fit_into_a_megabyte(tmp_path: Path) -> None:
@@ -54,7 +59,9 @@ def hostile_run(day: Run) -> Run:
     trains[HOSTILE] = replace(train, number=HOSTILE)
     named = pl.when(pl.col("train") == number).then(pl.lit(HOSTILE)).otherwise(pl.col("train")).alias("train")
     frames = {name: getattr(day.tables, name) for name in SCHEMAS}
-    tables = {key: frame.with_columns(named) if "train" in frame.columns else frame for key, frame in frames.items()}
+    tables = {
+        key: frame.with_columns(named) if "train" in frame.columns else frame for key, frame in frames.items()
+    }
     tables["events"] = tables["events"].with_columns(pl.lit(HOSTILE).alias("text"))
     return Run(
         replace(line, name=HOSTILE, name_ja=HOSTILE, stations=stations, assumed=HOSTILE_TEXTS),
@@ -67,9 +74,17 @@ def test_no_name_becomes_markup(tmp_path: Path, make_day: Callable[[str, str], R
     day = make_day("rtri_test_line", "rtri_crossing")
     plain = write_report(tmp_path / "plain", day.line, day.timetable, day.tables, {}).read_text("utf-8")
     run = hostile_run(day)
-    facts = {"scenario": HOSTILE, "broken": [HOSTILE], "violations": [HOSTILE], "parties": [HOSTILE], "seed": HOSTILE}
+    facts = {
+        "scenario": HOSTILE,
+        "broken": [HOSTILE],
+        "violations": [HOSTILE],
+        "parties": [HOSTILE],
+        "seed": HOSTILE,
+    }
     part = Part(HOSTILE, HOSTILE, grids=(Grid((HOSTILE,), ((HOSTILE,),)),), notes=(HOSTILE,))
-    page = write_report(tmp_path, run.line, run.timetable, run.tables, facts, first=(part,)).read_text("utf-8")
+    page = write_report(tmp_path, run.line, run.timetable, run.tables, facts, first=(part,)).read_text(
+        "utf-8"
+    )
     assert "<img" not in page and "<svg" not in page
     assert page.count("<script") == plain.count("<script") == page.count("</script>")
     assert "{{ 7 * 7 }}" in page
@@ -87,13 +102,17 @@ def test_modules_import_only_each_other_and_are_in_the_map() -> None:
         assert packed.count("\n") == text.count("\n")
 
 
-@pytest.mark.parametrize("word", ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "http:", "https:"])
+@pytest.mark.parametrize(
+    "word", ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "http:", "https:"]
+)
 def test_modules_make_no_markup_of_text_and_ask_no_host(word: str) -> None:
     assert [name for name, text in modules().items() if word in text] == []
 
 
 def test_the_font_has_the_characters_of_what_is_packed_and_of_the_words(tmp_path: Path, weekday: Run) -> None:
-    stations = {key: replace(s, name_ja="轟鷺") if key == "OGN" else s for key, s in weekday.line.stations.items()}
+    stations = {
+        key: replace(s, name_ja="轟鷺") if key == "OGN" else s for key, s in weekday.line.stations.items()
+    }
     line = replace(weekday.line, stations=stations)
     page = write_report(tmp_path, line, weekday.timetable, weekday.tables, {}).read_text("utf-8")
     (face,) = re.findall(r"@font-face \{.*?\}", page)

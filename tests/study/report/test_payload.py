@@ -53,7 +53,9 @@ def test_a_gap_of_a_curve_stays_a_gap(weekday: Run) -> None:
     low, high = float(course["t_s"][20]), float(course["t_s"][40])
     here = pl.col("train") == key[1]
     gone = weekday.tables.trajectory.with_columns(
-        target_mps=pl.when(here & pl.col("t_s").is_between(low, high)).then(float("inf")).otherwise(pl.col("target_mps"))
+        target_mps=pl.when(here & pl.col("t_s").is_between(low, high))
+        .then(float("inf"))
+        .otherwise(pl.col("target_mps"))
     )
     run = with_table(weekday, trajectory=gone)
     shown = next(c for c in courses_shown(run, FINEST_FIRST[0]) if c["train"] == key[1])
@@ -69,7 +71,9 @@ def test_calls_are_those_of_plan_and_run(weekday: Run) -> None:
         train = shown[str(number)]
         planned = weekday.timetable.trains[str(number)]
         assert train["station"] == [call.station_id for call in planned.calls]
-        assert unpacked(train["pd"]) == [None if c.departure_s is None else float(c.departure_s) for c in planned.calls]
+        assert unpacked(train["pd"]) == [
+            None if c.departure_s is None else float(c.departure_s) for c in planned.calls
+        ]
         assert unpacked(train["a"]) == pytest.approx(rows["arrival_s"].to_list(), abs=0.051, nan_ok=True)
         assert unpacked(train["error"]) == pytest.approx(rows["stop_error_m"].to_list(), abs=0.00051)
         assert train["unit"] == rows["unit"][0]
@@ -77,7 +81,9 @@ def test_calls_are_those_of_plan_and_run(weekday: Run) -> None:
 
 
 def test_a_train_that_is_not_in_the_timetable_is_shown_as_it_ran(weekday: Run) -> None:
-    rename = pl.when(pl.col("train") == "321M").then(pl.lit("9999X")).otherwise(pl.col("train")).alias("train")
+    rename = (
+        pl.when(pl.col("train") == "321M").then(pl.lit("9999X")).otherwise(pl.col("train")).alias("train")
+    )
     run = with_table(
         weekday,
         trajectory=weekday.tables.trajectory.with_columns(rename),

@@ -21,7 +21,7 @@ def worst_shares(t_s: Floats, values: Floats, indices: NDArray[np.int64]) -> Flo
     return np.abs(np.column_stack(away)).max(axis=0) / TOLERANCES
 
 
-rising = st.lists(st.floats(0.1, 30.0), min_size=1, max_size=120).map(lambda steps: np.cumsum(steps))
+rising = st.lists(st.floats(0.1, 30.0), min_size=1, max_size=120).map(np.cumsum)
 numbers = st.floats(-300.0, 300.0)
 
 
@@ -39,7 +39,9 @@ def test_what_is_left_out_is_within_tolerance(t_s: Floats, data: st.DataObject) 
 @given(t_s=rising, slope=st.floats(-20.0, 20.0), at=numbers)
 def test_of_a_straight_line_the_ends_are_kept(t_s: Floats, slope: float, at: float) -> None:
     line = at + slope * t_s
-    assert kept(t_s, np.column_stack([line, 0.01 * line]), TOLERANCES).tolist() == [0, len(t_s) - 1][: len(t_s)]
+    assert (
+        kept(t_s, np.column_stack([line, 0.01 * line]), TOLERANCES).tolist() == [0, len(t_s) - 1][: len(t_s)]
+    )
 
 
 def test_a_jump_at_one_time_is_kept() -> None:
