@@ -12,7 +12,7 @@ from simulation.setup import Setup
 from study.making.place import checked_new, named_from, write_new
 from study.scenario.scenario import Scenario, load_scenario
 
-FAULT_AFTER_S: Final = 900  # from the first departure: trains are under way
+FAULT_BEFORE_S: Final = 90  # the first departure: its route is not asked for yet, so that the train waits
 POWER_OFF_S: Final = 60
 ENTRY_AFTER_S: Final = 120  # from the fault: the manager is on again, and a person restores the picture
 
@@ -111,7 +111,7 @@ def drill_text(stem: str, scenario: str, base: Scenario) -> str:
     trains = base.setup.timetable.trains.values()
     if not trains:
         raise InputError(COMMAND_LINE, "--scenario", scenario, "a scenario with trains")
-    fault_s = min(train.calls[0].last_s for train in trains) + FAULT_AFTER_S
+    fault_s = max(min(train.calls[0].last_s for train in trains) - FAULT_BEFORE_S, 0)
     return f"""# A drill on {base.name}: run it with `branchline drill {stem}.toml`.
 # Faults and their keys are in docs/faults.md, acts, expectations and what they may wait for in docs/files.md;
 # events and their data in docs/journal.md.
@@ -145,4 +145,9 @@ event = {{ who = "block-manager", what = "granted" }}
 absent = true
 after = {{ who = "world", what = "fault" }}
 until = {{ who = "controller", what = "act" }}
+
+[[expect]]
+text = "then routes are granted again"
+event = {{ who = "block-manager", what = "granted" }}
+after = {{ who = "controller", what = "act" }}
 """
