@@ -7,9 +7,14 @@ from typing import Annotated
 
 import typer
 
+from branchline.making_files import new_drill, new_scenario, new_timetable, new_train
 from branchline.progress import tell
 
 makers = typer.Typer(help="Make a new file from little: it can be run, and says what it assumes.")
+makers.command("scenario")(new_scenario)
+makers.command("timetable")(new_timetable)
+makers.command("train")(new_train)
+makers.command("drill")(new_drill)
 
 
 @makers.callback()
@@ -53,8 +58,10 @@ def new_line(
 ) -> None:
     """Make a whole line file from a list of stations: sections, points, tags, limits, and what is assumed."""
     from network.making.new_line import Asked, write_line
-    from network.making.sample_day import write_sample
+    from network.making.sample_day import sample_timetable, write_sample
 
+    if scenario is not None:
+        sample_timetable(out, scenario)
     asked = Asked(
         line_id, name, name_ja, max_speed, train_length, polyline, stations_geometry, gradients, limits
     )

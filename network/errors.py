@@ -12,7 +12,7 @@ from network.files.raw import is_row
 
 COMMAND_LINE: Final = "command line"  # the file of what is wrong there
 SHOWN_MAX: Final = 80  # characters of a value, or of a key, that a message shows
-EXPECTED_MAX: Final = 600  # of what was expected: it may name what a file calls its own things
+EXPECTED_MAX: Final = 20_000  # of what was expected: it may name all that a file calls its own things
 
 # What the system refuses for want of something, or of a right to it; any other error of its calls is a bug.
 _WANTING: Final = frozenset(

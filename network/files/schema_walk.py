@@ -10,7 +10,7 @@ from network.files.raw import is_table
 
 Schema = Mapping[str, Any]
 
-_SHOWN_MAX: Final = 12
+_AS_THEY_STAND_MAX: Final = 12
 
 
 def resolved(schema: Schema, node: Schema) -> Schema:
@@ -67,9 +67,14 @@ def range_text(node: Schema) -> str:
 
 
 def keys_text(node: Schema, wanted: str) -> str:
-    """The keys that a table has, those most like `wanted` where there are many."""
-    names = list(node.get("properties", {}))
-    if len(names) <= _SHOWN_MAX:
-        return f"one of {', '.join(names)}" if names else "none at all"
-    near = difflib.get_close_matches(wanted, names, n=5, cutoff=0.3) or names[:5]
-    return f"one of {len(names)}, such as {', '.join(near)}"
+    """The keys that a table has, all of them; of many those most like `wanted` first."""
+    names = nearest_first(list(node.get("properties", {})), wanted)
+    return f"one of {', '.join(names)}" if names else "none at all"
+
+
+def nearest_first(names: list[str], wanted: str) -> list[str]:
+    """Names as they stand; of more than a reader takes in at once, those most like `wanted` come first."""
+    if len(names) <= _AS_THEY_STAND_MAX:
+        return names
+    near = difflib.get_close_matches(wanted, names, n=5, cutoff=0.3)
+    return list(dict.fromkeys([*near, *names]))

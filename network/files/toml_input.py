@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final, TypeVar
@@ -11,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from network.errors import InputError
-from network.files.schema_walk import keys_text, node_at, range_text
+from network.files.schema_walk import keys_text, nearest_first, node_at, range_text
 from network.files.text_input import check_nesting, read_text, too_deep
 
 __all__ = ["Record", "key_path", "one_of", "parse_table", "parse_toml", "read_text", "validate"]
@@ -19,7 +18,7 @@ __all__ = ["Record", "key_path", "one_of", "parse_table", "parse_toml", "read_te
 _OUT_OF_RANGE: Final = frozenset(
     {"greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number"}
 )
-_KNOWN_SHOWN_MAX: Final = 12
+CHOICES_CHARACTERS_MAX: Final = 16_000  # a day of more than 2000 trains, by number
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
@@ -67,14 +66,19 @@ def key_path(location: Iterable[int | str]) -> str:
 
 
 def one_of(known: Iterable[str], wanted: str = "") -> str:
-    """`one of a, b, c` for messages; of many names those most like `wanted` come first."""
-    names = list(dict.fromkeys(known))
+    """`one of a, b, c` for messages: all of them, of many those most like `wanted` first.
+
+    Only what no message can hold is cut: then it says how many more the file has.
+    """
+    names = nearest_first(list(dict.fromkeys(known)), wanted)
     if not names:
         return "nothing, because none is defined"
-    if len(names) > _KNOWN_SHOWN_MAX:
-        near = difflib.get_close_matches(wanted, names, n=5, cutoff=0.3) or names[:5]
-        return f"one of {len(names)} known ids, such as {', '.join(near)}"
-    return f"one of {', '.join(names)}"
+    text, count = "", 0
+    for name in names:
+        if len(text) + len(name) > CHOICES_CHARACTERS_MAX:
+            return f"one of {text} and {len(names) - count} more"
+        text, count = f"{text}, {name}" if text else name, count + 1
+    return f"one of {text}"
 
 
 def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> InputError:

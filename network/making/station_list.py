@@ -340,5 +340,7 @@ def _candidates(name: str, index: int) -> Iterator[str]:
         yield plain
         yield from (plain[:2] + letter for letter in letters[2:])
         yield from (f"{plain}{number}" for number in range(2, 10))
+    elif letters:
+        yield letters
     yield f"S{index + 1:02d}"
     yield from (f"S{index + 1:02d}.{number}" for number in range(2, STATIONS_MAX + 2))

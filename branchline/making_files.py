@@ -1,0 +1,78 @@
+"""`branchline new scenario|timetable|train|drill`: files to begin with, which run as they stand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from branchline.progress import tell
+
+NewFile = Annotated[Path, typer.Argument(help="File to write, NAME.toml; NAME is its id.")]
+OnScenario = Annotated[str, typer.Option(help="A shipped scenario, or a scenario file (.toml).")]
+
+
+def new_scenario(out: NewFile, extends: OnScenario = "karasuyama_weekday") -> None:
+    """Make a scenario that extends another: a what-if with examples of what may be changed."""
+    from study.making.scenario import new_scenario as made
+
+    made(extends, out)
+    tell(f"wrote {out}: `branchline run {out}`")
+
+
+def new_drill(out: NewFile, scenario: OnScenario = "rtri_test_line") -> None:
+    """Make a drill on a scenario: one fault, one act, what is expected."""
+    from study.making.scenario import new_drill as made
+
+    made(scenario, out)
+    tell(f"wrote {out}: `branchline drill {out}`")
+
+
+def new_train(
+    out: NewFile,
+    like: Annotated[str, typer.Option(help="A shipped train, or a train file, to begin from.")] = "ev_e301",
+    name: Annotated[str | None, typer.Option(help="What people call it.")] = None,
+    length_m: Annotated[float | None, typer.Option("--length-m", help="Length, m.")] = None,
+    mass_t: Annotated[float | None, typer.Option("--mass-t", help="Empty mass, t.")] = None,
+    cars: Annotated[int | None, typer.Option("--cars", help="Number of cars.")] = None,
+    power_kw: Annotated[float | None, typer.Option("--power-kw", help="Power at the wheel, kW.")] = None,
+    force_kn: Annotated[
+        float | None, typer.Option("--force-kn", help="Tractive force at a start, kN.")
+    ] = None,
+    max_speed_kmh: Annotated[float | None, typer.Option("--max-speed-kmh", help="Speed, km/h.")] = None,
+) -> None:
+    """Make a train file: a shipped one with its keys explained, with figures of your own where you have them."""
+    from study.making.train import Figures
+    from study.making.train import new_train as made
+
+    made(like, out, Figures(name, length_m, mass_t, cars, power_kw, force_kn, max_speed_kmh))
+    tell(f"wrote {out}: name it in a scenario, `[trains] default = {str(out)!r}`")
+
+
+def new_timetable(
+    out: NewFile,
+    line: Annotated[str, typer.Option("--line", help="A shipped line, or a line file (.toml).")],
+    every: Annotated[int, typer.Option("--every", help="A train each way every so many minutes.")] = 60,
+    from_time: Annotated[str, typer.Option("--from", help="First departure, HH:MM.")] = "06:00",
+    to_time: Annotated[
+        str, typer.Option("--to", help="No departure from the ends after this, HH:MM.")
+    ] = "22:00",
+    train: Annotated[str, typer.Option("--train", help="A shipped train, or a train file.")] = "ev_e301",
+    scenario: Annotated[
+        Path | None, typer.Option("--scenario", help="Also write a scenario that runs it.")
+    ] = None,
+) -> None:
+    """Make a timetable that can work: trains to and fro over the whole line at even intervals."""
+    from network.timetable import seconds_of
+    from study.making.timetable import Pattern
+    from study.making.timetable import new_timetable as made
+
+    times_s = [
+        seconds_of("command line", key, text, None)
+        for key, text in (("--from", from_time), ("--to", to_time))
+    ]
+    trains = made(line, train, Pattern(60 * every, *times_s), out, scenario)
+    tell(f"wrote {out}: {trains} trains")
+    if scenario is not None:
+        tell(f"wrote {scenario}: `branchline run {scenario}`")

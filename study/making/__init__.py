@@ -1,0 +1,1 @@
+"""Files to begin with: scenarios, timetables, trains and drills that run as they stand."""

@@ -1,0 +1,192 @@
+"""A new timetable: trains to and fro over the whole line at even intervals (折返し運転), which can work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from network.errors import COMMAND_LINE, InputError
+from network.exchange.planned import PlannedTrain
+from network.exchange.timetable_writer import file_of_trains, text_toml, timetable_toml
+from network.exchange.workings import workings_of
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line
+from network.files.text_input import existing_file
+from network.files.timetable_schema import HeadTable
+from network.model import Direction, Line
+from network.timetable import Call, Timetable, clock, parse_timetable
+from simulation.setup import Setup
+from study.feasibility.check import feasibility
+from study.making.place import checked_new, named_from, write_new
+from study.measures.standard_times import StandardTime, standard_times
+from vehicle.train_file import TrainType, load_train, shipped_train
+
+DWELL_S: Final = 30.0
+SLACK: Final = 1.08  # assumed: over the least running time, as timetables have
+ROUND_S: Final = 15
+MINUTE_S: Final = 60
+FIRST_CYCLES: Final = 4  # a short day is tried first: what does not work in it does not work in a long one
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """What is asked for: a train each way every so often, s, with first departures from `from_s` on, to `to_s`."""
+
+    every_s: int
+    from_s: int
+    to_s: int
+
+
+def new_timetable(line_name: str, train_name: str, pattern: Pattern, out: Path, scenario: Path | None) -> int:
+    """Write a timetable, and a scenario that runs it if there is a path for it; the number of trains. InputError."""
+    stem = checked_new(out)
+    if scenario is not None:
+        checked_new(scenario, "--scenario")
+    _check(pattern)
+    line = load_line(_file(line_name) or shipped_line(line_name))
+    train = load_train(_file(train_name) or shipped_train(train_name))
+    trains, text = timetable_text(line, train, pattern, stem)
+    write_new(out, text)
+    if scenario is not None:
+        names = (
+            named_from(scenario, line_name),
+            named_from(scenario, str(out)),
+            named_from(scenario, train_name),
+        )
+        write_new(scenario, scenario_text(scenario.stem, *names))
+    return trains
+
+
+def _file(name: str) -> Path | None:
+    return Path(name) if name.endswith(".toml") and existing_file(Path(name)) else None
+
+
+def _check(pattern: Pattern) -> None:
+    if not MINUTE_S <= pattern.every_s <= 24 * 3600:
+        raise InputError(COMMAND_LINE, "--every", pattern.every_s // 60, "1 to 1440 minutes")
+    if pattern.from_s >= pattern.to_s:
+        raise InputError(COMMAND_LINE, "--to", clock(pattern.to_s), f"a time after {clock(pattern.from_s)}")
+
+
+def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) -> tuple[int, str]:
+    """How many trains, and the file. InputError where no even pattern of that interval can work on the line."""
+    nothing = Timetable(stem, "", line.id, DWELL_S, {}, ())
+    times = standard_times(Setup(stem, line, nothing, {"": train}))
+    legs = {d: [time for time in times if time.direction is d] for d in Direction}
+    if not all(legs.values()):
+        raise InputError(
+            COMMAND_LINE, "--line", line.id, "a line with a way from end to end in both directions"
+        )
+    short = Pattern(pattern.every_s, pattern.from_s, pattern.from_s + FIRST_CYCLES * pattern.every_s)
+    for offset_s in _offsets(legs, pattern.every_s):
+        if _text(line, train, legs, short, offset_s, stem) is None:
+            continue
+        made = _text(line, train, legs, pattern, offset_s, stem)
+        if made is not None:
+            return made
+    raise InputError(
+        COMMAND_LINE,
+        "--every",
+        pattern.every_s // 60,
+        f"an interval that can work, {_least(legs)} minutes for one set",
+    )
+
+
+def _offsets(legs: dict[Direction, list[StandardTime]], every_s: int) -> Iterator[int]:
+    """By how much up trains leave after down trains: first so that a set turns back at once, then any minute."""
+    turns_s = _run_s(legs[Direction.DOWN]) + 5 * MINUTE_S
+    for minute in range(max(1, every_s // MINUTE_S)):
+        yield (turns_s + minute * MINUTE_S) // MINUTE_S * MINUTE_S % every_s
+
+
+def _leg_s(leg: StandardTime) -> int:
+    return math.ceil(leg.stop_stop_s * SLACK / ROUND_S) * ROUND_S
+
+
+def _run_s(legs: Sequence[StandardTime]) -> int:
+    """From the first departure to the last arrival, whole minutes."""
+    calls = _calls(legs, 0)
+    return math.ceil(calls[-1].first_s / MINUTE_S) * MINUTE_S
+
+
+def _least(legs: dict[Direction, list[StandardTime]]) -> int:
+    """The least interval, min, for one set: there and back, with ten minutes at both ends, in steps of five."""
+    return math.ceil((sum(_run_s(way) for way in legs.values()) / MINUTE_S + 20) / 5) * 5
+
+
+def _calls(legs: Sequence[StandardTime], departs_s: int) -> tuple[Call, ...]:
+    calls = [Call(legs[0].from_id, None, None, departs_s)]
+    at_s = departs_s
+    for leg in legs:
+        arrives_s = at_s + _leg_s(leg)
+        at_s = math.ceil((arrives_s + DWELL_S) / 30) * 30
+        calls.append(Call(leg.to_id, None, arrives_s, at_s if leg is not legs[-1] else None))
+    return tuple(calls)
+
+
+def _text(
+    line: Line,
+    train: TrainType,
+    legs: dict[Direction, list[StandardTime]],
+    pattern: Pattern,
+    offset_s: int,
+    stem: str,
+) -> tuple[int, str] | None:
+    """How many trains, and the file with this offset; None where it cannot work."""
+    planned: list[PlannedTrain] = []
+    for direction, first, begin_s in (
+        (Direction.DOWN, 1, pattern.from_s),
+        (Direction.UP, 2, pattern.from_s + offset_s),
+    ):
+        departures_s = range(begin_s, pattern.to_s, pattern.every_s)
+        planned += [
+            PlannedTrain(str(first + 2 * i), direction, _calls(legs[direction], departs_s))
+            for i, departs_s in enumerate(departures_s)
+        ]
+    try:
+        workings = workings_of(planned, line)
+        head = HeadTable(
+            id=stem,
+            name=f"A train each way every {pattern.every_s // 60} min",
+            line=line.id,
+            dwell_min_s=DWELL_S,
+            sources=["made by `branchline new timetable`"],
+            assumed=[
+                f"times: {100 * SLACK - 100:.0f} % over the least running time of {train.id}, each leg up to the"
+                f" next {ROUND_S} s",
+                *workings.assumed,
+            ],
+        )
+        text = timetable_toml(file_of_trains(head, planned, workings))
+        timetable = parse_timetable(text, stem, line)
+    except InputError:
+        return None
+    stock = dict.fromkeys((diagram.stock_id for diagram in timetable.diagrams), train)
+    if workings.warnings or not feasibility(Setup(stem, line, timetable, stock)).good:
+        return None
+    return len(planned), _comments(pattern, line) + text
+
+
+def _comments(pattern: Pattern, line: Line) -> str:
+    return f"""# {line.name}: a train each way every {pattern.every_s // 60} min from {clock(pattern.from_s)[:5]}.
+# Change times, take trains out, add some: `branchline check` says what cannot work. A call may also say
+# `pass = "HH:MM:SS"` (runs through), `operational = true` (stands without passengers) and `track`; docs/files.md
+# has every key.
+
+"""
+
+
+def scenario_text(stem: str, line: str, timetable: str, train: str) -> str:
+    """A scenario that runs a new timetable."""
+    return f"""# Run it with `branchline run {stem}.toml`; what is not said here is as docs/files.md has it.
+id = {text_toml(stem)}
+name = {text_toml(stem)}
+line = {text_toml(line)}
+timetable = {text_toml(timetable)}
+
+[trains]
+default = {text_toml(train)}
+"""

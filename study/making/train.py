@@ -1,0 +1,129 @@
+"""A new train file: a shipped one with its keys explained, or one with figures of one's own in their places."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from network.errors import COMMAND_LINE, InputError
+from network.files.raw import is_table
+from network.files.text_input import existing_file
+from network.files.toml_input import read_text
+from study.making.place import checked_new, write_new
+from study.scenario.schemas import schema_of
+from vehicle.train_file import TrainType, load_train, shipped_train
+
+COMMENT_AT: Final = 44  # column where explanations begin
+_HEADING: Final = re.compile(r"\[([a-z_]+)\]")
+_KEY: Final = re.compile(r"([a-z0-9_]+) = (.*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Figures of one's own, as written; None: that of the train it is made from."""
+
+    name: str | None = None
+    length_m: float | None = None
+    mass_t: float | None = None
+    cars: int | None = None
+    power_kw: float | None = None
+    force_kn: float | None = None
+    max_speed_kmh: float | None = None
+
+
+# Option, table, beginning of the key, its unit in the option, and the units a file may have, with what one is of that.
+_PLACES: Final[tuple[tuple[str, str, str, Mapping[str, float]], ...]] = (
+    ("length_m", "body", "length", {"m": 1.0}),
+    ("mass_t", "body", "mass_empty", {"t": 1.0, "kg": 1000.0}),
+    ("cars", "body", "cars", {"": 1.0}),
+    ("max_speed_kmh", "body", "speed_max", {"kmh": 1.0, "mps": 1.0 / 3.6}),
+    ("power_kw", "traction", "power_max", {"kw": 1.0, "w": 1000.0}),
+    ("force_kn", "traction", "force_max", {"kn": 1.0, "n": 1000.0}),
+)
+
+
+def new_train(like: str, out: Path, figures: Figures) -> TrainType:
+    """Write a train file and read it again; nothing stays of one that cannot be. InputError."""
+    stem = checked_new(out)
+    source = Path(like) if like.endswith(".toml") and existing_file(Path(like)) else shipped_train(like)
+    text = train_text(read_text(source), stem, figures, like)
+    write_new(out, text)
+    try:
+        return load_train(out)
+    except InputError as error:
+        out.unlink()
+        raise InputError(COMMAND_LINE, error.key, error.value, error.expected) from error
+
+
+def train_text(text: str, stem: str, figures: Figures, like: str) -> str:
+    """The new file: the old one's lines, each key with what it means, own figures in their places, named as given."""
+    schema = schema_of("train")
+    given = _given(text, figures)
+    rows = [
+        f"# A kind of train, begun from {like}. `branchline check` and `run` name what cannot be; every figure has its",
+        "# source, or `assumed: why`, in [provenance]. A figure may be in other units: docs/files.md lists them.",
+        "",
+    ]
+    table = ""
+    for line in text.splitlines():
+        heading, key = _HEADING.fullmatch(line.strip()), _KEY.match(line)
+        if heading is not None:
+            table = heading[1]
+        if line.startswith("#") and not table:
+            continue  # says what the old train is
+        if key is None or table == "provenance":
+            if not any(line.startswith(f'"{table_key}"') for table_key in given):
+                rows.append(line)
+            continue
+        name, value = key[1], key[2].split(" #")[0].rstrip()
+        value = given.get(f"{table}.{name}", value)
+        if not table:
+            value = {"id": json.dumps(stem), "name": json.dumps(figures.name or stem, ensure_ascii=False)}[
+                name
+            ]
+        rows.append(_explained(f"{name} = {value}", _meaning(schema, table, name)))
+    rows += [f'"{key}" = "given to `branchline new train`"' for key in given]
+    return "\n".join(rows) + "\n"
+
+
+def _given(text: str, figures: Figures) -> dict[str, str]:
+    """Own figures by table and key, in the unit that the file has."""
+    found: dict[str, str] = {}
+    for option, table, begin, units in _PLACES:
+        value = getattr(figures, option)
+        if value is None:
+            continue
+        unit = next(
+            (u for u in units if re.search(rf"(?m)^{begin}{'_' if u else ''}{u} = ", _of(text, table))), None
+        )
+        if unit is None:
+            raise InputError(
+                COMMAND_LINE, f"--{option.replace('_', '-')}", value, "a train whose file has it"
+            )
+        scaled = value * units[unit]
+        found[f"{table}.{begin}{'_' if unit else ''}{unit}"] = (
+            f"{scaled:g}" if option == "cars" else repr(float(scaled))
+        )
+    return found
+
+
+def _of(text: str, table: str) -> str:
+    """The lines of a table."""
+    return text.partition(f"[{table}]\n")[2].partition("\n[")[0]
+
+
+def _explained(row: str, meaning: str) -> str:
+    return f"{row.ljust(COMMENT_AT - 1)} # {meaning}" if meaning else row
+
+
+def _meaning(schema: Mapping[str, Any], table: str, key: str) -> str:
+    properties = schema["properties"]
+    if table:
+        name = properties[table].get("$ref", "").rpartition("/")[2]
+        properties = schema["$defs"].get(name, {}).get("properties", {})
+    node = properties.get(key, {})
+    return str(node.get("description", "")) if is_table(node) else ""
