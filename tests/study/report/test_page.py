@@ -13,6 +13,7 @@ import polars as pl
 import pytest
 
 from network.timetable import TimetableTrain
+from study.report import report
 from study.report.bundle import PREFIX, import_map, modules
 from study.report.courses import FINEST_FIRST
 from study.report.data import Run
@@ -44,6 +45,21 @@ def test_five_hundred_trains_fit_into_a_megabyte(tmp_path: Path) -> None:
 def test_a_small_day_is_drawn_as_fine_as_can_be(tmp_path: Path, weekday: Run) -> None:
     path = write_report(tmp_path, weekday.line, weekday.timetable, weekday.tables, {})
     assert payload_of(path.read_text("utf-8"))["tolerance"]["m"] == FINEST_FIRST[0].place_m
+
+
+def test_a_page_that_would_be_too_large_is_drawn_coarser(
+    tmp_path: Path, weekday: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fine = write_report(tmp_path / "fine", weekday.line, weekday.timetable, weekday.tables, {})
+    aimed = fine.stat().st_size - 4_000
+    monkeypatch.setattr(report, "BYTES_AIMED", aimed)
+    path = write_report(tmp_path / "coarse", weekday.line, weekday.timetable, weekday.tables, {})
+    assert path.stat().st_size <= aimed
+    tolerance = payload_of(path.read_text("utf-8"))["tolerance"]["m"]
+    assert tolerance > FINEST_FIRST[0].place_m
+    monkeypatch.setattr(report, "BYTES_AIMED", 1_000)  # no page is so small: as coarse as can be, and written
+    path = write_report(tmp_path / "least", weekday.line, weekday.timetable, weekday.tables, {})
+    assert payload_of(path.read_text("utf-8"))["tolerance"]["m"] == FINEST_FIRST[-1].place_m
 
 
 def hostile_run(day: Run) -> Run:
