@@ -11,7 +11,7 @@ FILE_LINES ?= 500
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
 
-.PHONY: install demo test nightly interpreted check bench nets docs sightings pictures format clean
+.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures format clean
 
 install: $(STAMP)
 
@@ -26,6 +26,12 @@ demo: install
 test: install
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(LAWS_SLICE)
+
+# The report in Chromium, which is installed with the system's packages where it is missing; frames a second are printed.
+browser: install
+	command -v chromium >/dev/null || command -v chromium-browser >/dev/null || (apt-get update && apt-get install -y --no-install-recommends chromium)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[browser]'
+	$(BIN)/python -m pytest tests/browser
 
 # What is too long for every change, and the laws once more as Python runs them, with their coverage.
 nightly: install interpreted

@@ -16,6 +16,7 @@ import typer
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.drilling import drill
+from branchline.duties import duties
 from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
 from branchline.importing import importers
@@ -33,7 +34,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare, plot):
+for command in (run, drill, bench, reproduce, check, compare, plot, duties):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

@@ -94,15 +94,16 @@ def drill(
             )
         sys.stdout.write(f"  {score_text(done.scores)}\n")
     if not done.passed:
-        _tell_of_plan(done)
+        tell_of_plan(done)
     end(judged(done.passed))
 
 
-def _tell_of_plan(done: Drill) -> None:
+def tell_of_plan(done: Drill) -> None:
     """A drill that fails on a plan that could not work without its faults either."""
     from study.feasibility.check import feasibility
 
-    impossible = feasibility(done.run.scenario.setup).impossible
+    impossible = list(feasibility(done.run.scenario.setup).impossible)
     if impossible:
-        more = f" and {len(impossible) - 1} more" if len(impossible) > 1 else ""
-        tell(f"its plan cannot work, faults apart: {impossible[0].sentence}{more}")
+        more = len(impossible) - 1
+        further = f"; {more} more" if more else ""
+        tell(f"its plan cannot work, faults apart: {impossible[0].sentence}{further}")

@@ -4,32 +4,53 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
 from branchline.ending import print_json
-from branchline.options import Json, ScenarioName
+from branchline.options import Json
+from branchline.progress import tell
 from study.outcome import Outcome
+
+SAID_MAX: Final = 3  # of what cannot work
 
 
 def export_sumo_command(
-    scenario: ScenarioName,
+    source: Annotated[
+        str, typer.Argument(help="A run directory, a shipped scenario, or a scenario file (.toml).")
+    ],
     out: Annotated[Path, typer.Argument(help="Directory to write into.")],
     as_json: Json = False,
 ) -> None:
-    """Write a scenario's net, trains, stations, tags, points and ends of sections for SUMO, and a .sumocfg."""
-    from study.exchange.sumo_day import export_sumo
-    from study.scenario.scenario import load_scenario
+    """Write net, trains, stations, tags, points and ends of sections for SUMO, and a .sumocfg; of a run, as it ran."""
+    from study.exchange.sumo_day import export_sumo, setup_as_run
+    from study.feasibility.check import feasibility
 
-    day = export_sumo(load_scenario(scenario), out)
+    impossible: list[str] = []
+    if Path(source).is_dir():
+        from study.run.read_back import read_run
+
+        run = read_run(Path(source))
+        day = export_sumo(str(run.summary["scenario"]), setup_as_run(run), out)
+    else:
+        from study.scenario.scenario import load_scenario
+
+        scenario = load_scenario(source)
+        day = export_sumo(scenario.id, scenario.setup, out)
+        impossible = [finding.sentence for finding in feasibility(scenario.setup).impossible]
     figures = {
         "config": str(day.config),
         "files": [str(path) for path in day.files],
         "vehicles": day.vehicles,
         "trains": day.trains,
         "stops": day.stops,
+        "impossible": impossible,
     }
+    for sentence in impossible[:SAID_MAX]:
+        tell(f"cannot work, and will not in SUMO: {sentence}")
+    if len(impossible) > SAID_MAX:
+        tell(f"and {len(impossible) - SAID_MAX} more; branchline check has them all")
     if as_json:
         print_json(figures, Outcome.GOOD)
         return

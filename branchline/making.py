@@ -58,8 +58,10 @@ def new_line(
 ) -> None:
     """Make a whole line file from a list of stations: sections, points, tags, limits, and what is assumed."""
     from network.making.new_line import Asked, write_line
-    from network.making.sample_day import write_sample
+    from network.making.sample_day import sample_timetable, write_sample
 
+    if scenario is not None:
+        sample_timetable(out, scenario)
     asked = Asked(
         line_id, name, name_ja, max_speed, train_length, polyline, stations_geometry, gradients, limits
     )

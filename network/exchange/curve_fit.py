@@ -28,6 +28,8 @@ STRAIGHT_RADIUS_M: Final = 2500.0  # flatter than this is straight within the ve
 DEFLECTION_MIN_RAD: Final = float(np.radians(1.0))
 CURVE_LENGTH_MIN_M: Final = 120.0  # a small turn is set out with a long radius, not with a kink
 RADIUS_MIN_M: Final = 200.0  # the vertices do not tell sharper curves of this length apart
+FAR_TURN_RAD: Final = float(np.radians(80.0))
+RADIUS_MIN_FAR_M: Final = 100.0  # assumed: sharper is a tramway
 TRANSITION_MAX_M: Final = 42.0  # 400 times the largest cant, 105 mm
 
 _GRID_M: Final = 5.0
@@ -39,10 +41,12 @@ _PROJECTIONS: Final = 3  # each a Newton step; the first guess is metres off
 _OUTLIER_M: Final = 3.0
 _FIXED: Final = 1e-9
 _RESIDUAL_MAX_M: Final = 500.0
-CURVES_AT_ONCE: Final = 40  # with more, the far end swings too widely while the near end is being fitted
+CURVES_AT_ONCE: Final = 40  # with more, the far end swings too widely while the near one is fitted
 LOST_M: Final = 40.0  # no vertex is so wrong; a fit that is has found another minimum
-_BLOCK_CURVES: Final = 14
-_AHEAD_CURVES: Final = 5  # fitted again in the next block, which sees what comes after them
+# Curves of a block, and those of them fitted again in the next, which sees what comes after; fewer where it is astray.
+_BLOCKS: Final = ((14, 5), (9, 3), (6, 2), (4, 1))
+_ASTRAY_M: Final = 100.0
+_HOPELESS_M: Final = 500.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,15 +123,19 @@ def fit_curves(vertices: Floats) -> Fit:
     if problem.count <= CURVES_AT_ONCE:
         unknowns, radii = problem.fitted()
         whole = _result(problem, unknowns, radii)
-        if whole.max_m <= LOST_M or problem.count <= _BLOCK_CURVES:
+        if whole.max_m <= LOST_M or problem.count <= _BLOCKS[-1][0]:
             return whole
     return _fit_blocks(vertices)
 
 
-def snap_radius(radius_m: float) -> float:
-    """Round a fitted radius: steps of 10 m below 1000 m, 50 m below 2000 m, then 100 m; at least 200 m."""
+def snap_radius(radius_m: float, turn_rad: float = 0.0) -> float:
+    """Round a fitted radius: steps of 10 m below 1000 m, 50 m below 2000 m, then 100 m; at least 200 m.
+
+    A curve that turns far shows its radius well enough to be sharper, at least 100 m.
+    """
     step_m = 10.0 if radius_m < 1000.0 else 50.0 if radius_m < 2000.0 else 100.0
-    return max(RADIUS_MIN_M, round(radius_m / step_m) * step_m)
+    least_m = RADIUS_MIN_M if turn_rad < FAR_TURN_RAD else RADIUS_MIN_FAR_M
+    return max(least_m, round(radius_m / step_m) * step_m)
 
 
 def find_curves(vertices: Floats) -> Floats:
@@ -170,23 +178,54 @@ def _fit_blocks(vertices: Floats) -> Fit:
     begin: _Begin | None = None
     cut_m, low = 0.0, 0
     while first is None or low < len(found):
-        high = min(low + _BLOCK_CURVES, len(found))
-        end_m = along[-1] if high == len(found) else (found[high - 1, 1] + found[high, 0]) / 2.0
-        problem = _Problem(_part(vertices, along, cut_m, end_m), found[low:high] - (cut_m, cut_m, 0.0), begin)
-        unknowns, radii = problem.fitted()
-        axis = problem.axis(unknowns, radii)
+        block = _best_block(vertices, along, found, low, cut_m, begin)
         if first is None:
-            first = (float(axis.east_m[0]), float(axis.north_m[0]), float(unknowns[1]))
-        kept = problem.curves(unknowns, radii)
-        if high < len(found):
-            kept = kept[: _BLOCK_CURVES - _AHEAD_CURVES]
+            first = (float(block.axis.east_m[0]), float(block.axis.north_m[0]), float(block.unknowns[1]))
+        kept = block.problem.curves(block.unknowns, block.radii)[: block.kept]
         zero_m = 0.0 if begin is None else begin.along_m
         curves += (replace(c, from_m=c.from_m + zero_m, to_m=c.to_m + zero_m) for c in kept)
         low += len(kept)
-        if low >= len(found):
+        if low >= len(found) or block.max_m > _HOPELESS_M:
             break
-        begin, cut_m = _going_on(problem, axis, kept[-1].to_m, zero_m, cut_m)
+        begin, cut_m = _going_on(block.problem, block.axis, kept[-1].to_m, zero_m, cut_m)
+        while low < len(found) and found[low, :2].mean() < cut_m:  # the curve before has taken it in
+            low += 1
     return _whole(vertices, along, first, tuple(curves))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """A fitted block: of its curves the first `kept` stay; `max_m` is the worst lateral distance up to there."""
+
+    problem: _Problem
+    unknowns: Floats
+    radii: Floats | None
+    axis: SampledAxis
+    kept: int
+    max_m: float
+
+
+def _best_block(
+    vertices: Floats, along: Floats, found: Floats, low: int, cut_m: float, begin: _Begin | None
+) -> _Block:
+    """The first block that lies on the polyline, from many curves to few; else the one that is least off."""
+    blocks: list[_Block] = []
+    for count, ahead in _BLOCKS:
+        high = min(low + count, len(found))
+        last = high == len(found)
+        end_m = along[-1] if last else (found[high - 1, 1] + found[high, 0]) / 2.0
+        part = _part(vertices, along, cut_m, end_m)
+        problem = _Problem(part, found[low:high] - (cut_m, cut_m, 0.0), begin)
+        unknowns, radii = problem.fitted()
+        axis = problem.axis(unknowns, radii)
+        kept = high - low if last else count - ahead
+        at_m, lateral = axis.nearest(problem.dense)
+        kept_m = axis.along_m[-1] if last else problem.curves(unknowns, radii)[kept - 1].to_m
+        max_m = float(np.abs(lateral[at_m <= kept_m]).max(initial=0.0))
+        blocks.append(_Block(problem, unknowns, radii, axis, kept, max_m))
+        if max_m <= _ASTRAY_M:
+            break
+    return min(blocks, key=lambda block: block.max_m)
 
 
 def _part(vertices: Floats, along: Floats, from_m: float, to_m: float) -> Floats:
@@ -257,7 +296,10 @@ class _Problem:
         free = self.solve(self.start, None)
         _, lengths, deflections = self.split(free)
         arc_m = np.maximum(lengths - _transition(lengths), CURVE_LENGTH_MIN_M - TRANSITION_MAX_M)
-        radii = np.array([snap_radius(float(r)) for r in arc_m / np.abs(deflections)])
+        turns = np.abs(deflections)
+        radii = np.array(
+            [snap_radius(r, turn) for r, turn in zip((arc_m / turns).tolist(), turns.tolist(), strict=True)]
+        )
         return self.solve(free, radii), radii
 
     def split(self, unknowns: Floats) -> tuple[Floats, Floats, Floats]:

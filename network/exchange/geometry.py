@@ -267,6 +267,11 @@ def read_geometry(
     if only is not None:
         track = _cut(track, stops)
     fit = fit_curves(track)
+    if fit.max_m > _STATION_FAR_M:
+        expected = (
+            f"a track that an axis can be fitted to; the best one found lies up to {fit.max_m:.0f} m off"
+        )
+        raise InputError(str(polyline_file), "features", None, expected)
     at_m, offset_m = _fitted_axis(fit).nearest(stops)
     _check_stations(stations_file, table.station_list, rows, at_m, offset_m)
     zero_m = float(at_m[0])

@@ -129,7 +129,11 @@ def _in_order(trains: Iterable[PlannedTrain]) -> tuple[PlannedTrain, ...]:
 
 def _dwell(trains: Iterable[PlannedTrain]) -> str:
     times = (
-        time_s for train in trains for call in train.calls for time_s in (call.arrival_s, call.departure_s)
+        time_s
+        for train in trains
+        for i, call in enumerate(train.calls)
+        if i not in train.inferred
+        for time_s in (call.arrival_s, call.departure_s)
     )
     whole = all(time_s is None or time_s % 60 == 0 for time_s in times)
     why = "because the source gives whole minutes" if whole else "because the source does not say"

@@ -8,6 +8,7 @@ shorter, down to what a train needs; where that is not enough either, the list i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -66,7 +67,7 @@ class LayoutRule:
     @property
     def tags(self) -> TagRule:
         """The rule of tags that goes with these lengths."""
-        length_m = float(self.train_length_m)
+        length_m = float(math.ceil(self.train_length_m))  # tags are written in whole metres
         return TagRule(
             train_length_m=length_m, portal_inset_m=max(60.0, length_m + 20.0), short_approach=True
         )
@@ -79,7 +80,7 @@ class LayoutRule:
     @property
     def between_min_m(self) -> float:
         """Shortest section between two stations: a train stands in it, clear of both."""
-        return self.train_length_m + 30.0
+        return math.ceil(self.train_length_m) + 30.0
 
     @property
     def portal_m(self) -> float:
@@ -243,7 +244,7 @@ def _fitted(
 ) -> tuple[_Place, _Place]:
     """Two neighbours with the tracks between them made shorter where they, or halts between them, are too near."""
     has_points = low.listed.points_high or high.listed.points_low
-    wanted_m = rule.train_length_m + 20.0 + (rule.approach_m if has_points else 0.0)
+    wanted_m = rule.tags.train_length_m + 20.0 + (rule.approach_m if has_points else 0.0)
     short_m = max(0.0, (wanted_m - (high.low_m - low.high_m)) / 2.0)
     most_m = rule.track_half_m - rule.track_half_min_m
     low_m = high_m = short_m

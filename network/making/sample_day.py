@@ -65,6 +65,15 @@ class _Trip:
 
 def write_sample(line: Line, line_file: Path, scenario_file: Path) -> tuple[Path, Path]:
     """Write timetable and scenario; returns their paths. Raises InputError."""
+    timetable_file = sample_timetable(line_file, scenario_file)
+    where = Path(os.path.relpath(line_file.resolve(), scenario_file.parent.resolve())).as_posix()
+    write_aside(timetable_file, timetable_toml(line, timetable_file.stem))
+    write_aside(scenario_file, scenario_toml(line, scenario_file.stem, where, timetable_file.name))
+    return timetable_file, scenario_file
+
+
+def sample_timetable(line_file: Path, scenario_file: Path) -> Path:
+    """File of the timetable that goes with a scenario. Raises InputError where the two cannot be written."""
     if scenario_file.suffix != ".toml" or not is_identifier(scenario_file.stem):
         raise InputError(
             COMMAND_LINE, "--scenario", str(scenario_file), f"NAME.toml; NAME: {IDENTIFIER_HELP}"
@@ -74,10 +83,7 @@ def write_sample(line: Line, line_file: Path, scenario_file: Path) -> tuple[Path
         raise InputError(str(scenario_file), "", None, "a writable path in an existing folder")
     if line_file.resolve() in (scenario_file.resolve(), timetable_file.resolve()):
         raise InputError(COMMAND_LINE, "--scenario", str(scenario_file), "another name than the line file's")
-    where = Path(os.path.relpath(line_file.resolve(), scenario_file.parent.resolve())).as_posix()
-    write_aside(timetable_file, timetable_toml(line, timetable_file.stem))
-    write_aside(scenario_file, scenario_toml(line, scenario_file.stem, where, timetable_file.name))
-    return timetable_file, scenario_file
+    return timetable_file
 
 
 def timetable_toml(line: Line, timetable_id: str) -> str:

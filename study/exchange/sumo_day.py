@@ -8,17 +8,19 @@ from __future__ import annotations
 import gzip
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from host.scratch import scratch
 from network.errors import COMMAND_LINE, InputError
 from network.model import Direction, Line
+from network.timetable import Diagram
 from onboard.duty.mission import NoWay, Target
 from simulation.setup import Setup
 from simulation.world.roster import Duty, draw_up
-from study.scenario.scenario import Scenario
+from study.run.as_run import trains_as_run
+from study.run.read_back import RunRead
 from sumo_cfg.build import net_for
 from sumo_cfg.scenery import scenery_xml, stop_id
 from sumo_cfg.traffic import Vehicle, VehicleStop, VehicleType, config_xml, routes_xml
@@ -40,17 +42,28 @@ class SumoDay:
     stops: int
 
 
-def export_sumo(scenario: Scenario, out: Path) -> SumoDay:
-    """Write net, routes, scenery and configuration of a scenario into a directory; other files in it stay.
+def setup_as_run(run: RunRead) -> Setup:
+    """The day of a finished run, its trains with the times and tracks that they had; those that never left are out."""
+    trains = {train.number: train for train in trains_as_run(run.timetable, run.tables.stops)}
+    kept = (
+        Diagram(diagram.stock_id, tuple(n for n in diagram.train_numbers if n in trains))
+        for diagram in run.timetable.diagrams
+    )
+    timetable = replace(
+        run.timetable, trains=trains, diagrams=tuple(diagram for diagram in kept if diagram.train_numbers)
+    )
+    return Setup(run.name, run.line, timetable, run.trains, operation=run.settings.operation)
+
+
+def export_sumo(name: str, setup: Setup, out: Path) -> SumoDay:
+    """Write net, routes, scenery and configuration, all called `name`, into a directory; other files in it stay.
 
     Raises InputError where the line has no way for a train, no net can be built, or `out` cannot be written.
     """
-    setup = scenario.setup
     vehicles = vehicles_of(setup)
     types = [_type(kind, setup.line) for kind in {kind.id: kind for kind in setup.trains.values()}.values()]
     begin_s = min((vehicle.depart_s for vehicle in vehicles), default=0.0)
     end_s = max((train.calls[-1].last_s for train in setup.timetable.trains.values()), default=0)
-    name = scenario.id
     with scratch("branchline-") as folder:
         net = net_for(setup.line, folder)
         content = gzip.decompress(net.read_bytes()) if net.suffix == ".gz" else net.read_bytes()
@@ -167,8 +180,12 @@ def _stops(setup: Setup, duty: Duty, following: Duty | None, *, first: bool) -> 
         if index == len(targets) - 1 and following is not None:
             number, until_s = following.mission.number, following.train.calls[0].last_s
         stop = _stop_of(line, target, mission.direction)
+        # Arrivals after the timetable shorten no stop below the least; one that is planned shorter stays so.
+        stands_s = (
+            dwell_s if arrival_s is None or until_s is None else min(dwell_s, max(until_s - arrival_s, 0.0))
+        )
         found.append(
-            (target.mark_m, VehicleStop(stop, number, arrival_s, until_s, 0.0 if begins else dwell_s))
+            (target.mark_m, VehicleStop(stop, number, arrival_s, until_s, 0.0 if begins else stands_s))
         )
     found += _passed(line, duty)
     yield from (stop for _, stop in sorted(found, key=lambda pair: pair[0]))

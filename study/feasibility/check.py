@@ -9,7 +9,7 @@ from network.errors import InputError, one_line
 from network.model import SectionKind
 from network.timetable import clock
 from simulation.setup import Setup
-from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of, severity
+from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, minute
 from study.feasibility.holdings import clashes_of, holds_of
@@ -33,13 +33,11 @@ def feasibility(setup: Setup) -> Feasibility:
     day = planned_day(setup)
     by_section = holds_of(day)
     pairs = pairs_of(clashes_of(by_section))
-    impossible = frozenset(
-        pair for pair, found in pairs.items() if any(severity(c) is Severity.IMPOSSIBLE for c in found)
-    )
-    meets = day_meets(day, impossible)
+    meets = day_meets(day)
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
     findings = [
         *_missing(setup, day),
+        *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
         *equipment_of(setup, day),
@@ -54,7 +52,9 @@ def feasibility(setup: Setup) -> Feasibility:
             findings = [replace(f, severity=Severity.TIGHT) for f in findings]
         findings += found_late
     findings.sort(key=lambda f: (f.severity is not Severity.IMPOSSIBLE, f.time_s, f.trains, f.kind.value))
-    return Feasibility(meets, tuple(findings))
+    clash = {frozenset(f.trains) for f in findings if f.severity is Severity.IMPOSSIBLE}
+    shown = (replace(m, possible=frozenset((m.down_train, m.up_train)) not in clash) for m in meets)
+    return Feasibility(tuple(shown), tuple(findings))
 
 
 def _by_blocks(finding: Finding, paper: frozenset[Pair]) -> bool:
@@ -99,6 +99,18 @@ def _missing(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
         remedy = "other tracks, or points that lead there"
         trains = (missing.number,)
         yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, first.station_id, first.last_s, text, remedy)
+
+
+def _nowhere(day: PlannedDay) -> Iterator[Finding]:
+    """Trains of one stop alone: a run counts none of them as arrived."""
+    for train in day.all():
+        if len(train.duty.mission.targets) < 2:
+            stand = train.stands[0]
+            place = stand.target.station_id or stand.target.section_id
+            text = f"{train.number} has one stop alone, at {minute(stand.departs_s)}, and goes nowhere"
+            remedy = "a second call, or no train"
+            trains = (train.number,)
+            yield Finding(Kind.NO_WAY, Severity.IMPOSSIBLE, trains, place, stand.departs_s, text, remedy)
 
 
 def _circles(day: PlannedDay, waits: Sequence[Waits]) -> Iterator[Finding]:

@@ -1,10 +1,10 @@
-"""What units need of the line to get a train through: tags that tell where it is, radio where something is to be said.
+"""What units need of the line to get a train through: tags that tell where it is, radio where something is said.
 
 A unit's bounds grow with the distance from the last tag. It stops that far before where it may go, so without tags it
 comes to stand short of its mark, and beyond `unit.doubt_bound_max_m` it gives its position up; by the wear of its
-wheels it is off its mark even where it may go further. Points before a track are thrown at the approach tag (④); without one
-the train stops before them. A route is asked for at a stand, what lies behind is given back there, and a throw is
-commanded under way: each where the radio reaches.
+wheels it is off its mark even where it may go further. Points before a track are thrown at the approach tag (④);
+without one the train stops before them. A route is asked for at a stand, what lies behind is given back there, and a
+throw is commanded under way: each where the radio reaches.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from typing import Final
 from network.model import Line, SectionKind, TagPurpose
 from onboard.authority.coverage import covered_at
 from onboard.driving.stopping import LIMIT_MARGIN_M
-from onboard.driving.supervision import RESERVE_M
 from onboard.duty.mission import Mission, SectionSpan, Target
 from onboard.duty.plan import Plan, plan_of
 from onboard.motion import ARRIVED_WITHIN_M
@@ -26,6 +25,7 @@ from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.finding import Finding, Kind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
 
+RESERVE_M: Final = 1.0  # what supervision keeps beyond that
 BEFORE_LIMIT_M: Final = LIMIT_MARGIN_M + RESERVE_M  # trains stop this far before a limit, and their bound
 MEASURED_OVER_M: Final = 1000.0  # assumed: tags this far apart measure the wheels
 MEASURED_SHARE: Final = 0.001  # assumed: what is left of their error then, 1 m in those 1000 m
@@ -66,11 +66,14 @@ class _Way:
 
         Tags that it has read measure the wheels: from then on far less.
         """
-        start_m = self.mission.targets[0].mark_m
-        read = [tag.position_m for tag in self.mission.tags if start_m <= tag.position_m <= at_m]
-        measured = self.measured or (bool(read) and read[-1] - read[0] >= MEASURED_OVER_M)
-        share = MEASURED_SHARE if measured else 2.0 * self.setup.sensors.wheel_factor_sigma
+        share = MEASURED_SHARE if self.measured_by(at_m) else 2.0 * self.setup.sensors.wheel_factor_sigma
         return share * max(self.run_since_tag_m(at_m), 0.0)
+
+    def measured_by(self, at_m: float) -> bool:
+        """Whether tags have measured the wheels before the train is at a place."""
+        start_m = self.mission.targets[0].mark_m
+        read_m = [tag.position_m for tag in self.mission.tags if start_m <= tag.position_m <= at_m]
+        return self.measured or (len(read_m) > 1 and read_m[-1] - read_m[0] >= MEASURED_OVER_M)
 
     def run_since_tag_m(self, at_m: float) -> float:
         """How far the train has run at a place since it last knew where it was."""
@@ -127,7 +130,8 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
     """What is missing, one finding a place and a thing, with all trains that miss it."""
     found: list[Finding] = []
     for trains in day.trains.values():
-        since_m, measured = 0.0, False
+        since_m: float = 0.0
+        measured: bool = False
         for train in trains:
             length_m = float(setup.trains[train.stock_id].row[0]["length_m"])
             plan = plan_of(train.duty.mission, length_m)
@@ -136,8 +140,7 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
             found += _radio(way)
             end_m = way.mission.targets[-1].mark_m
             since_m = way.run_since_tag_m(end_m)
-            tags_m = [tag.position_m for tag in way.mission.tags if tag.position_m <= end_m]
-            measured = measured or (bool(tags_m) and tags_m[-1] - tags_m[0] >= MEASURED_OVER_M)
+            measured = way.measured_by(end_m)
     return _gathered(found)
 
 

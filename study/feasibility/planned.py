@@ -19,6 +19,7 @@ from simulation.setup import Setup
 from simulation.world.roster import Duty, draw_up
 from study.feasibility.run_times import RunTimes
 
+NO_ROUTE: Final = (NoWay, ValueError)  # the latter: a train that begins at a halt, where no route does
 SIGNS_S: Final = 2.0  # assumed: telegrams of signing on or off, or of a route asked for and granted
 
 
@@ -117,12 +118,12 @@ def _drawn(setup: Setup, diagram: Diagram) -> tuple[tuple[Duty, ...], list[WayMi
 
     try:
         return drawn(len(diagram.train_numbers)), []
-    except NoWay:
+    except NO_ROUTE:
         before: tuple[Duty, ...] = ()
         for count, number in enumerate(diagram.train_numbers, start=1):
             try:
                 before = drawn(count)
-            except NoWay as why:
+            except NO_ROUTE as why:
                 return before, [WayMissing(number, str(why))]
         raise
 
@@ -151,11 +152,11 @@ def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[Stand, ...]:
         last = stands[-1]
         if duty.enters and len(stands) == 1:
             stands[0] = last = _comes_in(setup, duty, last, there, run_s)
-        arrives_s = there.arrival_s
-        if arrives_s is None:
-            arrives_s = last.departs_s + run_s
-            if there.departure_s is not None:
-                arrives_s = max(min(arrives_s, there.departure_s), last.departs_s)
+        arrives_s = last.departs_s + run_s
+        if there.arrival_s is not None:
+            arrives_s = there.arrival_s
+        elif there.departure_s is not None:
+            arrives_s = max(min(arrives_s, there.departure_s), last.departs_s)
         departs_s = arrives_s if there.departure_s is None else there.departure_s
         stands.append(Stand(there, arrives_s, departs_s, run_s))
     return tuple(stands)

@@ -16,12 +16,14 @@ from functools import partial
 from typing import Final
 
 from onboard.authority.tables import REFUSED_REPEAT_S
+from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from simulation.setup import Setup
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 from study.feasibility.timing import throws_s
 
 OPENING_S: Final = 600.0  # the run begins this long before the first train
 COMES_S: Final = 40.0  # assumed: from the approach tag to the track
+SLOWEST_MPS: Final = CRUISE_MIN_KMH / 3.6
 SLOWED_S: Final = 40.0  # assumed: what a stop before points costs that are thrown only then
 RESTARTS_S: Final = 30.0  # assumed: what a train loses that must stop where it was to run through
 
@@ -196,7 +198,9 @@ class Rehearsal:
             if (train.number, self._day.line.sections[there.section_id].station_id) in self._slowed
             else 0.0
         )
-        arrives_s = max(leaves_s + runs_s, not_before_s)
+        # As late as the plan says, but no train goes slower than its unit lets it.
+        slowest_s = (there.position_m - here.position_m) / SLOWEST_MPS + RESTARTS_S
+        arrives_s = max(leaves_s + runs_s, min(not_before_s, leaves_s + slowest_s))
         one.moving = True
         if there.target is None:
             one.asks = one.node + 1

@@ -46,7 +46,7 @@ _UNDER_WAY: Final = "This is no whole run: it is under way, or it was killed.\n"
 
 
 def digests_of_tables(folder: Path) -> dict[str, str]:
-    """SHA-256 of each table's file, by name: a damaged one must not come before a decoder that trusts it."""
+    """SHA-256 of each table's file, by name."""
     return {name: sha256((folder / name).read_bytes()).hexdigest() for name in sorted(TABLE_FILES)}
 
 

@@ -83,6 +83,8 @@ def read_run(directory: Path) -> RunRead:
     inputs = read_inputs(directory / INPUTS_FILE)
     line, timetable, trains, settings = parsed(inputs, file)
     summary = _summary(directory, settings)
+    shown = read_shown(directory / SHOWN_FILE)
+    _check_tables(directory, shown)
     tables = RunTables.read(directory)
     _check_names(directory, tables, line, inputs)
     learned = directory / LEARNED_FILE
@@ -96,7 +98,7 @@ def read_run(directory: Path) -> RunRead:
         summary=summary,
         tables=tables,
         learned=read_learned(learned) if existing_file(learned) else {},
-        shown=read_shown(directory / SHOWN_FILE),
+        shown=shown,
     )
 
 
@@ -174,7 +176,7 @@ def _check_names(directory: Path, tables: RunTables, line: Line, inputs: Inputs)
 
 
 def _summary(directory: Path, settings: ScenarioFile) -> Mapping[str, Any]:
-    """The summary; InputError where it is not that of this run, or where the tables are not those it was made with."""
+    """The summary; InputError where it is not that of this run."""
     path = directory / SUMMARY_FILE
     file, data = str(path), read_json(path, object)
     if not is_table(data):
@@ -184,17 +186,16 @@ def _summary(directory: Path, settings: ScenarioFile) -> Mapping[str, Any]:
             raise InputError(file, key, data.get(key), "a text")
     if data["scenario"] != settings.id:
         raise InputError(file, "scenario", data["scenario"], f"{settings.id}, as {INPUTS_FILE} has it")
-    digests = data.get("tables")
-    if not is_table(digests):
-        raise InputError(
-            file, "tables", digests, "the digests of the tables, which runs of older versions do not have"
-        )
+    return data
+
+
+def _check_tables(directory: Path, shown: Shown) -> None:
+    """The tables are those that the run has written, or InputError; the decoder has not seen them yet."""
     try:
         found = digests_of_tables(directory)
     except OSError as error:
         raise InputError(str(error.filename), "", None, f"a table of a run ({error.strerror})") from error
     for name, digest in found.items():
-        if digests.get(name) != digest:
-            expected = f"the table that this run has written, by its digest in {SUMMARY_FILE}"
+        if shown.tables.get(name) != digest:
+            expected = f"the table that this run has written, by its digest in {SHOWN_FILE}"
             raise InputError(str(directory / name), "", None, expected)
-    return data

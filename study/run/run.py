@@ -248,11 +248,11 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
     run.tables.write(folder)
     if run.result.learned:
         (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
-    summary = run.summary | {"out": str(out), "tables": digests_of_tables(folder)}
+    summary = run.summary | {"out": str(out)}
     inputs = run.scenario.inputs
     (folder / SUMMARY_FILE).write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
     (folder / INPUTS_FILE).write_text(inputs.as_json(), "utf-8")
-    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill)
+    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill, digests_of_tables(folder))
     (folder / SHOWN_FILE).write_bytes(shown.as_json())
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
     for name, text in more.files.items():

@@ -1,4 +1,4 @@
-"""What a report shows besides tables, summary and inputs, kept so that it can be made again from a run directory."""
+"""What a run directory needs besides tables, summary and inputs for its report to be made again from it."""
 
 from __future__ import annotations
 
@@ -40,13 +40,17 @@ class Waves:
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """Parties by name, rules broken, what else failed (texts), last stops of trains that learn by unit, the drill."""
+    """Parties by name, rules broken, what else failed (texts), last stops of trains that learn by unit, the drill.
+
+    `tables` are the digests of the tables' files: a damaged one must not come before a decoder that trusts it.
+    """
 
     parties: tuple[str, ...] = ()
     violations: tuple[RuleBroken, ...] = ()
     broken: tuple[str, ...] = ()
     waves: dict[str, Waves] = field(default_factory=dict[str, Waves])
     drill: DrillShown | None = None
+    tables: dict[str, str] = field(default_factory=dict[str, str])
 
     def as_json(self) -> bytes:
         """The file's text."""
@@ -74,7 +78,11 @@ class Shown:
 
 
 def shown_of(
-    result: RunResult, broken: tuple[str, ...], terminals: tuple[str, ...], drill: DrillShown | None
+    result: RunResult,
+    broken: tuple[str, ...],
+    terminals: tuple[str, ...],
+    drill: DrillShown | None,
+    tables: dict[str, str],
 ) -> Shown:
     """What the report shows of a run; trains that did not arrive are told once."""
     rules = [v for v in result.violations if v.checker != Checker.EVERYONE_ARRIVES]
@@ -85,6 +93,7 @@ def shown_of(
         broken=tuple(text for text in broken if text not in told),
         waves={unit: _waves(stop) for unit, stop in result.learned_from.items()},
         drill=drill,
+        tables=tables,
     )
 
 

@@ -92,8 +92,7 @@ def test_a_run_against_another_says_so_in_its_report(
     assert ended.code == 0
     assert "rtri_test_line against one" in ended.out and "Nothing moved by more than 1 s" in ended.out
     report = (tmp_path / "new" / "report.html").read_text("utf-8")
-    assert "What changed against one" in report and "Both train graphs" in report
-    assert report.index("What changed against one") < report.index("Run curve")
+    assert "What changed against one" in report
     (pair,) = json.loads((tmp_path / "new" / "compare.json").read_text("utf-8"))["comparisons"]
     assert [change["key"] for change in pair["inputs"]] == ["seed"]
 

@@ -16,6 +16,7 @@ from radio.noted import Noted
 from study.run.directory import LEARNED_FILE
 from study.run.run import CarrierKind, Link, Run, execute, write_run
 from study.scenario.scenario import load_scenario
+from tests.study.report.page import payload_of, table_in
 
 HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'
 MARK_M, LIMIT_M = 1020.0, 1050.0
@@ -96,8 +97,9 @@ def test_what_is_learned_is_kept_between_days_and_left_in_the_run_directory(tmp_
     write_run(run, tmp_path / "out")
     assert (tmp_path / "out" / LEARNED_FILE).is_file()
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "Self-tuning" in page
-    assert "Stopping" in page
+    payload = payload_of(page)
+    assert payload["tuning"] is not None
+    assert table_in(payload, "learned")["unit"]
 
 
 def test_days_differ_in_what_passes_and_not_in_the_train(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from network.exchange.gtfs.tables import Feed
 
 WEEKDAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
 _DATE: Final = re.compile(r"(\d{4})-?(\d{2})-?(\d{2})")
-_NEXT: Final = 20  # services named in a message
+_SHOWN_MAX: Final = 20  # services named in a message
 
 
 @dataclass(slots=True)
@@ -71,8 +71,8 @@ def read_services(feed: Feed) -> Services:
             if kind not in ("1", "2"):
                 raise InputError(file, f"line {row.line}.exception_type", kind, "1 (added) or 2 (removed)")
             service = services.setdefault(name, _Service())
-            day = date_of(file, f"line {row.line}.date", date)
-            (service.added if kind == "1" else service.removed).add(day)
+            on = date_of(file, f"line {row.line}.date", date)
+            (service.added if kind == "1" else service.removed).add(on)
     return Services(services)
 
 
@@ -99,8 +99,8 @@ def one_service(trips_of: Mapping[str, int]) -> str:
     if len(trips_of) == 1:
         return next(iter(trips_of))
     most = sorted(trips_of.items(), key=lambda item: (-item[1], item[0]))
-    shown = ", ".join(f"{name} ({count} trips)" for name, count in most[:_NEXT])
-    more = f" and {len(most) - _NEXT} more" if len(most) > _NEXT else ""
+    shown = ", ".join(f"{name} ({count} trips)" for name, count in most[:_SHOWN_MAX])
+    more = f" and {len(most) - _SHOWN_MAX} more" if len(most) > _SHOWN_MAX else ""
     raise InputError(
         COMMAND_LINE, "--service", None, f"a service, or --date YYYY-MM-DD; there are: {shown}{more}"
     )

@@ -181,14 +181,16 @@ def _trips(feed: Feed, routes: Mapping[str, object]) -> dict[str, _Trip]:
     more = ("trip_short_name", "direction_id", "block_id", REVENUE, BEGINS, ENDS)
     trips: dict[str, _Trip] = {}
     for row in feed.rows("trips.txt", ("route_id", "service_id", "trip_id"), more):
-        route, service, trip_id, number, direction, *rest = row.texts
+        route, service, trip_id, number, direction, block, revenue, begins, ends = row.texts
         if route not in routes:
             raise InputError(file, f"line {row.line}.route_id", route, one_of(routes, route))
         if not trip_id or trip_id in trips:
             raise InputError(file, f"line {row.line}.trip_id", trip_id, "an id of its own")
         if direction not in ("", "0", "1"):
             raise InputError(file, f"line {row.line}.direction_id", direction, "0, 1 or nothing")
-        trips[trip_id] = _Trip(trip_id, route, service, number or trip_id, direction != "1", *rest)
+        trips[trip_id] = _Trip(
+            trip_id, route, service, number or trip_id, direction != "1", block, revenue, begins, ends
+        )
     return trips
 
 

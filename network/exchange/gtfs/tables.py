@@ -88,7 +88,7 @@ class Feed:
         with self._text(table) as text:
             lines = csv.reader(text, strict=True)
             try:
-                header = [name.strip() for name in next(lines, [])]
+                header = [name.strip() for name in next(lines, list[str]())]
                 missing = [name for name in needed if name not in header]
                 if missing:
                     found = ", ".join(header[:12]) or "none"
@@ -118,7 +118,7 @@ class Feed:
             return frozenset()
         with self._text(table) as text:
             try:
-                return frozenset(name.strip() for name in next(csv.reader(text), []))
+                return frozenset(name.strip() for name in next(csv.reader(text), list[str]()))
             except (csv.Error, *_DAMAGED):
                 return frozenset()
 

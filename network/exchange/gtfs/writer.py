@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from network.alignment import positions
 from network.errors import InputError
 from network.exchange.gtfs.columns import BEGINS, CALL, ENDS, NO_PASSENGERS, REVENUE, TIMES, TIMETABLE, TRACK
@@ -129,7 +131,7 @@ def _place(line: Line, station: Station, centre: tuple[float, float]) -> tuple[s
     """Latitude and longitude of a station on the axis of its first track, degrees."""
     alignment = line.alignments[line.pieces[station.tracks[0].piece_id].alignment_id]
     at_m = min(max(station.position_m, alignment.from_m), alignment.to_m)
-    east_m, north_m, _ = positions(alignment, [at_m])[0].tolist()
+    east_m, north_m, _ = positions(alignment, np.array([at_m]))[0].tolist()
     latitude, longitude = degrees_of(east_m, north_m, centre)
     return f"{latitude:.6f}", f"{longitude:.6f}"
 
@@ -154,7 +156,7 @@ def degrees_of(east_m: float, north_m: float, centre: tuple[float, float]) -> tu
 
 
 def _meridian_radius_m(latitude: float) -> float:
-    return _A_M * (1 - _E2) / (1 - _E2 * math.sin(latitude) ** 2) ** 1.5
+    return _A_M * (1 - _E2) / math.pow(1 - _E2 * math.sin(latitude) ** 2, 1.5)
 
 
 def _trips(line: Line, timetable: Timetable) -> Iterator[Sequence[str]]:

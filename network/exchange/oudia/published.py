@@ -7,7 +7,8 @@ with a set that came as another, not before this one has ended.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from network.exchange.oudia.cells import After, Before, Cell, How, Operation, index_of
@@ -30,17 +31,27 @@ def published_of(route: OudiaRoute, dia: OudiaDia) -> PublishedTimetable:
     )
     used = [train for train in dia.trains if train.runs and not train.cancelled]
     links = _links(route, used)
+    numbers = Counter(train.number for train in used)
+    lost = [i for i, after in links.items() if _shared(numbers, used[i]) or _shared(numbers, used[after])]
+    links = {i: after for i, after in links.items() if i not in lost}
     trains = tuple(
         _published(route, train, becomes=used[links[i]].number if i in links else "")
         for i, train in enumerate(used)
     )
     title = title_of(" ".join(part for part in (route.name, dia.name) if part))
-    return PublishedTimetable(title, stations, trains, route.file, left_of(dia))
+    left = left_of(dia)
+    if lost:
+        left = (*left, f"{len(lost)} links between trains that have no number of their own")
+    return PublishedTimetable(title, stations, trains, route.file, left)
+
+
+def _shared(numbers: Mapping[str, int], train: OudiaTrain) -> bool:
+    """Whether a train's number does not tell it from others."""
+    return not train.number or numbers[train.number] > 1
 
 
 def _links(route: OudiaRoute, trains: Sequence[OudiaTrain]) -> dict[int, int]:
     """Which train each set runs next, by index: first begun at the same station and track, not before it has ended."""
-    names = [train.number for train in trains]
     waiting: dict[tuple[str, int], list[tuple[int, int]]] = {}
     for i, train in enumerate(trains):
         if train.before is not None and train.before.kind == Before.JUNCTION.value:
@@ -64,8 +75,7 @@ def _links(route: OudiaRoute, trains: Sequence[OudiaTrain]) -> dict[int, int]:
         if following is None:
             continue
         queue.remove(following)
-        if names[i] and names.count(names[i]) == 1 and names.count(names[following[1]]) == 1:
-            found[i] = following[1]
+        found[i] = following[1]
     return found
 
 

@@ -37,21 +37,30 @@ function scaleY(context, plot, low, high, unit) {
   return y;
 }
 
-/** Names of series with their colours, in a line above a plot. */
-function drawLegend(context, series, left, width) {
+/** Where the names of series stand above a plot, px: as many rows as they need. */
+function legendPlaces(context, series, left, width) {
+  context.font = font(11);
+  let [x, y] = [left, 6];
+  return series.map(({ label }) => {
+    const wide = context.measureText(label).width + 26;
+    if (x > left && x + wide > left + width + 8) [x, y] = [left, y + 15];
+    const place = [x, y];
+    x += wide;
+    return place;
+  });
+}
+
+function drawLegend(context, series, places) {
   context.font = font(11);
   context.textBaseline = "middle";
   context.textAlign = "left";
-  let x = left;
-  for (const { label, colour } of series) {
-    const wide = context.measureText(label).width + 26;
-    if (x + wide > left + width + 8) break;
+  series.forEach(({ label, colour }, i) => {
+    const [x, y] = places[i];
     context.fillStyle = colour;
-    context.fillRect(x, 6, 10, 10);
+    context.fillRect(x, y, 10, 10);
     context.fillStyle = COLOURS.ink;
-    context.fillText(label, x + 14, 11.5);
-    x += wide;
-  }
+    context.fillText(label, x + 14, y + 5.5);
+  });
 }
 
 /** Room for labels under a chart, and whether they stand upright because they have none side by side. */
@@ -68,7 +77,8 @@ function roomForLabels(context, labels, width) {
  */
 export function drawBars(context, width, height, { labels, series, unit, tops = [] }) {
   const { upright, bottom } = roomForLabels(context, labels, width);
-  const plot = frame(context, width, height, { left: 52, right: 8, top: 26, bottom });
+  const legend = legendPlaces(context, series, 52, width - 60);
+  const plot = frame(context, width, height, { left: 52, right: 8, top: 20 + (legend[legend.length - 1]?.[1] ?? 0), bottom });
   const sums = labels.map((_, i) => series.reduce(([up, down], { values }) => {
     const value = values[i] ?? 0;
     return value >= 0 ? [up + value, down] : [up, down + value];
@@ -91,9 +101,9 @@ export function drawBars(context, width, height, { labels, series, unit, tops = 
       else down += value;
     }
     if (i % every === 0) drawLabel(context, label, x, plot.top + plot.height + 6, each, upright);
-    if (tops[i] && each >= 11) drawTop(context, tops[i], x, y(up) - 4, each);
+    if (tops[i] && each >= 14) drawTop(context, tops[i], x, y(up) - 4, each);
   });
-  drawLegend(context, series, plot.left, plot.width);
+  drawLegend(context, series, legend);
 }
 
 function drawLabel(context, text, x, y, room, upright) {

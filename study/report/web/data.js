@@ -63,7 +63,7 @@ export function thinned(times, values, tolerance) {
   return Array.from(keep.keys()).filter((i) => keep[i]);
 }
 
-const COARSE_M = [30, 120];
+const COARSE_M = [30, 60, 120];
 
 function courseOf(raw) {
   const course = { ...raw, t: column(raw.t), m: column(raw.m), v: column(raw.v) };

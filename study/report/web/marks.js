@@ -12,7 +12,7 @@ const SHAPES = {
   reversal: ["dot", "#009e73", 3.5], expectation: ["hollow", COLOURS.pale, 4],
 };
 const LESSER = ["dot", "#9a9a9a", 2.5];
-export const LESSER_KINDS = ["telegram", "refusal", "train", "reversal"];
+export const LESSER_KINDS = ["telegram", "refusal", "train", "reversal", "expectation"];
 
 /** Events that the graph shows. */
 export function shownEvents(day, options) {
@@ -81,7 +81,7 @@ export function kindsShown(day, options) {
   return kinds.map((kind) => ({ kind, shape: SHAPES[kind] ?? LESSER }));
 }
 
-/** A drill's faults as pale bands and its acts as dashed lines, each with its number at the top. */
+/** A drill's faults as pale bands and its acts as dashed lines. */
 export function drawFaults(context, day, scale, plot) {
   const shown = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null).sort((a, b) => a.from - b.from);
   for (const mark of shown) {
@@ -98,12 +98,19 @@ export function drawFaults(context, day, scale, plot) {
     context.stroke();
   }
   context.setLineDash([]);
+}
+
+/** Their numbers at the foot of the graph, apart from each other and over what lies there. */
+export function drawFaultNumbers(context, day, scale, plot) {
+  const shown = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null).sort((a, b) => a.from - b.from);
   const seen = shown.filter((mark) => scale.x(mark.from) > plot.left && scale.x(mark.from) < plot.left + plot.width);
   const places = spread(seen.map((mark) => scale.x(mark.from)), 20, plot.left + 10, plot.left + plot.width - 10);
   context.font = font(11, "600");
   context.textAlign = "center";
   context.textBaseline = "middle";
   seen.forEach((mark, i) => {
+    context.fillStyle = "#ffffff";
+    context.fillRect(places[i] - 9, plot.top + plot.height - 15, 18, 14);
     context.fillStyle = mark.kind === "F" ? COLOURS.red : COLOURS.ink;
     context.fillText(mark.label, places[i], plot.top + plot.height - 8);
   });
@@ -126,7 +133,8 @@ export function drawStrip(context, day, view, scale, plot, options) {
     context.font = font(11, mark.kind === "E" && !mark.passed ? "700" : "");
     context.textAlign = "right";
     context.textBaseline = "middle";
-    context.fillText(fitted(context, `${mark.label} ${mark.text}`, plot.left - 10), plot.left - 6, y);
+    context.fillText(mark.label, plot.left - 6, y);
+    drawText(context, mark, scale, y, plot, day.window[1]);
     context.strokeStyle = COLOURS.fine;
     context.lineWidth = 1;
     context.beginPath();
@@ -134,6 +142,16 @@ export function drawStrip(context, day, view, scale, plot, options) {
     context.lineTo(plot.left + plot.width, y + ROW_PX / 2);
     context.stroke();
   });
+}
+
+/** What a row is about, beside its mark: to the right of it, or to the left where there is more room. */
+function drawText(context, mark, scale, y, plot, end) {
+  const inside = (x) => Math.min(Math.max(x, plot.left), plot.left + plot.width);
+  const places = [mark.from ?? end, mark.at ?? mark.to ?? end].map((t) => inside(scale.x(t)));
+  const [first, last] = [Math.min(...places) - 8, Math.max(...places) + 8];
+  const [left, right] = [first - plot.left - 4, plot.left + plot.width - last - 4];
+  context.textAlign = right >= left ? "left" : "right";
+  context.fillText(fitted(context, mark.text, Math.max(left, right)), right >= left ? last : first, y);
 }
 
 function stretch(context, mark, scale, y, end) {

@@ -69,7 +69,7 @@ export function makeTable(doc, table, context, open = false) {
   const count = table.columns[0]?.values.length ?? 0;
   const body = element(doc, "div", { class: "grid" });
   const details = element(doc, "details", { class: "table", id: `table-${table.id}` },
-    element(doc, "summary", {}, `${title} · ${words.say("rows", { count: count.toLocaleString(words.lang) })}`), body);
+    element(doc, "summary", {}, `${title} · ${words.say(count === 1 ? "row" : "rows", { count: count.toLocaleString(words.lang) })}`), body);
   const fill = () => body.childElementCount || fillTable(doc, body, table, context, title);
   details.addEventListener("toggle", () => details.open && fill());
   if (open) {
@@ -116,7 +116,7 @@ function cellOf(doc, column, i, context) {
   const value = column.values[i];
   const text = written(value, column, context.words);
   const bad = column.kind === "bad" || value === "not_met";
-  if (column.kind !== "train" || !value) return element(doc, "td", { class: NUMBERS.has(column.kind) ? "number" : bad ? "bad" : null }, text);
+  if (column.kind !== "train" || !value) return element(doc, "td", { class: NUMBERS.has(column.kind) ? "number" : bad ? "bad" : text.length > 30 ? "long" : null }, text);
   return element(doc, "td", {}, element(doc, "button", { type: "button", class: "train", onclick: () => context.showTrain(value) }, text));
 }
 

@@ -1,7 +1,7 @@
 // The train graph (列車ダイヤ): time across, stations down at true distances, plan thin and run thick.
 import { lastBefore, valueAt } from "./data.js";
 import { COLOURS, font, unitColour } from "./layer.js";
-import { drawEvents, drawFaults, drawStrip, stripHeight } from "./marks.js";
+import { drawEvents, drawFaultNumbers, drawFaults, drawStrip, stripHeight } from "./marks.js";
 import { clock, clockGrid, spread } from "./view.js";
 
 export const TOP = 24;
@@ -76,6 +76,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   if (scale.px * 60 >= MINUTE_PX) drawMinutes(context, day, view, scale, plot, options);
   drawNumbers(context, day, view, scale, plot, options);
   drawEvents(context, day, view, scale, plot, options);
+  drawFaultNumbers(context, day, scale, plot);
   drawMoment(context, scale, plot, options.moment);
   context.restore();
   drawStationNames(context, day, scale, plot, options, width);
@@ -177,7 +178,7 @@ const inView = (from, to, view) => from <= view.x1 && to >= view.x0;
 /** The points of a course that are fine enough for the scale. */
 function levelOf(course, scale) {
   for (let i = course.levels.length - 1; i > 0; i--) {
-    if (course.levels[i].tolerance * scale.py < 0.6) return course.levels[i];
+    if (course.levels[i].tolerance * scale.py < 0.9) return course.levels[i];
   }
   return course.levels[0];
 }
@@ -216,8 +217,9 @@ function drawRuns(context, day, view, scale) {
   });
   context.lineJoin = "bevel";
   const many = items.length > MANY;
-  // Of very many trains each is two hairlines side by side: as good as thick, and twenty times as fast.
-  for (const aside of many ? [-0.45, 0.45] : [0]) {
+  // Of many trains each is two hairlines side by side, as good as thick and twenty times as fast; of very many it is one.
+  const one = !many || items.length > NUMBERS_PER_PX * scale.px * (view.x1 - view.x0);
+  for (const aside of one ? [0] : [-0.45, 0.45]) {
     context.save();
     context.translate(aside, 0);
     strokeGroups(context, items, (direction) => {
@@ -360,7 +362,7 @@ function drawNumbers(context, day, view, scale, plot, options) {
   const seen = day.trains.filter((train) => train !== chosen && trainInView(train, view));
   const ordered = [...(chosen ? [chosen] : []), ...(seen.length > NUMBERS_PER_PX * plot.width ? [] : seen)];
   for (const train of ordered) {
-    const course = options.plan && train.plan.t.length ? train.plan : train.courses[0]?.levels[2];
+    const course = options.plan && train.plan.t.length ? train.plan : train.courses[0]?.levels.at(-1);
     if (!course?.t.length || !inView(course.t[0], course.t[course.t.length - 1], view)) continue;
     const bold = train === chosen;
     context.font = font(size, bold ? "700" : "");

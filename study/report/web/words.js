@@ -322,6 +322,7 @@ export const WORDS = {
   from_s: ["from", "開始"],
   to_s: ["to", "終了"],
   // tables
+  row: ["{count} row", "{count} 行"],
   rows: ["{count} rows", "{count} 行"],
   show_all: ["Show all {count} rows", "全 {count} 行を表示"],
   csv: ["CSV", "CSV"],

@@ -234,7 +234,8 @@ def test_numbers_are_made_identifiers_and_links_follow() -> None:
     assert onto.trains[1].follows == ("E346M",)
     assert onto.trains[3].becomes == ()
     said = " ".join(onto.remarks)
-    assert "回346M is E346M, 1002レ is 1002, a train without one is D001, 8M is 8M-2" in said
+    assert "numbers: 回346M is E346M, 1002レ is 1002, 8M is 8M-2" in said
+    assert "trains without a number are given one: D001" in said
     assert "links to 8M, which several trains are called, are left out: 7M" in said
     assert "links to trains that are not on the line are left out: E346M" in said
 

@@ -21,12 +21,13 @@ identifiers = st.text(string.ascii_letters + string.digits, min_size=1, max_size
     lambda text: f"x{text}"
 )
 any_text = st.text(st.characters(exclude_categories=("Cs", "Cc")), max_size=30)
+raw_text = st.text(st.characters(exclude_categories=("Cs",)) | st.sampled_from('\x7f\x00\r"'), max_size=12)
 prose = st.text(st.characters(exclude_categories=("Cs", "Cc"), include_characters="\n\t"), max_size=30)
 times = st.integers(0, 30 * 3600 - 1).map(time_text)
 calls = st.builds(
     CallTable.model_construct,
-    station=any_text,
-    track=st.none() | any_text,
+    station=raw_text,
+    track=st.none() | raw_text,
     arrival=st.none() | times,
     departure=st.none() | times,
     passes=st.none() | times,
@@ -39,8 +40,8 @@ trains = st.builds(
     direction=st.sampled_from(["down", "up"]),
     revenue=st.booleans(),
     calls=st.lists(calls, min_size=1, max_size=4),
-    begins=any_text,
-    ends=any_text,
+    begins=raw_text,
+    ends=raw_text,
 )
 heads = st.builds(
     HeadTable.model_construct,

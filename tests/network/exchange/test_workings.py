@@ -315,3 +315,34 @@ def test_numbers_and_sets_are_checked() -> None:
         )
     with pytest.raises(InputError, match="a day that 1 sets can run: none is free for 3"):
         workings_of([one, minutes("3", "A", "B", 20, 30)], SAMPLE, SetRules(stock=("V1",)))
+
+
+def test_a_published_working_keeps_its_set_over_a_portal() -> None:
+    trains = [
+        minutes("1", "A", "B", 0, 10, working="7"),
+        minutes("2", "B", "A", 20, 30, working="7", to_beyond=True),
+        minutes("4", "B", "A", 5, 12, working="8", to_beyond=True),
+        # first in, first out would take the set of 4, which has waited longest
+        minutes("3", "A", "B", 70, 80, working="7", from_beyond=True),
+        minutes("5", "A", "B", 90, 99, from_beyond=True),
+    ]
+    got = {w.stock_id: w.numbers for w in workings_of(trains, SAMPLE).diagrams}
+    assert got == {"7": ("1", "2", "3"), "8": ("4", "5")}
+
+
+def test_a_set_that_its_working_needs_is_not_taken() -> None:
+    trains = [
+        minutes("2", "B", "A", 0, 10, working="7", to_beyond=True),
+        minutes("1", "A", "B", 60, 70, from_beyond=True),
+        minutes("3", "A", "B", 80, 90, working="7", from_beyond=True),
+    ]
+    got = {w.stock_id: w.numbers for w in workings_of(trains, SAMPLE).diagrams}
+    assert got == {"7": ("2", "3"), "V1": ("1",)}
+
+
+def test_workings_that_cannot_be_are_broken_and_said() -> None:
+    # the set of 1 stands at Bessho, and 3 begins at Aoki before it could be there
+    trains = [minutes("1", "A", "B", 0, 10, working="7"), minutes("3", "A", "B", 12, 22, working="7")]
+    got = workings_of(trains, SAMPLE)
+    assert len(got.diagrams) == 2
+    assert any("the source's link from 1 to 3 is left out" in text for text in got.warnings)

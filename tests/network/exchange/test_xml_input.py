@@ -49,7 +49,7 @@ def test_a_document_type_is_refused(tmp_path: Path, content: str) -> None:
         (b"\x00\x01\x02\x03", "valid XML"),
         (b'<?xml version="1.0" encoding="no-such"?><a/>', "encoding"),
         (b"<a>\xff\xfe\xfd</a>", "valid XML"),
-        (gzip.compress(b"<a>" + b"<b/>" * 100 + b"</a>")[:-8], "cut off"),
+        (gzip.compress(b"<a>" + b"<b/>" * 100 + b"</a>", mtime=0)[:-8], "cut off"),
         (b"\x1f\x8bnot gzip at all, for all its mark", "gzip"),
     ],
 )

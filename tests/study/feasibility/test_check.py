@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -19,6 +20,7 @@ from study.scenario.scenario import load_scenario, shipped_scenarios
 from tests.study.feasibility.broken_plans import BREAKS, TEN, Broken, good
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
+from tests.system.test_passing import SCENARIO, TIMETABLE
 
 GOOD_PLANS = 200
 NOT_TO_WORK = ("karasuyama_without_loop",)
@@ -148,6 +150,18 @@ def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
     assert [(f.kind, f.place) for f in feasibility(fast.setup()).impossible] == [(Kind.LEG, "EDO-OKA")]
 
 
+@pytest.mark.parametrize(("passes", "place"), [("07:17:30", None), ("07:09", "OGN-KBN")])
+def test_passing_and_standing_for_nobody_count(passes: str, place: str | None, tmp_path: Path) -> None:
+    """1D runs through Ogane while 2U stands there for it; or eight minutes before 2U can be there."""
+    (tmp_path / "timetable.toml").write_text(
+        TIMETABLE.format(leaves="07:00", arrives="07:16", passes=passes), "utf-8"
+    )
+    (tmp_path / "day.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
+    found = feasibility(load_scenario(str(tmp_path / "day.toml")).setup)
+    assert [(f.kind, f.place) for f in found.impossible] == ([(Kind.OPPOSING, place)] if place else [])
+    assert [meet.station for meet in found.meets] == [None if place else "OGN"]
+
+
 def test_blocks_that_the_day_makes_up_for_are_tight() -> None:
     """W leaves Asahi behind D 30 s before the next section is free, with slack for more than that on the leg."""
     plan = good()
@@ -180,7 +194,7 @@ def test_a_shorter_lead_mends_what_a_long_one_breaks() -> None:
 
 
 def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
-    """A stop before points costs 40 s: with 116 s to spare a hop that is made up, with 12 it adds up."""
+    """A stop before points costs 40 s: with 116 s to spare a hop that is made up, with none it adds up."""
     plan = good()
     line = plan.line
     tags = {i: tag for i, tag in line.tags.items() if tag.purpose is not TagPurpose.APPROACH}
@@ -200,13 +214,13 @@ def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
             if k == 0
             else replace(
                 call,
-                arrival_s=call.arrival_s and call.arrival_s - 104 * k,
-                departure_s=call.departure_s and call.departure_s - 104 * k,
+                arrival_s=call.arrival_s and call.arrival_s - 95 * k,
+                departure_s=call.departure_s and call.departure_s - 95 * k,
             )
             for k, call in enumerate(train.calls)
         )
         late = late.with_train(replace(train, calls=calls))
-    alone = replace(late, trains=(replace(late.train("D"), ends="stabled"),))
+    alone = replace(late, dwell_min_s=60, trains=(replace(late.train("D"), ends="stabled"),))
     (impossible,) = feasibility(alone.setup()).impossible
     assert (impossible.kind, impossible.trains[0]) == (Kind.LATE, "D")
     assert (impossible.short_s or 0.0) >= 180.0
@@ -232,6 +246,13 @@ def test_a_plan_is_refused_in_one_line_unless_it_is_to_run_anyway() -> None:
 def test_a_train_without_a_way_is_refused_even_then() -> None:
     with pytest.raises(PlanRefusedError, match=r"shows all$"):
         refuse("stub.toml", BREAKS["no_way"]().plan.setup(), anyway=True)
+
+
+def test_a_train_of_one_stop_alone_is_refused() -> None:
+    """A run has nothing of which it could say that it arrived."""
+    train = replace(good().train("D"), ends="stabled", begins="stabled", calls=good().train("D").calls[3:4])
+    (finding,) = feasibility(replace(good(), trains=(train,)).setup()).impossible
+    assert (finding.kind, finding.trains, finding.place) == (Kind.NO_WAY, ("D",), "EDO")
 
 
 # sets between their trains -----------------------------------------------------------------------------------------

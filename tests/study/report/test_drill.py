@@ -13,6 +13,7 @@ from study.report.drill import DrillShown, Mark, MarkKind, draw_strip, mark_grap
 from study.report.graph import draw_train_graph
 from study.report.report import write_report
 from study.report.style import TimeBand, drawing, time_grid
+from tests.study.report.page import payload_of, table_in
 
 BAND = TimeBand(36_000.0, 43_200.0)
 LONG = "the manager grants nothing at all to anybody while it does not know who holds what"
@@ -89,4 +90,12 @@ def test_the_page_says_whether_the_drill_was_passed_and_what_was_not_met(
     ).read_text("utf-8")
     assert "NOT passed: 1 of 2 expectations not met" in page
     assert f"Expected: {LONG}: happened at 10:28:20.0" in page
-    assert "Latest 90 s after plan." in page and "cut K1 &lt;-&gt; *" in page
+    assert "cut K1 <-> *" not in page  # packed, where no text is markup
+    payload = payload_of(page)
+    assert [mark["label"] for mark in payload["marks"]] == ["F1", "A1", "E1", "E2"]
+    items, judged = table_in(payload, "drill_items"), table_in(payload, "expectations")
+    assert items["what"][0] == "cut K1 <-> *"
+    assert judged["verdict"] == ["met", "not_met"]
+    assert [t["notes"] for t in payload["tables"] if t["id"] == "expectations"] == [
+        [["Latest 90 s after plan."] * 2]
+    ]

@@ -9,6 +9,7 @@ from io import BytesIO
 
 from fontTools.ttLib import TTFont
 
+from study.report.bundle import modules, style_sheet
 from study.report.face import FACE, FAMILY, japanese_face
 
 
@@ -39,4 +40,5 @@ def test_a_page_without_any_has_no_face() -> None:
 def test_the_template_has_the_place_and_names_the_face() -> None:
     template = (files("study") / "templates" / "report.html.j2").read_text("utf-8")
     assert template.count(FACE) == 1
-    assert f'"{FAMILY}", sans-serif' in template
+    assert f'"{FAMILY}", sans-serif' in style_sheet()
+    assert f'"{FAMILY}", sans-serif' in modules()["layer.js"]

@@ -8,12 +8,12 @@ import pytest
 
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned, StopRecord, search
 from study.report.data import Run
+from study.report.papers import _learned
 from study.report.style import drawing
 from study.report.tasc import (
     Tuned,
     draw_approaches,
     draw_response,
-    learned_rows,
     most_telling,
     response_surface,
 )
@@ -82,4 +82,10 @@ def test_the_train_farthest_from_its_design_is_shown() -> None:
     tuned = {"V1": Tuned(learned(5, 10), a_stop()), "V2": Tuned(learned(9, 6), a_stop())}
     assert most_telling(tuned) == "V2"
     assert most_telling({}) is None
-    assert learned_rows(tuned)[1] == ("V2", "4", "1", "0.5", "0.9", "−0.4")
+    (table,) = _learned(tuned)
+    row = {column.label: column.as_dict()["values"][1] for column in table.columns}
+    assert row == {
+        "unit": "V2", "stops_counted": 4, "left_out": 1, "dead_time_designed": 0.5, "dead_time_learned": 0.9,
+        "offset_learned": -0.4,
+    }  # fmt: skip
+    assert _learned({}) == ()

@@ -222,13 +222,13 @@ def test_tracks_of_older_files_stand_in_a_value_of_their_own() -> None:
 
 
 def test_sets_go_on_as_the_next_train_from_the_same_track() -> None:
+    up = "EkiJikoku=,,1;{},1;{}/\nOperation2B=5/$\nOperation3A={}"
     trains = (
         train("EkiJikoku=1;500$0,1;530/$1\nOperation0B=3/450$/11\nOperation1A=5/$0"),
         train("EkiJikoku=1;500$0,1;520/$0\nOperation0B=3/450$/12\nOperation1A=5/$0", number="3M"),
-        train("EkiJikoku=,,1;525$0,1;600/\nOperation2B=5/$\nOperation3A=3/610$", way="Nobori", number="2M"),
-        train(
-            "EkiJikoku=,,1;540$1,1;610/\nOperation2B=5/$\nOperation3A=4/0$611/615$", way="Nobori", number="4M"
-        ),
+        train(up.format("519$0", "550", "3/600$"), way="Nobori", number="8M"),  # gone before 3M comes
+        train(up.format("525$0", "600", "3/610$"), way="Nobori", number="2M"),
+        train(up.format("540$1", "610", "4/0$611/615$"), way="Nobori", number="4M"),
     )
     found = {one.number: one for one in published(*trains)}
     assert {number: one.becomes for number, one in found.items()} == {
@@ -236,9 +236,20 @@ def test_sets_go_on_as_the_next_train_from_the_same_track() -> None:
         "3M": ("2M",),
         "2M": (),
         "4M": (),
+        "8M": (),
     }
     assert found["4M"].goes_to == "車庫"
     assert not any(one.comes_from for one in found.values())
+
+
+def test_a_link_between_trains_without_numbers_of_their_own_is_left_and_said() -> None:
+    read = route(
+        train("EkiJikoku=1;500$0,1;530/$1\nOperation0B=3/450$/11\nOperation1A=5/$0"),
+        train("EkiJikoku=,,1;540$1,1;610/\nOperation2B=5/$\nOperation3A=3/620$", way="Nobori"),
+    )
+    found = published_of(read, read.dias[0])
+    assert [one.becomes for one in found.trains] == [(), ()]
+    assert found.left == ("1 links between trains that have no number of their own",)
 
 
 def test_a_set_from_beyond_arrives_when_its_operation_says() -> None:

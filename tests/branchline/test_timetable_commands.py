@@ -1,0 +1,138 @@
+"""`import mini-tokyo`, `import gtfs`, `export gtfs`, `duties`: what they print and write, and bad input."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SHIPPED = Path(__file__).resolve().parents[2] / "network/timetables"
+PREFIX = "JR-East.Karasuyama."
+
+
+def trains(tmp_path: Path) -> str:
+    """A train each way, in the form of mini-tokyo-3d."""
+    rows = [
+        {
+            "id": f"{PREFIX}{number}.Weekday",
+            "n": number,
+            "d": direction,
+            "tt": [{"s": f"{PREFIX}{first}", "d": leaves}, {"s": f"{PREFIX}{last}", "a": arrives}],
+            beyond: ["JR-East.Tohoku.Utsunomiya"],
+        }
+        for number, direction, first, last, leaves, arrives, beyond in (
+            ("1M", "Outbound", "Hoshakuji", "Karasuyama", "06:00", "06:40", "os"),
+            ("2M", "Inbound", "Karasuyama", "Hoshakuji", "07:00", "07:40", "ds"),
+        )
+    ]
+    path = tmp_path / "trains.json"
+    path.write_text(json.dumps(rows), encoding="utf-8")
+    return str(path)
+
+
+def test_a_timetable_is_counted_or_made(main: Callable[..., Any], tmp_path: Path) -> None:
+    counted = main("import", "mini-tokyo", trains(tmp_path), "--json").figures()
+    assert (counted["trains"], counted["stations"], counted["calls"]) == (2, 2, 4)
+    ended = main("import", "mini-tokyo", trains(tmp_path), "out.toml", "--line", "karasuyama", "--json")
+    assert ended.code == 0, ended.err
+    figures = ended.figures()
+    assert (figures["trains"], figures["sets"], figures["warnings"]) == (2, 1, [])
+    assert figures["stations"][0] == {
+        "source": "Hoshakuji",
+        "station": "HSK",
+        "by": "romanised name",
+        "like": [],
+    }
+    text = (tmp_path / "out.toml").read_text("utf-8")
+    assert 'begins = "portal:HSK.MD"' in text
+    assert 'trains = ["1M", "2M"]' in text
+    told = main("import", "mini-tokyo", trains(tmp_path), "--line", "karasuyama")
+    assert "station: Hoshakuji = HSK (romanised name)" in told.out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("out.toml",), "--line; expected the line"),
+        (("--line", "nowhere"), "shipped line"),
+        (("--line", "karasuyama", "--id", "a/b"), "--id is 'a/b'"),
+        (("--line", "karasuyama", "--calendar", "Sunday"), "a calendar that is in it: Weekday"),
+        (("--line", "karasuyama", "--name", "Taki=TAK"), "a station of the source"),
+        (("--line", "karasuyama", "--add", "none.toml"), "file of additions"),
+        (("--line", "karasuyama", "--turn-min", "-1"), "--turn-min"),
+    ],
+)
+def test_bad_options_are_one_line(
+    main: Callable[..., Any], tmp_path: Path, options: tuple[str, ...], message: str
+) -> None:
+    ended = main("import", "mini-tokyo", trains(tmp_path), *options)
+    assert ended.code == 2
+    assert message in ended.err
+    assert ended.err.count("\n") == 1
+    assert not (tmp_path / "out.toml").exists()
+
+
+def test_gtfs_out_and_back(main: Callable[..., Any], tmp_path: Path) -> None:
+    ended = main("export", "gtfs", "karasuyama_weekday", "day.zip", "--json")
+    assert ended.code == 0, ended.err
+    assert (ended.figures()["trips.txt"], ended.figures()["stop_times.txt"]) == (28, 219)
+    back = main("import", "gtfs", "day.zip", "back.toml", "--line", "karasuyama", "--json")
+    assert back.code == 0, back.err
+    assert back.figures()["sets"] == 4
+    assert (tmp_path / "back.toml").read_text("utf-8") == (SHIPPED / "karasuyama_weekday.toml").read_text(
+        "utf-8"
+    )
+    other = main("import", "gtfs", "day.zip", "other.toml", "--line", "karasuyama", "--service", "DAY")
+    assert other.code == 0, other.err
+    assert "station: Hoshakuji = HSK (id)" in other.out
+    wrong = main("import", "gtfs", "day.zip", "--line", "busy_line")
+    assert wrong.code == 2
+    assert "read as any other feed: it was written of karasuyama, not busy_line" in wrong.err
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--weekdays", "0000000"),
+        ("--centre", "95,0"),
+        ("--from", "20260230"),
+        ("--to", "20200101"),
+        ("--agency-url", "operator"),
+        ("--timezone", "JST; DROP"),
+    ],
+)
+def test_bad_facts_of_a_feed(main: Callable[..., Any], tmp_path: Path, option: str, value: str) -> None:
+    ended = main("export", "gtfs", "karasuyama_weekday", "day.zip", option, value)
+    assert ended.code == 2
+    assert option in ended.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_duties_as_table_and_files(main: Callable[..., Any], tmp_path: Path) -> None:
+    ended = main("duties", "karasuyama_weekday", "--out", "out", "--json")
+    assert ended.code == 0, ended.err
+    figures = ended.figures()
+    assert [duty["stock_id"] for duty in figures["sets"]] == ["V1", "V2", "V3", "V4"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "duties.csv",
+        "duties.png",
+        "duties.svg",
+    ]
+    with (tmp_path / "out/duties.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(duty["trains"]) for duty in figures["sets"]) == 28
+    told = main("duties", "karasuyama_weekday").out
+    assert "E346M (empty) - Hoshakuji (beyond)" in told
+    assert "10.0 min" in told
+
+
+def test_duties_leave_a_directory_of_somebody_else_alone(main: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/mine.txt").write_text("mine", "utf-8")
+    assert main("duties", "karasuyama_weekday", "--out", "out").code == 2
+    assert main("duties", str(tmp_path / "out")).code == 2
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["mine.txt"]

@@ -1,0 +1,191 @@
+"""Lists of stations drawn at random become lines that validate, on which every track leads to every next one."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from network.errors import InputError
+from network.files.line_file import parse_line, usable_length_m
+from network.graph import all_routes
+from network.making.layout import LayoutRule
+from network.making.new_line import Asked, NewLine, make_line
+from network.model import Direction, Line, SectionKind, TagPurpose
+from network.tag_layout import lay_tags
+
+STATION_KINDS = ("station", "halt", "signal station")
+
+
+def made(folder: Path, rows: list[dict[str, object]], **asked: float) -> NewLine:
+    """A line from rows of a list, by way of a file."""
+    table = "\n".join(
+        "[[stations]]\n"
+        + "\n".join(f'{key} = "{v}"' if isinstance(v, str) else f"{key} = {v}" for key, v in row.items())
+        for row in rows
+    )
+    path = folder / "list.toml"
+    path.write_text(table + "\n", "utf-8")
+    return make_line(path, "drawn", Asked(**asked))  # type: ignore[arg-type]
+
+
+@st.composite
+def station_rows(draw: st.DrawFn, spacing_km: tuple[float, float], most: int = 10) -> list[dict[str, object]]:
+    count = draw(st.integers(2, most))
+    km = draw(st.floats(-5.0, 50.0).map(lambda x: round(x, 3)))
+    rows: list[dict[str, object]] = []
+    for i in range(count):
+        at_end = i in (0, count - 1)
+        row: dict[str, object] = {"name": f"Station {i}", "km": km}
+        kind = "station" if at_end else draw(st.sampled_from(STATION_KINDS))
+        tracks = 1 if kind == "halt" else draw(st.integers(1, 4))
+        row |= {"kind": kind, "tracks": tracks}
+        if at_end:
+            row["end"] = draw(st.sampled_from(("stub", "portal")))
+        elif tracks > 1:
+            row["points"] = draw(st.sampled_from(("both", "both", "low", "high")))
+        if tracks > 1:
+            row["side"] = draw(st.sampled_from(("right", "left")))
+            if draw(st.booleans()):
+                row["normal"] = str(draw(st.integers(1, tracks)))
+        rows.append(row)
+        km = round(km + draw(st.floats(*spacing_km)), 3)
+    return rows
+
+
+def leads(row: dict[str, object], track: str, end: str, *, outer: bool) -> bool:
+    """By the words of the list alone: whether a track of a station can be left at its low or high end."""
+    tracks = row["tracks"]
+    points = row.get("points", "both")
+    if tracks == 1 or points in ("both", end) or outer:
+        return True
+    return track == row.get("normal", "1" if row.get("side") != "left" else str(tracks))
+
+
+def assert_every_track_leads_to_every_next_one(rows: list[dict[str, object]], line: Line) -> None:
+    routes = {(r.from_section, r.to_section, r.direction) for r in all_routes(line)}
+    stations = list(line.stations.values())
+    own = [i for i, row in enumerate(rows) if row["kind"] != "halt"]
+    for low, high in pairwise(own):
+        for a in stations[low].tracks:
+            for b in stations[high].tracks:
+                possible = leads(rows[low], a.name, "high", outer=low == own[0]) and leads(
+                    rows[high], b.name, "low", outer=high == own[-1]
+                )
+                for key in (
+                    (a.section_id, b.section_id, Direction.DOWN),
+                    (b.section_id, a.section_id, Direction.UP),
+                ):
+                    assert (key in routes) is possible, key
+
+
+@settings(max_examples=120)
+@given(
+    rows=station_rows((2.2, 8.0)),
+    speed=st.sampled_from((45.0, 65.0, 85.0)),
+    length=st.sampled_from((20.0, 41.7, 80.0)),
+)
+def test_stations_with_room_make_a_line_whose_tracks_all_hang_together(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[dict[str, object]], speed: float, length: float
+) -> None:
+    line = made(tmp_path_factory.mktemp("l"), rows, max_speed_kmh=speed, train_length_m=length).line
+    assert [s.name for s in line.stations.values()] == [row["name"] for row in rows]
+    assert [s.position_m for s in line.stations.values()] == pytest.approx(
+        [1000.0 * float(str(row["km"])) for row in rows], abs=0.5
+    )
+    assert [len(s.tracks) for s in line.stations.values()] == [row["tracks"] for row in rows]
+    assert_every_track_leads_to_every_next_one(rows, line)
+    for station in line.stations.values():
+        for track in station.tracks:
+            for direction in track.marks_m:
+                assert usable_length_m(line, track, direction) >= length
+        assert station.is_signal_station is (
+            rows[list(line.stations).index(station.id)]["kind"] == "signal station"
+        )
+    assert tuple(line.tags.values()) == lay_tags(line, LayoutRule(length, speed / 3.6).tags)
+    portals = [s for s in line.sections.values() if s.kind is SectionKind.PORTAL]
+    assert len(portals) == sum(row.get("end") == "portal" for row in rows)
+
+
+@settings(max_examples=80)
+@given(rows=station_rows((0.15, 1.5)), length=st.sampled_from((20.0, 40.0, 120.0)))
+def test_stations_near_each_other_make_a_line_or_are_refused_by_name(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[dict[str, object]], length: float
+) -> None:
+    try:
+        line = made(tmp_path_factory.mktemp("l"), rows, max_speed_kmh=65.0, train_length_m=length).line
+    except InputError as error:
+        assert re.search(r"at least \d+ m from Station \d", error.expected)
+        assert re.fullmatch(r"Station \d+", str(error.value))
+        assert re.fullmatch(r"stations\[\d+\]\.km", error.key)
+        return
+    assert_every_track_leads_to_every_next_one(rows, line)
+
+
+@pytest.mark.parametrize("tracks", [(1, 2), (2, 2), (4, 1), (3, 4)])
+def test_what_a_refusal_asks_for_is_enough_and_needed(tmp_path: Path, tracks: tuple[int, int]) -> None:
+    def rows(km: float) -> list[dict[str, object]]:
+        return [{"name": "A", "km": 0.0, "tracks": tracks[0]}, {"name": "B", "km": km, "tracks": tracks[1]}]
+
+    with pytest.raises(InputError) as refused:
+        made(tmp_path, rows(0.1))
+    least_m = int(re.findall(r"at least (\d+) m", str(refused.value))[0])
+    assert made(tmp_path, rows(least_m / 1000.0)).line.stations["B"].position_m == least_m
+    with pytest.raises(InputError, match=f"at least {least_m} m"):
+        made(tmp_path, rows((least_m - 1) / 1000.0))
+
+
+def test_forty_stations_of_four_tracks(tmp_path: Path) -> None:
+    rows: list[dict[str, object]] = [
+        {"name": f"Station {i}", "km": 2.5 * i, "tracks": 4, "kind": "station"} for i in range(40)
+    ]
+    line = made(tmp_path, rows).line
+    assert_every_track_leads_to_every_next_one(rows, line)
+    assert len(line.points) == 3 * (2 * 40 - 2)  # none at the two ends where the rails end
+
+
+def test_near_stations_have_shorter_tracks_and_it_is_said(tmp_path: Path) -> None:
+    rows: list[dict[str, object]] = [
+        {"name": "A", "km": 0.0, "tracks": 2},
+        {"name": "B", "km": 0.6, "tracks": 2},
+        {"name": "C", "km": 6.0, "tracks": 1},
+    ]
+    line = made(tmp_path, rows, max_speed_kmh=65.0).line
+    # 600 m less two fans of 80 m and two halves of 50 m
+    assert line.pieces["A-B"].length_m == pytest.approx(340.0)
+    approach = [t for t in line.tags.values() if t.piece_id == "A-B" and t.purpose is TagPurpose.APPROACH]
+    assert sorted(t.position_m for t in approach) == pytest.approx([135.0, 465.0])
+    assert any("A and B are near each other" in text for text in line.assumed)
+    assert any("no approach tag 450 m before points" in text for text in line.assumed)
+    # the far side of B has its whole length
+    assert line.pieces["B.1"].to_m == pytest.approx(720.0)
+
+
+def test_trains_keep_left_and_a_normal_track_is_straight_on_from_both_sides(tmp_path: Path) -> None:
+    def points(normal: str) -> dict[str, str]:
+        rows: list[dict[str, object]] = [
+            {"name": "A", "km": 0.0},
+            {"name": "M", "km": 3.0, "tracks": 3, **({"normal": normal} if normal else {})},
+            {"name": "Z", "km": 6.0},
+        ]
+        line = made(tmp_path, rows).line
+        straight: dict[str, str] = {}
+        for section, direction in (("A.1", Direction.DOWN), ("Z.1", Direction.UP)):
+            for route in all_routes(line):
+                normal_all = all(position.value == "normal" for _, position in route.points)
+                if route.from_section == section and route.direction is direction and normal_all:
+                    straight[section] = route.to_section
+        return straight
+
+    assert points("") == {"A.1": "M.1", "Z.1": "M.3"}
+    assert points("2") == {"A.1": "M.2", "Z.1": "M.2"}
+
+
+def test_the_text_is_the_line(tmp_path: Path) -> None:
+    rows: list[dict[str, object]] = [{"name": "A", "km": 0.0}, {"name": "B", "km": 3.0, "tracks": 2}]
+    new = made(tmp_path, rows)
+    assert parse_line(new.text, "again") == new.line

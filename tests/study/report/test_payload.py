@@ -1,0 +1,155 @@
+"""What the page is told of a run is what its tables say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from network.model import Direction
+from study.report.beside import Beside
+from study.report.courses import FINEST_FIRST, Fineness, blocks_shown, courses_shown, trains_shown
+from study.report.data import Run
+from study.report.packing import unpacked
+from study.report.payload import Shows, courses_of, payload_of
+from study.run.summary import summarise
+from study.run.tables import SCHEMAS, RunTables, make_table
+from tests.study.report.page import table_in
+
+
+def with_table(run: Run, **frames: pl.DataFrame) -> Run:
+    tables = RunTables(**{**{name: getattr(run.tables, name) for name in SCHEMAS}, **frames})
+    return Run(run.line, run.timetable, tables)
+
+
+def read(column: Mapping[str, Any]) -> np.ndarray:
+    return np.array([np.nan if value is None else value for value in unpacked(dict(column))])
+
+
+@pytest.mark.parametrize("fineness", FINEST_FIRST)
+@pytest.mark.parametrize("name", [("karasuyama", "karasuyama_weekday"), ("rtri_test_line", "rtri_crossing")])
+def test_every_sample_is_within_the_tolerance_that_the_page_states(
+    make_day: Callable[[str, str], Run], name: tuple[str, str], fineness: Fineness
+) -> None:
+    run = make_day(*name)
+    for shown in courses_shown(run, fineness):
+        course = run.courses[shown["unit"], shown["train"]]
+        t_s = course["t_s"].to_numpy()
+        times = read(shown["t"])
+        assert (np.diff(times) >= 0).all()
+        # Times are rounded to a tenth of a second, the run's own step: these made-up ones lie between two steps.
+        at_m = np.interp(t_s, times, read(shown["m"]))
+        assert np.abs(at_m - course["kilometrage_m"].to_numpy()).max() <= fineness.place_m + 0.05 * 35.0
+        speed_kmh = np.interp(t_s, times, read(shown["v"]))
+        assert np.abs(speed_kmh - course["speed_mps"].to_numpy() * 3.6).max() <= fineness.speed_kmh + 0.3
+        assert shown["axes"] == [[0, 0]]
+
+
+def test_a_gap_of_a_curve_stays_a_gap(weekday: Run) -> None:
+    key, course = next(iter(weekday.courses.items()))
+    low, high = float(course["t_s"][20]), float(course["t_s"][40])
+    here = pl.col("train") == key[1]
+    gone = weekday.tables.trajectory.with_columns(
+        target_mps=pl.when(here & pl.col("t_s").is_between(low, high))
+        .then(float("inf"))
+        .otherwise(pl.col("target_mps"))
+    )
+    run = with_table(weekday, trajectory=gone)
+    shown = next(c for c in courses_shown(run, FINEST_FIRST[0]) if c["train"] == key[1])
+    times, values = read(shown["target"]["t"]), read(shown["target"]["v"])
+    (gap,) = np.flatnonzero(np.isnan(values))
+    assert times[gap] < low and times[gap + 1] > high
+
+
+def test_calls_are_those_of_plan_and_run(weekday: Run) -> None:
+    shown = {train["number"]: train for train in trains_shown(weekday)}
+    assert list(shown) == list(weekday.trains)
+    for (number,), rows in weekday.tables.stops.group_by("train", maintain_order=True):
+        train = shown[str(number)]
+        planned = weekday.timetable.trains[str(number)]
+        assert train["station"] == [call.station_id for call in planned.calls]
+        assert unpacked(train["pd"]) == [
+            None if c.departure_s is None else float(c.departure_s) for c in planned.calls
+        ]
+        assert unpacked(train["a"]) == pytest.approx(rows["arrival_s"].to_list(), abs=0.051, nan_ok=True)
+        assert unpacked(train["error"]) == pytest.approx(rows["stop_error_m"].to_list(), abs=0.00051)
+        assert train["unit"] == rows["unit"][0]
+        assert Direction(train["direction"]) is planned.direction
+
+
+def test_a_train_that_is_not_in_the_timetable_is_shown_as_it_ran(weekday: Run) -> None:
+    rename = (
+        pl.when(pl.col("train") == "321M").then(pl.lit("9999X")).otherwise(pl.col("train")).alias("train")
+    )
+    run = with_table(
+        weekday,
+        trajectory=weekday.tables.trajectory.with_columns(rename),
+        stops=weekday.tables.stops.with_columns(rename),
+    )
+    shown = {train["number"]: train for train in trains_shown(run)}
+    assert not shown["9999X"]["planned"] and len(shown["9999X"]["station"]) == 8
+    assert shown["321M"]["planned"] and set(unpacked(shown["321M"]["a"])) == {None}
+
+
+def test_blocks_are_the_register_and_the_truth(make_day: Callable[[str, str], Run]) -> None:
+    day = make_day("rtri_test_line", "rtri_test_line")
+    blocks = make_table(
+        "blocks",
+        {
+            "section": ["7", "6"], "unit": ["K1", "K1"], "train": ["T1", "T1"], "token": [2, 1],
+            "granted_s": [36_020.0, 36_010.0], "released_s": [None, 36_050.0],
+            "entered_s": [None, 36_020.0], "cleared_s": [None, 36_040.0],
+        },
+    )  # fmt: skip
+    shown = blocks_shown(with_table(day, blocks=blocks))
+    assert [shown["sections"][at] for at in shown["section"]] == ["6", "7"]
+    assert unpacked(shown["granted"]) == [36_010.0, 36_020.0]
+    assert (shown["released"], shown["entered"], shown["cleared"]) == ([40, None], [10, None], [30, None])
+
+
+def test_waits_are_told_in_both_languages(weekday: Run) -> None:
+    row = {
+        "unit": "V1", "train": "321M", "from_s": 36_000.0, "to_s": 36_060.0, "cause": "departure time", "place": "OGN",
+        "at_m": None, "asked": "", "section": "", "points": "", "party": "", "party_train": "", "since_s": None,
+        "until_s": 36_060.0, "reason": "",
+    }  # fmt: skip
+    runs = {**row, "cause": "runs", "from_s": 36_060.0, "to_s": 36_100.0}
+    waits = make_table("waits", {name: [row[name], runs[name]] for name in row})
+    run = with_table(weekday, waits=waits)
+    shown = payload_of(run, summarise(run.tables, run.timetable), Shows())["waits"]
+    assert (unpacked(shown["from"]), unpacked(shown["to"])) == ([36_000.0], [36_060.0])
+    assert "Ogane" in shown["en"][0] and "大金" in shown["ja"][0]
+
+
+def test_margins_name_the_train_of_the_smallest(weekday: Run) -> None:
+    facts = summarise(weekday.tables, weekday.timetable)
+    margins = table_in(payload_of(weekday, facts, Shows()), "margins")
+    assert set(margins["margin_s"]) == {40}
+    assert set(margins["train"]) <= set(weekday.timetable.trains)
+
+
+def test_energy_per_km_is_net_over_distance(weekday: Run) -> None:
+    energy = make_table(
+        "energy",
+        {
+            "unit": ["V1", "V2"], "train": ["321M", "322M"], "revenue": [True, False], "cars": [2, 2],
+            "regenerated_to": ["battery", "battery"], "distance_km": [20.0, 0.0], "running_s": [1800.0, 1.0],
+            "standing_s": [300.0, 0.0], "traction_kwh": [50.0, 0.0], "regenerated_kwh": [14.0, 0.0],
+            "auxiliary_kwh": [9.0, 1.0], "standing_kwh": [2.0, 0.0], "net_kwh": [45.0, 1.0],
+        },
+    )  # fmt: skip
+    run = with_table(weekday, energy=energy)
+    shown = table_in(payload_of(run, summarise(run.tables, run.timetable), Shows()), "energy_trains")
+    assert shown["net_per_km"] == [2.25, None]  # (50 + 9 - 14) / 20
+    assert shown["revenue"] == ["yes", "no"]
+
+
+def test_of_a_run_beside_only_what_moved_or_is_gone_is_drawn(weekday: Run) -> None:
+    beside = Beside("before", weekday, frozenset({"321M"}), frozenset({"322M"}))
+    shown = courses_of(weekday, FINEST_FIRST[0], beside)["beside"]
+    assert (shown["label"], shown["gone"]) == ("before", ["322M"])
+    assert {course["train"] for course in shown["courses"]} == {"321M", "322M"}
+    assert courses_of(weekday, FINEST_FIRST[0])["beside"] is None

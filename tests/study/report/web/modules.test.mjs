@@ -1,0 +1,194 @@
+// The modules of the report by themselves: what is read, what is seen, what is worked out. `node --test`.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { deflateSync } from "node:zlib";
+
+const from = (name) => import(new URL(`../../../../study/report/web/${name}`, import.meta.url));
+const { column, dayOf, lastBefore, read, thinned, valueAt, waitAt } = await from("data.js");
+const { clock, clockGrid, niceStep, panned, spread, zoomed } = await from("view.js");
+const { approaches, classOf, departures, punctualityClasses, stays } = await from("papers.js");
+const { csvOf, columnOf, written } = await from("tables.js");
+const { nearestTrain, boundsOf, plotOf, scaleOf } = await from("traingraph.js");
+const { searched } = await from("app.js");
+const { WORDS, wordsIn } = await from("words.js");
+const { whereIs, latenessAt } = await from("graphpaper.js");
+const { standsOf, onAxis } = await from("runcurve.js");
+
+const packed = (values, k = 1) => {
+  let last = 0;
+  return { k, d: values.map((v) => (v === null ? null : Math.round(v * k) - last + 0 * (last = Math.round(v * k)))) };
+};
+
+/** Two stations, a train each way; T1 stands at B for a minute; U1 runs it. */
+function example() {
+  const stations = ["A", "B", "C"].map((id, i) => ({ id, name: `Name ${id}`, ja: i ? "" : "甲", m: 1000 * i, halt: false, signal: false, tracks: ["1"], marks: [1000 * i] }));
+  const none = { t: packed([]), v: packed([]) };
+  const train = (number, direction, station, pa, pd, a, d, more = {}) => ({
+    number, unit: "U1", direction, revenue: true, planned: true, begins: "stabled", ends: "stabled", station,
+    track: station.map(() => "1"), kind: station.map(() => "stop"),
+    pa: packed(pa, 10), pd: packed(pd, 10), a: packed(a, 10), d: packed(d, 10), error: packed(station.map((_, i) => (i ? 0.1 : null)), 1000), ...more,
+  });
+  const course = (train, direction, t, m, v) => ({
+    unit: "U1", train, direction, t: packed(t, 10), m: packed(m, 10), v: packed(v, 10), axes: [[0, 0]], braked: [], permitted: none, target: none, notch: none,
+  });
+  return {
+    line: { name: "L", ja: "線", max_kmh: 60, stations, axes: [{ id: "x", from: 0, to: 2000, limits: { 1: [[0, 60]], "-1": [[0, 60]] }, gradients: [], curves: [] }] },
+    window: [0, 1000], sections: [{ id: "S", kind: "track", station: "A", track: "1", from: 0, to: 900 }], devices: { P: 500 }, marks: [],
+    blocks: { sections: ["S"], units: ["U1"], trains: ["T1"], section: [0], unit: [0], train: [0], granted: packed([5]), released: [40], entered: [null], cleared: [null] },
+    trains: [
+      train("T1", 1, ["A", "B", "C"], [null, 110, 300], [0, 170, null], [null, 100, 320], [0, 170, null]),
+      train("T2", -1, ["C", "A"], [null, 800], [600, null], [null, null], [600, null]),
+    ],
+    courses: [course("T1", 1, [0, 100, 170, 320], [0, 1000, 1000, 2000], [0, 0, 0, 0]), course("T2", -1, [600, 700], [2000, 1500], [18, 18])],
+    broken: [], beside: null, tuning: null, tolerance: { m: 1, kmh: 1, notch: 1 },
+    waits: { en: ["waits"], ja: ["待つ"], units: ["U1"], unit: [0], from: packed([100]), to: packed([170]), text: [0] },
+    tables: [
+      { id: "events", notes: [], columns: [columnOf("time", "clock", [50, 60]), columnOf("source", "text", ["U1", "P"]), columnOf("event_kind", "word", ["event_fault", "event_act"]), columnOf("text", "text", ["one", "two"])] },
+      { id: "occupation", notes: [], columns: [
+        columnOf("station", "place", ["A", "C"]), columnOf("track", "text", ["1", "1"]), columnOf("train", "train", ["T1", "T1"]), columnOf("next_train", "train", ["T1", "T2"]),
+        columnOf("unit", "text", ["U1", "U1"]), columnOf("kind", "call", ["stop", "stop"]), columnOf("planned_from_s", "clock", [null, 300]), columnOf("planned_to_s", "clock", [0, 600]),
+        columnOf("from_s", "clock", [null, 320]), columnOf("to_s", "clock", [0, null]),
+      ] },
+    ],
+  };
+}
+
+test("what Python packs is read", async () => {
+  const data = { 駅: "宝積寺", n: [1, null] };
+  assert.deepEqual(await read(deflateSync(Buffer.from(JSON.stringify(data))).toString("base64")), data);
+  await assert.rejects(read("AAAA"));
+  assert.deepEqual([...column({ k: 10, d: [5, null, -3] })], [0.5, NaN, 0.2]);
+});
+
+test("a curve is straight between its points, and nothing outside of it", () => {
+  const [t, v] = [[0, 10, 20], [0, 100, 0]];
+  assert.deepEqual([-1, 0, 5, 10, 15, 20, 20.1].map((at) => valueAt(t, v, at)), [NaN, 0, 50, 100, 50, 0, NaN]);
+  assert.deepEqual([-1, 0, 9, 20, 99].map((at) => lastBefore(t, at)), [-1, 0, 0, 2, 2]);
+  assert.ok(Number.isNaN(valueAt([0, 1, 1], [5, NaN, 7], 0.5)));
+});
+
+test("what is thinned is within its tolerance of every point", () => {
+  const t = Array.from({ length: 200 }, (_, i) => i);
+  const v = t.map((x) => 40 * Math.sin(x / 15) + (x % 7));
+  const kept = thinned(t, v, 9);
+  assert.ok(kept.length < 60 && kept[0] === 0 && kept.at(-1) === 199);
+  const [kt, kv] = [kept.map((i) => t[i]), kept.map((i) => v[i])];
+  assert.ok(t.every((x, i) => Math.abs(valueAt(kt, kv, x) - v[i]) <= 9));
+});
+
+test("moving never leaves the bounds, and zooming keeps what is under the pointer", () => {
+  const bounds = { x0: 0, x1: 1000, y0: 0, y1: 100 };
+  const least = { x: 10, y: 10 };
+  let view = bounds;
+  for (let i = 0; i < 400; i++) {
+    const [fx, fy] = [[0.5, 1.7, 3, 0.9][i % 4], [2, 0.6, 1][i % 3]];
+    const [ax, ay] = [view.x0 + 0.3 * (view.x1 - view.x0), view.y0 + 0.8 * (view.y1 - view.y0)];
+    const next = zoomed(view, bounds, least, fx, fy, ax, ay);
+    const inside = next.x0 > 0 && next.x1 < 1000;
+    if (inside) assert.ok(Math.abs((ax - next.x0) / (next.x1 - next.x0) - 0.3) < 1e-9);
+    view = panned(next, bounds, ((i * 37) % 900) - 450, ((i * 11) % 90) - 45);
+    assert.ok(view.x0 >= 0 && view.x1 <= 1000 && view.y0 >= 0 && view.y1 <= 100);
+    assert.ok(view.x1 - view.x0 >= 10 - 1e-9 && view.y1 - view.y0 >= 10 - 1e-9);
+    assert.ok(Math.abs(view.x1 - view.x0 - (next.x1 - next.x0)) < 1e-6);
+  }
+});
+
+test("a day has hours and ten minutes; zoomed in come two minutes and one", () => {
+  assert.deepEqual(clockGrid(1100 / (18 * 3600), 56), { steps: [600, 1800, 3600, 7200, 21600], label: 3600 });
+  assert.ok(clockGrid(1100 / (2 * 3600), 56).steps.includes(120) || clockGrid(1100 / (2 * 3600), 56).steps.includes(60));
+  assert.ok(clockGrid(1100 / 1200, 56).steps.includes(60));
+  assert.ok(!clockGrid(1100 / (6 * 3600), 56).steps.includes(60));
+  for (const px of [0.005, 0.02, 0.1, 1, 8]) {
+    const { steps, label } = clockGrid(px, 56);
+    assert.ok(label * px >= 56 || label === 43200);
+    assert.ok(steps.every((step) => step * px >= 4));
+  }
+  assert.equal(clock(5 * 3600 + 37 * 60), "05:37");
+  assert.equal(clock(24 * 3600 + 600), "24:10");
+  assert.equal(clock(36061, true), "10:01:01");
+  assert.equal(clock(NaN), "–");
+  assert.equal(niceStep(2, 30), 20);
+});
+
+test("labels keep their order, come apart, and stay where they have room", () => {
+  for (const places of [[], [5], [1, 1, 1], [0, 1, 2, 10, 30], [98, 99, 100], [3, 50, 51, 52, 97]]) {
+    const found = spread(places, 6, 0, 100);
+    assert.equal(found.length, places.length);
+    found.slice(1).forEach((at, i) => assert.ok(at - found[i] >= 6 - 1e-9));
+    assert.ok(found.every((at) => at >= 0 && at <= 100));
+  }
+  assert.deepEqual(spread([10, 20, 30], 6), [10, 20, 30]);
+  const tight = spread([1, 2, 3, 4], 50, 0, 60);
+  assert.ok(tight.every((at) => at >= 0 && at <= 60));
+});
+
+test("a train is found where its line is, and not beside it", () => {
+  const day = dayOf(example());
+  const options = { plan: false, run: true, gutter: 100, strip: false };
+  const view = boundsOf(day);
+  const plot = plotOf(day, options, 1000, 500);
+  const scale = scaleOf(view, plot);
+  const hit = nearestTrain(day, view, options, plot, scale.x(50), scale.y(500));
+  assert.equal(hit.train.number, "T1");
+  assert.ok(Math.abs(hit.m - 500) < 1e-6);
+  assert.equal(nearestTrain(day, view, options, plot, scale.x(50), scale.y(1500)), null);
+  assert.equal(nearestTrain(day, view, { ...options, plan: true, run: false }, plot, scale.x(650), scale.y(1500)).train.number, "T2");
+});
+
+test("a search finds the very train, else one that begins so, else one that has it", () => {
+  const day = { trains: ["321M", "21M", "E21M"].map((number) => ({ number })) };
+  assert.deepEqual(["21M", "21m", "32", "e2", "1M", "9", ""].map((text) => searched(day, text)?.number), ["21M", "21M", "321M", "E21M", "321M", undefined, undefined]);
+});
+
+test("a day is made of its parts", () => {
+  const day = dayOf(example());
+  assert.deepEqual(day.events.map((event) => event.m), [500, 500]);
+  assert.equal(waitAt(day, "U1", 120, "ja"), "待つ");
+  assert.equal(waitAt(day, "U1", 99, "en"), null);
+  assert.equal(waitAt(day, "U9", 120, "en"), null);
+  assert.ok(Number.isNaN(day.blocks[0].entered) && day.blocks[0].released === 45);
+  const words = wordsIn("en", day.stations);
+  assert.equal(whereIs(day, 1500, words), "Name B – Name C");
+  assert.equal(whereIs(day, 1010, words), "at Name B");
+  assert.equal(latenessAt(day.trains[0], 130, words), "10 s before plan at Name B");
+  assert.equal(latenessAt(day.trains[0], 400, words), "20 s after plan at Name C");
+});
+
+test("tracks, departures, punctuality and stops are those of the calls", () => {
+  const day = dayOf(example());
+  assert.deepEqual(stays(day, false).map((s) => [s.station.id, s.train, s.next, s.from, s.to]), [["A", "T1", null, 0, 0], ["C", "T1", "T2", 320, 1000]]);
+  assert.deepEqual(stays(day, true).map((s) => [s.from, s.to]), [[0, 0], [300, 600]]);
+  assert.deepEqual(departures(day, day.stations.get("B"), 1).map(({ hour, trains }) => [hour, trains.length]), [[0, 1]]);
+  assert.deepEqual(departures(day, day.stations.get("C"), 1), []);
+  const rows = punctualityClasses(day);
+  assert.deepEqual(rows.find((r) => r.station.id === "A" && r.what === "arrival").classes, [0, 0, 0, 0, 0, 1]);
+  assert.deepEqual(rows.find((r) => r.station.id === "C" && r.what === "arrival").classes, [0, 0, 1, 0, 0, 0]);
+  assert.deepEqual([-16, -15, 15, 16, 60, 61, 181, NaN].map(classOf), [0, 1, 1, 2, 2, 3, 4, 5]);
+  const stops = approaches(day);
+  assert.deepEqual(stops.map((s) => [s.train, s.station.id]), [["T1", "B"], ["T1", "C"]]);
+  assert.ok(Math.abs(stops[0].x.at(-1) + 0.1) < 1e-9);
+});
+
+test("legs of a course lie between its stands, on the axis where it runs most", () => {
+  const day = dayOf(example());
+  assert.deepEqual(standsOf(day.courses[0]), [{ from: 0, to: 100 }, { from: 170, to: 320 }]);
+  assert.equal(onAxis(day.courses[0], day.line.axes).axis.id, "x");
+});
+
+test("every word is in both languages, with the same places to fill", () => {
+  for (const [key, [en, ja]] of Object.entries(WORDS)) {
+    const places = (text) => [...text.matchAll(/\{(\w+)\}/g)].map((m) => m[1]).sort();
+    assert.deepEqual(places(en), places(ja), key);
+    assert.equal(en === "", ja === "", key);
+  }
+  const words = wordsIn("ja", new Map([["A", { name: "Ogane", ja: "大金" }], ["B", { name: "Only", ja: "" }]]));
+  assert.deepEqual([words.place("A"), words.place("B"), words.place("P1")], ["大金", "Only", "P1"]);
+});
+
+test("values are written in their kind, and CSV quotes what needs it", () => {
+  const words = wordsIn("en");
+  assert.equal(written(-3.14159, { kind: "signed", digits: 2 }, words), "−3.14");
+  assert.equal(written(null, { kind: "number", digits: 0 }, words), "–");
+  const table = { columns: [columnOf("train", "train", ['a"b', "c,d"]), columnOf("kwh", "number", [1.5, null])] };
+  assert.equal(csvOf(table, words), 'train,kWh\r\n"a""b",1.5\r\n"c,d",\r\n');
+});
