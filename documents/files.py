@@ -16,6 +16,7 @@ from documents import ranges
 from documents.interlocking import table
 from documents.page import write_page
 from network.files.line_schema import LineFile
+from network.files.raw import is_row, is_table
 from network.files.schema_walk import range_text, resolved
 from network.files.timetable_schema import TimetableFile
 from study.scenario.key_examples import below as entries_below
@@ -225,14 +226,12 @@ def _example(entries: Entries, key: str) -> str:
 
 def _toml(value: object) -> str:
     """A value as TOML writes it in a line."""
-    match value:
-        case Mapping():
-            items = ", ".join(f"{_bare(str(key))} = {_toml(item)}" for key, item in value.items())
-            return f"{{ {items} }}" if items else "{}"
-        case list():
-            return f"[{', '.join(map(_toml, value))}]"
-        case _:
-            return json.dumps(value, ensure_ascii=False)
+    if is_table(value):
+        items = ", ".join(f"{_bare(key)} = {_toml(item)}" for key, item in value.items())
+        return f"{{ {items} }}" if items else "{}"
+    if is_row(value):
+        return f"[{', '.join(_toml(item) for item in value)}]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _bare(key: str) -> str:

@@ -59,7 +59,7 @@ def test_a_key_that_no_file_has_is_found_out() -> None:
 
 
 def test_an_example_of_another_unit_is_the_same_figure() -> None:
-    body = schema_of("train")["$defs"]["Body"]["properties"]
+    body = schema_of("train")["$defs"]["_Body"]["properties"]
     assert body["mass_empty_kg"]["examples"] == [77200.0]
     assert body["mass_empty_t"]["examples"] == [77.2]
 
