@@ -222,9 +222,9 @@ def _match(file: Path, station: ListedStation, rows: Sequence[StationRow]) -> in
     for theirs in (japanese, letters):
         fits = [i for i, theirs_here in enumerate(theirs) if ours & theirs_here]
         if len(fits) > 1:
-            names = " and ".join(rows[i].original_name for i in fits)
+            several = " and ".join(rows[i].original_name for i in fits)
             raise InputError(
-                str(file), f"station_list[{fits[1]}]", names, f"one station that is {station.name}"
+                str(file), f"station_list[{fits[1]}]", several, f"one station that is {station.name}"
             )
         if fits:
             return fits[0]

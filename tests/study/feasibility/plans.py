@@ -11,13 +11,12 @@ from network.files.shipped import shipped_line
 from network.model import Line
 from network.timetable import parse_timetable
 from onboard.unit_records import UnitParameters
-from simulation.setup import Setup
 from simulation.settings import Operation
-from vehicle.train_file import TrainType, shipped_train
-from vehicle.train_patch import patched_train
-
+from simulation.setup import Setup
 from tests.system.chaos.ground import Call, Planned, timetable_table
 from tests.system.chaos.toml_text import toml_of
+from vehicle.train_file import TrainType, shipped_train
+from vehicle.train_patch import patched_train
 
 DWELL_MIN_S = 20
 
