@@ -94,11 +94,11 @@ def drill(
             )
         sys.stdout.write(f"  {score_text(done.scores)}\n")
     if not done.passed:
-        _tell_of_plan(done)
+        tell_of_plan(done)
     end(judged(done.passed))
 
 
-def _tell_of_plan(done: Drill) -> None:
+def tell_of_plan(done: Drill) -> None:
     """A drill that fails on a plan that could not work without its faults either."""
     from study.feasibility.check import feasibility
 

@@ -13,7 +13,6 @@ from branchline.options import Json
 from branchline.progress import tell
 from study.outcome import Outcome
 
-
 SAID_MAX: Final = 3  # of what cannot work
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from pydantic import BaseModel
 
@@ -16,13 +16,26 @@ from documents import ranges
 from documents.interlocking import table
 from documents.page import write_page
 from network.files.line_schema import LineFile
+from network.files.raw import is_row, is_table
 from network.files.schema_walk import range_text, resolved
 from network.files.timetable_schema import TimetableFile
+from study.scenario.key_examples import below as entries_below
+from study.scenario.key_examples import example_of
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import UNITS, TrainFile
 
-FILE: Final = Path(__file__).resolve().parents[1] / "docs" / "files.md"
-HEAD: Final = ("key", "type", "unit", "range", "default", "meaning", "where the default comes from")
+ROOT: Final = Path(__file__).resolve().parents[1]
+FILE: Final = ROOT / "docs" / "files.md"
+HEAD: Final = (
+    "key",
+    "type",
+    "unit",
+    "range",
+    "default",
+    "example",
+    "meaning",
+    "where the default comes from",
+)
 # The last part of a key's name, longest first.
 UNIT_OF: Final = {
     "_n_per_kn_kmh": "N/kN per km/h",
@@ -65,6 +78,13 @@ KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
     ),
     ("Scenario and drill", ScenarioFile, "`study/scenarios/*.toml`, `study/drills/*/*.toml`: one run."),
 )
+EXAMPLES: Final[Mapping[type[BaseModel], str]] = {
+    LineFile: "line",
+    TimetableFile: "timetable",
+    TrainFile: "train",
+    ScenarioFile: "scenario",
+}
+Entries: TypeAlias = tuple[Mapping[str, Any], ...]
 _FORMATS: Final = {"HH:MM": "time", "identifier": "identifier"}
 _INTRO: Final = """# Files
 
@@ -78,6 +98,32 @@ no name that Windows keeps for a device (`con`, `nul.toml`): it becomes a direct
 Japanese stands in the `name` and `name_ja` beside it. Text has no control characters; a name is one line of at most
 200 characters.
 """
+_TOGETHER: Final = """## How the files go together
+
+A **scenario** is one run: it names a **line** (what the track is), a **timetable** of that line (which trains run on
+it, and which set runs which train) and, for its sets, **train** files (what a kind of train is); its own tables say how
+radio, units, driving and sensors are. All that it does not say has a default.
+
+```
+scenario ── line ──────────── sections, points, stations, tags
+   │    └── timetable ─────── trains with their calls, diagrams of the sets
+   │    └── [trains] default ─ a train file; [trains.stock] others by set
+   └── extends ─── another scenario: what this one leaves out; [patch.*] changes what is named, by id
+drill = a scenario with [[fault]] (what fails), [[act]] (what people do), [[expect]] (what must be so)
+```
+
+A what-if is a scenario that `extends` another and patches it; nothing is copied. `branchline new scenario`, `new
+timetable`, `new train`, `new drill` and `new line` write files to begin with, which run as they stand; `branchline
+check` reads everything and runs nothing; `branchline schema KIND` is for editors. The examples in the tables below are
+accepted where they stand (`study/scenario/examples`). A whole small file of each kind, with which the tests run:
+"""
+WHOLE: Final[Mapping[str, str]] = {
+    "A line of three stations": "tests/examples/line/valley.toml",
+    "Its timetable": "tests/examples/line/valley_times.toml",
+    "A scenario that runs it": "tests/examples/line/valley_day.toml",
+    "A train": "vehicle/trains/br642.toml",
+    "A drill": "study/drills/karasuyama/42_doors.toml",
+}
 _UNITS_INTRO: Final = "Instead of a key in SI a file may have one of another ending, which is converted: "
 _WORDS: Final = """### What a patch may say
 
@@ -91,13 +137,13 @@ else by their index, and `*` is all of them: `"points.*.throw_time_s"`, `"trains
 
 def document() -> str:
     """The whole page."""
-    parts = [_INTRO, ranges.section()]
+    parts = [_INTRO, _TOGETHER, *_wholes(), ranges.section()]
     for title, model, text in KINDS:
         parts.append(f"## {title}\n\n{text}\n")
         if model is TrainFile:
             endings = ", ".join(f"`{ending}` for `{si}`" for ending, si, _, _ in UNITS)
             parts.append(f"{_UNITS_INTRO}{endings}.\n")
-        for name, doc, rows in tables_of(model):
+        for name, doc, rows in tables_of(model, example_of(EXAMPLES[model])):
             parts.append(f"### {name}\n")
             if doc:
                 parts.append(f"{doc}\n")
@@ -107,22 +153,34 @@ def document() -> str:
     return "\n".join(parts)
 
 
-def tables_of(model: type[BaseModel]) -> Iterator[tuple[str, str, list[tuple[str, ...]]]]:
-    """Every table of a file: how it is written, what it is, and a row a key."""
+def _wholes() -> Iterator[str]:
+    """A whole small file of each kind, folded, as the tests run them."""
+    for title, path in WHOLE.items():
+        text = (ROOT / path).read_text("utf-8").rstrip()
+        yield f"<details><summary>{title}: {path}</summary>\n\n```toml\n{text}\n```\n\n</details>\n"
+
+
+def tables_of(
+    model: type[BaseModel], example: Mapping[str, Any] | None = None
+) -> Iterator[tuple[str, str, list[tuple[str, ...]]]]:
+    """Every table of a file: how it is written, what it is, and a row a key, with what `example` has there."""
     schema = model.model_json_schema()
-    waiting: list[tuple[str, Mapping[str, Any]]] = [("", schema)]
+    waiting: list[tuple[str, Mapping[str, Any], Entries]] = [("", schema, (example or {},))]
     while waiting:
-        path, node = waiting.pop(0)
+        path, node, entries = waiting.pop(0)
         rows: list[tuple[str, ...]] = []
-        below: list[tuple[str, Mapping[str, Any]]] = []
+        below: list[tuple[str, Mapping[str, Any], Entries]] = []
         for key, own in node["properties"].items():
             field = resolved(schema, own)
             child, form = _child(schema, field)
+            said = _example(entries, key)
             if child is not None and "properties" in child:
-                below.append((_written(path, key, form), child))
+                where = _written(path, key, form)
+                below.append((where, child, tuple(entries_below(entries, key))))
                 if "description" not in own:
                     continue
-            rows.append(_row(key, own, field, key in node.get("required", ())))
+                said = _heading(where)
+            rows.append(_row(key, own, field, key in node.get("required", ()), said))
         if rows:
             yield _heading(path), _about(node.get("description", "")) if path else "", rows
         waiting = below + waiting
@@ -160,7 +218,30 @@ def _heading(path: str) -> str:
     return f"`[[{plain}]]`" if path.endswith("[]") else f"`[{plain}]`"
 
 
-def _row(key: str, own: Mapping[str, Any], field: Mapping[str, Any], needed: bool) -> tuple[str, ...]:
+def _example(entries: Entries, key: str) -> str:
+    """What the first entry that has the key says there, as a file writes it."""
+    value = next((entry[key] for entry in entries if key in entry), None)
+    return "" if value is None else f"`{_toml(value)}`"
+
+
+def _toml(value: object) -> str:
+    """A value as TOML writes it in a line."""
+    if is_table(value):
+        items = ", ".join(f"{_bare(key)} = {_toml(item)}" for key, item in value.items())
+        return f"{{ {items} }}" if items else "{}"
+    if is_row(value):
+        return f"[{', '.join(_toml(item) for item in value)}]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _bare(key: str) -> str:
+    plain = all(character.isalnum() or character in "_-" for character in key) and key.isascii()
+    return key if plain else json.dumps(key, ensure_ascii=False)
+
+
+def _row(
+    key: str, own: Mapping[str, Any], field: Mapping[str, Any], needed: bool, example: str
+) -> tuple[str, ...]:
     numbers = field.get("items", field) if field.get("type") == "array" else field
     default = "needed" if needed else _default(own.get("default"))
     meaning = str(own.get("description", field.get("description", "")))
@@ -170,6 +251,7 @@ def _row(key: str, own: Mapping[str, Any], field: Mapping[str, Any], needed: boo
         _unit(key),
         _choice(numbers) or range_text(numbers),
         default,
+        example,
         _first_line(meaning),
         str(own.get("origin", "")),
     )

@@ -11,7 +11,7 @@ from typing import Final
 
 from host.parties import PartyBug, PartyError
 from network.errors import InputError, wanting
-from simulation.carriers.carrier import CarrierLostError
+from simulation.carriers.lost import CarrierLostError
 
 SIGNALLED: Final = 128  # plus the number of the signal, as shells have it
 

@@ -19,10 +19,9 @@ from network.errors import COMMAND_LINE, InputError
 from network.exchange.hidden_meets import hidden_meets
 from network.exchange.planned import PlannedTrain
 from network.exchange.published import PublishedCall, PublishedTimetable, PublishedTrain
-from network.exchange.running import DWELL_S, Leg, Running, Timed, UntimedError, filled, observed
+from network.exchange.running import DWELL_S, Leg, Running, Timed, UntimedError, filled, least_s, observed
 from network.exchange.station_join import JoinedBy, StationJoin, join_stations
 from network.exchange.train_numbers import numbers_of
-from network.files.quantities import SPEED
 from network.model import Direction, Line, PlatformTrack
 from network.timetable import Call, CallKind, clock, platform_of
 
@@ -277,7 +276,7 @@ def _spaced(timed: Timed, positions_m: Sequence[float], line: Line, number: str,
     inferred = set(timed.inferred)
     for i in range(1, len(calls)):
         before, call = calls[i - 1], calls[i]
-        run_s = max(1, math.ceil(abs(positions_m[i] - positions_m[i - 1]) / (SPEED.spans[-1][1] / 3.6)))
+        run_s = math.floor(least_s(positions_m[i] - positions_m[i - 1]))
         late_s = before.last_s + run_s - call.first_s
         if late_s <= 0:
             continue

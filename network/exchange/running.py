@@ -6,11 +6,13 @@ train that the timetable itself has on the leg with the same stops at its ends, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
+from network.files.quantities import SPEED
 from network.timetable import Call
 
 DWELL_S: Final = (
@@ -46,6 +48,11 @@ class Timed:
 def leg_of(before: Call, after: Call) -> Leg:
     """The leg between two calls."""
     return Leg(before.station_id, after.station_id, before.stops, after.stops)
+
+
+def least_s(distance_m: float) -> float:
+    """Time (s) that no train takes less than for a distance (m)."""
+    return max(1.0, abs(distance_m) / (SPEED.spans[-1][1] / 3.6))
 
 
 def observed(trains: Iterable[Sequence[Call]]) -> Running:
@@ -121,11 +128,18 @@ def _fill_untimed(
         if last == first + 1:
             continue
         from_s = calls[first].last_s
-        shares = _shares(calls, positions_m, range(first, last + 1), running)
-        stands = calls[last].stops and calls[last].arrival_s is None
-        span_s = max(calls[last].first_s - (DWELL_S if stands else 0) - from_s, 0)
-        for i, share in zip(range(first + 1, last), shares, strict=False):
-            calls[i] = _at(calls[i], from_s + round(span_s * share))
+        legs = range(first, last)
+        least = [least_s(positions_m[i + 1] - positions_m[i]) for i in legs]
+        span_s = calls[last].first_s - from_s
+        if calls[last].stops and calls[last].arrival_s is None:
+            span_s = max(span_s - DWELL_S, min(span_s, math.ceil(sum(least))))
+        spare_s = max(span_s - sum(least), 0.0)
+        times_s = [
+            run_s + spare_s * share
+            for run_s, share in zip(least, _shares(calls, least, legs, running), strict=True)
+        ]
+        for i in range(first + 1, last):
+            calls[i] = _at(calls[i], from_s + round(sum(times_s[: i - first])))
             inferred.add(i)
 
 
@@ -149,13 +163,9 @@ def _at(call: Call, time_s: int) -> Call:
     return replace(call, arrival_s=time_s if call.stops else None, departure_s=time_s)
 
 
-def _shares(
-    calls: Sequence[Call], positions_m: Sequence[float], indices: range, running: Running
-) -> list[float]:
-    """How far along the time between two calls each one between them lies: by running times, else by distance."""
-    runs = [running(leg_of(calls[i], calls[i + 1])) for i in indices[:-1]]
+def _shares(calls: Sequence[Call], least: Sequence[float], legs: range, running: Running) -> list[float]:
+    """What part each leg has of the time over the least: that of its running time, else that of its length."""
+    runs = [running(leg_of(calls[i], calls[i + 1])) for i in legs]
     known = [run_s for run_s in runs if run_s is not None]
-    if len(known) < len(runs):
-        known = [abs(positions_m[i + 1] - positions_m[i]) for i in indices[:-1]]
-    total = sum(known) or 1.0
-    return [sum(known[: i + 1]) / total for i in range(len(known) - 1)]
+    weights = known if len(known) == len(runs) else least
+    return [weight / sum(weights) for weight in weights]

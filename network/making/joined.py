@@ -215,8 +215,12 @@ def _on_axis(from_m: float, to_m: float) -> str:
 def _match(file: Path, station: ListedStation, rows: Sequence[StationRow]) -> int | None:
     """Which of the source's stations a listed one is: by Japanese name, else by the letters of its kana."""
     ours = {*spellings(station.name_ja), *spellings(station.name)}
-    for theirs in (lambda row: spellings(row.original_name), lambda row: spellings(romanised(row.name_kana))):
-        fits = [i for i, row in enumerate(rows) if ours.intersection(theirs(row))]
+    japanese, letters = (
+        [set(spellings(name)) for name in names]
+        for names in ([row.original_name for row in rows], [romanised(row.name_kana) for row in rows])
+    )
+    for theirs in (japanese, letters):
+        fits = [i for i, theirs_here in enumerate(theirs) if ours & theirs_here]
         if len(fits) > 1:
             names = " and ".join(rows[i].original_name for i in fits)
             raise InputError(

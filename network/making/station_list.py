@@ -148,7 +148,7 @@ def csv_tables(text: str, file: str, columns: Sequence[str], needed: Sequence[st
     """Rows of a CSV by its column names; cells that are empty are left out. Raises InputError."""
     rows = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
-        names = [name.strip() for name in next(rows, [])]
+        names = [name.strip() for name in next(rows, ())]
         for name in names:
             if name not in columns:
                 raise InputError(file, "line 1", name, f"columns, each {one_of(columns, name)}")

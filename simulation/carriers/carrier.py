@@ -11,10 +11,6 @@ from typing import NamedTuple, Protocol
 from network.model import Direction
 
 
-class CarrierLostError(RuntimeError):
-    """What carries the trains is gone: the run cannot go on."""
-
-
 class Truth(NamedTuple):
     """Where a train's front is: piece, direction of travel, distance (m) from where that direction enters it."""
 

@@ -8,7 +8,8 @@ from importlib import import_module
 from pathlib import Path
 
 from network.model import Direction
-from simulation.carriers.carrier import CarrierLostError, Truth
+from simulation.carriers.carrier import Truth
+from simulation.carriers.lost import CarrierLostError
 from simulation.carriers.sumo import SumoCarrier
 from simulation.carriers.sumo_api import Window, in_window
 

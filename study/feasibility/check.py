@@ -9,7 +9,7 @@ from network.errors import InputError, one_line
 from network.model import SectionKind
 from network.timetable import clock
 from simulation.setup import Setup
-from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of, severity
+from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, minute
 from study.feasibility.holdings import clashes_of, holds_of
@@ -33,10 +33,7 @@ def feasibility(setup: Setup) -> Feasibility:
     day = planned_day(setup)
     by_section = holds_of(day)
     pairs = pairs_of(clashes_of(by_section))
-    impossible = frozenset(
-        pair for pair, found in pairs.items() if any(severity(c) is Severity.IMPOSSIBLE for c in found)
-    )
-    meets = day_meets(day, impossible)
+    meets = day_meets(day)
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
     findings = [
         *_missing(setup, day),
@@ -55,7 +52,9 @@ def feasibility(setup: Setup) -> Feasibility:
             findings = [replace(f, severity=Severity.TIGHT) for f in findings]
         findings += found_late
     findings.sort(key=lambda f: (f.severity is not Severity.IMPOSSIBLE, f.time_s, f.trains, f.kind.value))
-    return Feasibility(meets, tuple(findings))
+    clash = {frozenset(f.trains) for f in findings if f.severity is Severity.IMPOSSIBLE}
+    shown = (replace(m, possible=frozenset((m.down_train, m.up_train)) not in clash) for m in meets)
+    return Feasibility(tuple(shown), tuple(findings))
 
 
 def _by_blocks(finding: Finding, paper: frozenset[Pair]) -> bool:

@@ -107,6 +107,8 @@ def _short(clash: Clash) -> float | None:
 
 
 def _until(time_s: float) -> str:
+    if not math.isfinite(time_s):
+        return "the end of the day"
     return clock(math.ceil(time_s)) if time_s % 60 else minute(time_s)
 
 
@@ -141,7 +143,7 @@ def _towards(clash: Clash) -> Finding:
     """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
     first, second = clash.trains
     text = (
-        f"{second.number} is to leave at {_until(clash.second.from_s)} into {clash.section_id}, where"
+        f"{second.number} is to leave at {_until(clash.begins_s)} into {clash.section_id}, where"
         f" {first.number} comes the other way until {_until(clash.first.to_s)}"
     )
     return Finding(
@@ -149,7 +151,7 @@ def _towards(clash: Clash) -> Finding:
         severity(clash),
         _numbers(first, second),
         clash.section_id,
-        clash.second.from_s,
+        clash.begins_s,
         text,
         _later(clash, f"{second.number} leaves"),
         _short(clash),
@@ -160,7 +162,7 @@ def _follows(clash: Clash) -> Finding:
     """One train behind another, into a stretch that is not free yet."""
     first, second = clash.trains
     text = (
-        f"{second.number} is to follow {first.number} at {_until(clash.second.from_s)} into {clash.section_id},"
+        f"{second.number} is to follow {first.number} at {_until(clash.begins_s)} into {clash.section_id},"
         f" which is taken until {_until(clash.first.to_s)}"
     )
     return Finding(
@@ -168,7 +170,7 @@ def _follows(clash: Clash) -> Finding:
         severity(clash),
         _numbers(first, second),
         clash.section_id,
-        clash.second.from_s,
+        clash.begins_s,
         text,
         _later(clash, f"{second.number} leaves"),
         _short(clash),
@@ -184,7 +186,7 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     kind = Kind.TERMINAL if stays or ends else Kind.TRACK
     time_s = max(clash.second.arrives_s, clash.first.from_s)
     if not math.isfinite(time_s):
-        time_s = min(train.nodes[0].departs_s for train in (first, second))
+        time_s = clash.begins_s
     if not math.isfinite(clash.second.from_s):
         text = (
             f"the sets of {first.number} and {second.number} are both to stand on {track} before they begin"
@@ -192,7 +194,7 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     elif math.isfinite(clash.first.to_s):
         text = (
             f"{second.number} is to come to {track} at {minute(time_s)}, and needs it from"
-            f" {_until(clash.second.from_s)}; {first.number} has it until {_until(clash.first.to_s)}"
+            f" {_until(clash.begins_s)}; {first.number} has it until {_until(clash.first.to_s)}"
         )
     else:
         text = f"{second.number} is to come to {track} at {minute(time_s)}, where the set of {first.number} stays"
@@ -205,7 +207,7 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
 def _crossing(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
-        f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.second.from_s)};"
+        f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.begins_s)};"
         f" {first.number} has them until {_until(clash.first.to_s)}"
     )
     return Finding(
@@ -213,7 +215,7 @@ def _crossing(clash: Clash) -> Finding:
         severity(clash),
         _numbers(first, second),
         clash.section_id,
-        clash.second.from_s,
+        clash.begins_s,
         text,
         _later(clash, f"{second.number} goes"),
         _short(clash),
@@ -223,7 +225,7 @@ def _crossing(clash: Clash) -> Finding:
 def _at_portal(clash: Clash) -> Finding:
     first, second = clash.trains
     text = (
-        f"{second.number} needs the portal {clash.section_id} from {_until(clash.second.from_s)}, and"
+        f"{second.number} needs the portal {clash.section_id} from {_until(clash.begins_s)}, and"
         f" {first.number} is in it until {_until(clash.first.to_s)}"
     )
     return Finding(
@@ -231,7 +233,7 @@ def _at_portal(clash: Clash) -> Finding:
         severity(clash),
         _numbers(first, second),
         clash.section_id,
-        clash.second.from_s,
+        clash.begins_s,
         text,
         _later(clash, f"{second.number} comes" if second.duty.enters else f"{second.number} goes"),
         _short(clash),

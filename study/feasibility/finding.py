@@ -110,7 +110,7 @@ class PlannedMeet:
     high: str | None
     down_track: str
     up_track: str
-    possible: bool
+    possible: bool = True
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 
@@ -51,6 +50,13 @@ class Clash:
         return self.first.section_id
 
     @property
+    def begins_s(self) -> float:
+        """When the second needs the section; where both have it before they begin, when the first of them does, s."""
+        if math.isfinite(self.second.from_s):
+            return self.second.from_s
+        return min(hold.trains[0].nodes[0].departs_s for hold in (self.first, self.second))
+
+    @property
     def wait_s(self) -> float:
         """From when the second needs the section to when the first gives it back, s."""
         return self.first.to_s - self.second.from_s if math.isfinite(self.second.from_s) else math.inf
@@ -83,9 +89,12 @@ def clashes_of(by_section: dict[str, list[Hold]]) -> list[Clash]:
     """Every two holds of one section by different sets that overlap."""
     clashes: list[Clash] = []
     for holds in by_section.values():
-        for first, second in combinations(holds, 2):
-            if first.stock_id != second.stock_id and second.from_s < first.to_s:
-                clashes.append(Clash(first, second))
+        for index, first in enumerate(holds):
+            for second in holds[index + 1 :]:
+                if second.from_s >= first.to_s:
+                    break  # they are in order of their beginning
+                if first.stock_id != second.stock_id:
+                    clashes.append(Clash(first, second))
     return clashes
 
 

@@ -10,11 +10,11 @@ from study.feasibility.finding import PlannedMeet
 from study.feasibility.planned import PlannedDay, PlannedTrain
 
 
-def day_meets(day: PlannedDay, impossible: frozenset[frozenset[str]]) -> tuple[PlannedMeet, ...]:
-    """All meets in order of time; `impossible` are the pairs of trains that cannot pass each other."""
+def day_meets(day: PlannedDay) -> tuple[PlannedMeet, ...]:
+    """All meets in order of time, each as possible: whether it is follows from what is found out about the two."""
     by_number = {train.number: train for train in day.all()}
     found = meets_of(day.line, [trajectory_of(day.line, train) for train in by_number.values()])
-    return tuple(_meets(day.line, by_number, found, impossible))
+    return tuple(_meets(day.line, by_number, found))
 
 
 def trajectory_of(line: Line, train: PlannedTrain) -> Trajectory:
@@ -32,10 +32,7 @@ def trajectory_of(line: Line, train: PlannedTrain) -> Trajectory:
 
 
 def _meets(
-    line: Line,
-    by_number: Mapping[str, PlannedTrain],
-    found: tuple[Meet, ...],
-    impossible: frozenset[frozenset[str]],
+    line: Line, by_number: Mapping[str, PlannedTrain], found: tuple[Meet, ...]
 ) -> Iterator[PlannedMeet]:
     for meet in found:
         down, up = by_number[meet.down_train], by_number[meet.up_train]
@@ -57,7 +54,6 @@ def _meets(
             meet.high_station,
             tracks[0] if station else "",
             tracks[1] if station else "",
-            frozenset((meet.down_train, meet.up_train)) not in impossible,
         )
 
 

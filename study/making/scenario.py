@@ -12,7 +12,7 @@ from simulation.setup import Setup
 from study.making.place import checked_new, named_from, write_new
 from study.scenario.scenario import Scenario, load_scenario
 
-FAULT_AFTER_S: Final = 900  # from the first departure: trains are under way
+FAULT_BEFORE_S: Final = 90  # the first departure: its route is not asked for yet, so that the train waits
 POWER_OFF_S: Final = 60
 ENTRY_AFTER_S: Final = 120  # from the fault: the manager is on again, and a person restores the picture
 
@@ -74,10 +74,8 @@ def _line_examples(setup: Setup) -> str:
         '# "line.max_speed_kmh" = 50.0',
         "",
         "# [patch.line.add]                  # a restriction of 25 km/h over 400 m",
-        f'# "alignments.{alignment.id}.limits" = [',
-        f"#   {{ from_km = {at_m / 1000.0:.3f}, to_km = {at_m / 1000.0 + 0.4:.3f}, speed_kmh = 25,"
-        ' directions = ["down", "up"] },',
-        "# ]",
+        f"# limits = [{{ from_km = {at_m / 1000.0:.3f}, to_km = {at_m / 1000.0 + 0.4:.3f}, speed_kmh = 25,"
+        ' directions = ["down", "up"] }]',
         "",
     ]
     return "\n".join(rows)
@@ -87,12 +85,13 @@ def _timetable_examples(setup: Setup) -> str:
     train = next(iter(setup.timetable.trains.values()))
     call = train.calls[0]
     later = clock((call.departure_s or 0) + 60)
+    hour = min(call.last_s // 3600, 21)
     return f"""# [patch.timetable.set]
 # "trains.{train.number}.calls.{call.station_id}.departure" = "{later}"
 
-# [[patch.timetable.scale]]         # running times of the morning 5 % longer
-# from = "06:00"
-# to = "09:00"
+# [[patch.timetable.scale]]         # running times of some hours 5 % longer
+# from = "{hour:02d}:00"
+# to = "{hour + 2:02d}:00"
 # times = 1.05
 """
 
@@ -103,7 +102,7 @@ def _train_file(base: Scenario) -> str:
 
 def _mass_unit(base: Scenario) -> str:
     body = base.inputs.trains[_train_file(base)]["body"]
-    return next(key.rpartition("_")[2] for key in body if key.startswith("mass_empty_"))
+    return next(str(key).rpartition("_")[2] for key in body if str(key).startswith("mass_empty_"))
 
 
 def drill_text(stem: str, scenario: str, base: Scenario) -> str:
@@ -111,7 +110,7 @@ def drill_text(stem: str, scenario: str, base: Scenario) -> str:
     trains = base.setup.timetable.trains.values()
     if not trains:
         raise InputError(COMMAND_LINE, "--scenario", scenario, "a scenario with trains")
-    fault_s = min(train.calls[0].last_s for train in trains) + FAULT_AFTER_S
+    fault_s = max(min(train.calls[0].last_s for train in trains) - FAULT_BEFORE_S, 0)
     return f"""# A drill on {base.name}: run it with `branchline drill {stem}.toml`.
 # Faults and their keys are in docs/faults.md, acts, expectations and what they may wait for in docs/files.md;
 # events and their data in docs/journal.md.
@@ -145,4 +144,9 @@ event = {{ who = "block-manager", what = "granted" }}
 absent = true
 after = {{ who = "world", what = "fault" }}
 until = {{ who = "controller", what = "act" }}
+
+[[expect]]
+text = "then routes are granted again"
+event = {{ who = "block-manager", what = "granted" }}
+after = {{ who = "controller", what = "act" }}
 """

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 from network.errors import COMMAND_LINE, InputError
 from network.exchange.planned import PlannedTrain
@@ -25,9 +25,11 @@ from study.measures.standard_times import StandardTime, standard_times
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 DWELL_S: Final = 30.0
-SLACK: Final = 1.08  # assumed: over the least running time, as timetables have
+# Assumed: over the least running time, as timetables have; more where that brings the meets into stations.
+SLACKS: Final = (1.08, 1.15, 1.25, 1.35, 1.5)
 ROUND_S: Final = 15
 MINUTE_S: Final = 60
+Legs: TypeAlias = dict[Direction, list[StandardTime]]
 FIRST_CYCLES: Final = 4  # a short day is tried first: what does not work in it does not work in a long one
 
 
@@ -81,12 +83,14 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
             COMMAND_LINE, "--line", line.id, "a line with a way from end to end in both directions"
         )
     short = Pattern(pattern.every_s, pattern.from_s, pattern.from_s + FIRST_CYCLES * pattern.every_s)
-    for offset_s in _offsets(legs, pattern.every_s):
-        if _text(line, train, legs, short, offset_s, stem) is None:
-            continue
-        made = _text(line, train, legs, pattern, offset_s, stem)
-        if made is not None:
-            return made
+    for slack in SLACKS:
+        for offset_s in _offsets(legs, slack, pattern.every_s):
+            day = Day(line, train, legs, slack, offset_s, stem)
+            if _text(day, short) is None:
+                continue
+            made = _text(day, pattern)
+            if made is not None:
+                return made
     raise InputError(
         COMMAND_LINE,
         "--every",
@@ -95,55 +99,61 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
     )
 
 
-def _offsets(legs: dict[Direction, list[StandardTime]], every_s: int) -> Iterator[int]:
+def _offsets(legs: Legs, slack: float, every_s: int) -> Iterator[int]:
     """By how much up trains leave after down trains: first so that a set turns back at once, then any minute."""
-    turns_s = _run_s(legs[Direction.DOWN]) + 5 * MINUTE_S
+    turns_s = _run_s(legs[Direction.DOWN], slack) + 5 * MINUTE_S
     for minute in range(max(1, every_s // MINUTE_S)):
         yield (turns_s + minute * MINUTE_S) // MINUTE_S * MINUTE_S % every_s
 
 
-def _leg_s(leg: StandardTime) -> int:
-    return math.ceil(leg.stop_stop_s * SLACK / ROUND_S) * ROUND_S
+def _leg_s(leg: StandardTime, slack: float) -> int:
+    return math.ceil(leg.stop_stop_s * slack / ROUND_S) * ROUND_S
 
 
-def _run_s(legs: Sequence[StandardTime]) -> int:
+def _run_s(legs: Sequence[StandardTime], slack: float) -> int:
     """From the first departure to the last arrival, whole minutes."""
-    calls = _calls(legs, 0)
+    calls = _calls(legs, slack, 0)
     return math.ceil(calls[-1].first_s / MINUTE_S) * MINUTE_S
 
 
-def _least(legs: dict[Direction, list[StandardTime]]) -> int:
+def _least(legs: Legs) -> int:
     """The least interval, min, for one set: there and back, with ten minutes at both ends, in steps of five."""
-    return math.ceil((sum(_run_s(way) for way in legs.values()) / MINUTE_S + 20) / 5) * 5
+    return math.ceil((sum(_run_s(way, SLACKS[0]) for way in legs.values()) / MINUTE_S + 20) / 5) * 5
 
 
-def _calls(legs: Sequence[StandardTime], departs_s: int) -> tuple[Call, ...]:
+def _calls(legs: Sequence[StandardTime], slack: float, departs_s: int) -> tuple[Call, ...]:
     calls = [Call(legs[0].from_id, None, None, departs_s)]
     at_s = departs_s
     for leg in legs:
-        arrives_s = at_s + _leg_s(leg)
+        arrives_s = at_s + _leg_s(leg, slack)
         at_s = math.ceil((arrives_s + DWELL_S) / 30) * 30
         calls.append(Call(leg.to_id, None, arrives_s, at_s if leg is not legs[-1] else None))
     return tuple(calls)
 
 
-def _text(
-    line: Line,
-    train: TrainType,
-    legs: dict[Direction, list[StandardTime]],
-    pattern: Pattern,
-    offset_s: int,
-    stem: str,
-) -> tuple[int, str] | None:
-    """How many trains, and the file with this offset; None where it cannot work."""
+@dataclass(frozen=True, slots=True)
+class Day:
+    """What a pattern is tried with: `slack` over the least running time, up trains `offset_s` after down trains."""
+
+    line: Line
+    train: TrainType
+    legs: Legs
+    slack: float
+    offset_s: int
+    stem: str
+
+
+def _text(day: Day, pattern: Pattern) -> tuple[int, str] | None:
+    """How many trains, and the file; None where it cannot work."""
+    line, train, stem = day.line, day.train, day.stem
     planned: list[PlannedTrain] = []
     for direction, first, begin_s in (
         (Direction.DOWN, 1, pattern.from_s),
-        (Direction.UP, 2, pattern.from_s + offset_s),
+        (Direction.UP, 2, pattern.from_s + day.offset_s),
     ):
         departures_s = range(begin_s, pattern.to_s, pattern.every_s)
         planned += [
-            PlannedTrain(str(first + 2 * i), direction, _calls(legs[direction], departs_s))
+            PlannedTrain(str(first + 2 * i), direction, _calls(day.legs[direction], day.slack, departs_s))
             for i, departs_s in enumerate(departures_s)
         ]
     try:
@@ -155,7 +165,7 @@ def _text(
             dwell_min_s=DWELL_S,
             sources=["made by `branchline new timetable`"],
             assumed=[
-                f"times: {100 * SLACK - 100:.0f} % over the least running time of {train.id}, each leg up to the"
+                f"times: {100 * day.slack - 100:.0f} % over the least running time of {train.id}, each leg up to the"
                 f" next {ROUND_S} s",
                 *workings.assumed,
             ],

@@ -29,9 +29,10 @@ class Whereabouts:
             starts_m = np.asarray(span.starts_m)
             index = np.clip(np.searchsorted(starts_m, rows["position_m"], side="right") - 1, 0, None)
             along_m = span.direction * (rows["position_m"] - starts_m[index])
-            at_m = (np.asarray(span.entries_m)[index] + along_m).tolist()
+            at_m: list[float] = (np.asarray(span.entries_m)[index] + along_m).tolist()
             self._times_s[unit] += (rows["step"] / STEPS_PER_S).tolist()
-            self._at[unit] += list(zip((span.piece_ids[i] for i in index), at_m, strict=True))
+            pieces = [span.piece_ids[i] for i in index.tolist()]
+            self._at[unit] += zip(pieces, at_m, strict=True)
             rows_of[unit].append(rows)
         self._rows = {unit: np.concatenate(parts) for unit, parts in rows_of.items()}
 

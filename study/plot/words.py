@@ -131,7 +131,6 @@ def word(text: str, language: Language) -> str:
 def translate(figure: Figure, language: Language) -> None:
     """Put every known text of a figure into a language."""
     for text in figure.findobj(Text):
-        if isinstance(text, Text):
-            said = word(text.get_text(), language)
-            if said != text.get_text():
-                text.set_text(said)
+        said = word(text.get_text(), language)
+        if said != text.get_text():
+            text.set_text(said)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 
 import polars as pl
 
@@ -20,8 +20,8 @@ def waits_table(waits: Iterable[Wait]) -> pl.DataFrame:
 def read_waits(table: pl.DataFrame) -> tuple[Wait, ...]:
     """The waits of that table, in its order."""
     return tuple(
-        Wait(**row | {"cause": Cause(row["cause"]), "asked": Asked(row["asked"])})
-        for row in table.iter_rows(named=True)
+        replace(Wait(**row), cause=Cause(row["cause"]), asked=Asked(row["asked"]))
+        for row in table.select(field.name for field in fields(Wait)).iter_rows(named=True)
     )
 
 

@@ -8,8 +8,10 @@ from typing import Any, Final
 
 from network.errors import InputError
 from network.files.line_schema import LineFile
+from network.files.raw import is_row
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import one_of
+from study.scenario.key_examples import with_examples
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import UNITS, TrainFile
 
@@ -25,7 +27,7 @@ def schema_of(kind: str) -> dict[str, Any]:
 
 def _scenario() -> dict[str, Any]:
     """A scenario that extends another may leave out what that one says."""
-    schema = ScenarioFile.model_json_schema()
+    schema = with_examples(ScenarioFile.model_json_schema(), "scenario")
     needed = schema.pop("required")
     return schema | {"anyOf": [{"required": needed}, {"required": ["extends"]}]}
 
@@ -39,7 +41,7 @@ def _drill() -> dict[str, Any]:
 
 def _train() -> dict[str, Any]:
     """Each figure in any of its units: one of the keys that differ in their ending alone."""
-    schema = deepcopy(TrainFile.model_json_schema())
+    schema = with_examples(TrainFile.model_json_schema(), "train")
     for table in schema["$defs"].values():
         if "properties" not in table:
             continue  # a word among some
@@ -70,6 +72,7 @@ def _scaled(node: dict[str, Any], factor: float) -> dict[str, Any]:
     """A figure's node in another unit: what bounds it is scaled."""
     scaled = deepcopy(node)
     items = scaled.get("items", {})
+    scaled["examples"] = [_divided(example, factor) for example in scaled.get("examples", ())]
     for holder in (scaled, items, *scaled.get("oneOf", ()), *items.get("oneOf", ())):
         for bound in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default"):
             if isinstance(holder.get(bound), int | float):
@@ -77,9 +80,16 @@ def _scaled(node: dict[str, Any], factor: float) -> dict[str, Any]:
     return scaled
 
 
+def _divided(value: object, factor: float) -> object:
+    """A figure, or each of several, in another unit, without the digits that only come from the division."""
+    if is_row(value):
+        return [_divided(item, factor) for item in value]
+    return float(f"{value / factor:.12g}") if isinstance(value, int | float) else value
+
+
 KINDS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
-    "line": LineFile.model_json_schema,
-    "timetable": TimetableFile.model_json_schema,
+    "line": lambda: with_examples(LineFile.model_json_schema(), "line"),
+    "timetable": lambda: with_examples(TimetableFile.model_json_schema(), "timetable"),
     "train": _train,
     "scenario": _scenario,
     "drill": _drill,

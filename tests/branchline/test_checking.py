@@ -5,9 +5,13 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+
+from branchline.drilling import tell_of_plan
+from study.scenario.scenario import load_scenario
 
 LINE = Path(__file__).parents[1] / "examples/line"
 
@@ -90,6 +94,17 @@ def test_the_two_agree_on_every_shipped_scenario_name(main: Callable[..., Any]) 
     assert (refused.code, checked.code) == (2, 1)
     first = checked.figures()["findings"][0]
     assert f"{first['text']}; {first['remedy']}; 9 more" in refused.err
+
+
+def test_a_drill_that_failed_says_whether_its_plan_could_work(capfd: pytest.CaptureFixture[str]) -> None:
+    for name, said in (
+        ("karasuyama_without_loop", "321M and 322M would meet at Ogane"),
+        ("rtri_test_line", ""),
+    ):
+        done: Any = SimpleNamespace(run=SimpleNamespace(scenario=load_scenario(name)))
+        tell_of_plan(done)
+        told = capfd.readouterr().err
+        assert said in told if said else told == ""
 
 
 @pytest.mark.system

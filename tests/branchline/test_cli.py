@@ -61,7 +61,7 @@ def test_help_is_no_error(main: Callable[..., Any], arguments: tuple[str, ...]) 
         (("import",), "command"),
         (("import", "dance"), "dance"),
         (("import", "geometry", "a"), "stations"),
-        (("import", "timetable", "a", "--calendar"), "--calendar"),
+        (("import", "mini-tokyo", "a", "--calendar"), "--calendar"),
         (("dance" * 1000,), "dance"),
         (("dance\nand\nsing",), "sing"),
     ],

@@ -36,7 +36,7 @@ def test_the_page_is_what_the_schemas_say() -> None:
 
 
 def test_every_key_has_a_meaning() -> None:
-    assert [(where, row[0]) for where, row in rows() if not row[5]] == []
+    assert [(where, row[0]) for where, row in rows() if not row[6]] == []
 
 
 def test_every_figure_with_a_default_says_where_it_comes_from() -> None:
@@ -47,7 +47,7 @@ def test_every_figure_with_a_default_says_where_it_comes_from() -> None:
         if where.startswith("ScenarioFile")
         and row[1] == "number"
         and row[4] not in ("needed", "–")
-        and not row[6]
+        and not row[7]
     ]
     assert figures == []
 
@@ -110,11 +110,15 @@ def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
     assert "patch" in ScenarioFile.model_json_schema()["properties"]
 
 
-def test_the_example_of_the_readme_loads(tmp_path: Path) -> None:
+def test_the_examples_of_the_readme_load(tmp_path: Path) -> None:
     from study.scenario.scenario import load_scenario
 
     readme = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
-    text = readme.partition("```toml\n")[2].partition("```")[0]
-    (tmp_path / "slow_points.toml").write_text(text, "utf-8")
+    blocks = [part.partition("```")[0] for part in readme.split("```toml\n")[1:]]
+    for name, text in zip(("slow_points", "heavy_morning"), blocks, strict=True):
+        assert f'id = "{name}"' in text
+        (tmp_path / f"{name}.toml").write_text(text, "utf-8")
     changed = {change.file for change in load_scenario(str(tmp_path / "slow_points.toml")).changes}
-    assert changed == {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}
+    assert changed == {"karasuyama.toml"}
+    changed = {change.file for change in load_scenario(str(tmp_path / "heavy_morning.toml")).changes}
+    assert changed >= {"karasuyama.toml", "karasuyama_weekday.toml", "ev_e301.toml"}

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from hypothesis import strategies as st
 
-from network.exchange.portals import portal_of
+from network.exchange.portals import PortalWay, portal_of
 from network.exchange.timetable_writer import time_text
 from network.files.quantities import SPEED
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
@@ -16,7 +16,7 @@ from network.model import Direction, Line, Station
 from network.timetable import Timetable, timetable_of
 
 _LAST_BEGIN_S = 29 * 3600
-FASTEST_MPS = SPEED.spans[-1][1] / 3.6
+_FASTEST_MPS = SPEED.spans[-1][1] / 3.6
 
 
 @dataclass
@@ -26,7 +26,19 @@ class _Set:
     name: str
     place: str
     time_s: int
+    fastest_mps: float
     track: str | None = None
+
+
+_WAYS: dict[tuple[str, str, Direction, bool], PortalWay | None] = {}
+
+
+def _portal(line: Line, station_id: str, direction: Direction, *, entering: bool) -> PortalWay | None:
+    """As `portal_of`, looked for once: a timetable is drawn in no time then."""
+    key = (line.id, station_id, direction, entering)
+    if key not in _WAYS:
+        _WAYS[key] = portal_of(line, station_id, direction, entering=entering)
+    return _WAYS[key]
 
 
 def _ends(line: Line, direction: Direction) -> list[Station]:
@@ -42,19 +54,19 @@ def _clock(draw: st.DrawFn, least_s: int) -> int:
 
 
 @st.composite
-def timetables(draw: st.DrawFn, line: Line) -> Timetable:
-    """A valid timetable of a line."""
+def timetables(draw: st.DrawFn, line: Line, fastest_mps: float = _FASTEST_MPS) -> Timetable:
+    """A valid timetable of a line; no train runs faster than `fastest_mps`."""
     trains: list[TrainTable] = []
     diagrams: list[DiagramTable] = []
     for i in range(draw(st.integers(1, 3))):
-        own = _Set(f"S{i}", "", draw(st.integers(0, 26 * 3600)))
+        own = _Set(f"S{i}", "", draw(st.integers(0, 26 * 3600)), fastest_mps)
         own.time_s = math.ceil(own.time_s / 60) * 60
         found = _day(draw, line, own, len(trains))
         if found:
             trains += found
             diagrams.append(DiagramTable(stock=own.name, trains=[train.number for train in found]))
     if not trains:
-        found = _day(draw, line, _Set("S9", "", 5 * 3600), 0)
+        found = _day(draw, line, _Set("S9", "", 5 * 3600, fastest_mps), 0)
         trains, diagrams = found, [DiagramTable(stock="S9", trains=[train.number for train in found])]
     head = HeadTable(
         id="drawn",
@@ -97,7 +109,7 @@ def _train(draw: st.DrawFn, line: Line, own: _Set, number: str, begins: str) -> 
         for i, place in enumerate(places[:-1]):
             if inside and place.id != own.place:
                 continue
-            if begins == "portal" and portal_of(line, place.id, direction, entering=True) is None:
+            if begins == "portal" and _portal(line, place.id, direction, entering=True) is None:
                 continue
             ways.append((direction, i))
     direction, first = draw(st.sampled_from(ways))
@@ -105,15 +117,15 @@ def _train(draw: st.DrawFn, line: Line, own: _Set, number: str, begins: str) -> 
     start = places[first]
     goal = draw(st.sampled_from(places[first + 1 :]))
     if not begins:
-        way = portal_of(line, start.id, direction, entering=True)
+        way = _portal(line, start.id, direction, entering=True)
         begins = draw(st.sampled_from(["stabled", *([f"portal:{way.section_id}"] if way else [])]))
     elif begins == "portal":
-        way = portal_of(line, start.id, direction, entering=True)
+        way = _portal(line, start.id, direction, entering=True)
         assert way is not None
         begins = f"portal:{way.section_id}"
     revenue = draw(st.booleans())
     calls = _calls(draw, line, own, direction, (start, goal), revenue=revenue, keep=inside)
-    way = portal_of(line, goal.id, direction, entering=False)
+    way = _portal(line, goal.id, direction, entering=False)
     ends = draw(st.sampled_from(["stabled", "becomes", *([f"portal:{way.section_id}"] if way else [])]))
     if ends == "becomes" and not _may_turn(line, goal, own.track):
         ends = "stabled"
@@ -167,7 +179,7 @@ def _calls(
             track = own.track if any(one.name == own.track for one in usable) else None
         if kind == "stop" and (not revenue or any(one.platform_m is None for one in usable)):
             kind = draw(st.sampled_from(["stop", "operational"])) if not revenue else "operational"
-        least_s = time_s + (math.ceil(abs(station.position_m - at_m) / FASTEST_MPS) + 1 if calls else 0)
+        least_s = time_s + (math.ceil(abs(station.position_m - at_m) / own.fastest_mps) + 1 if calls else 0)
         arrives_s = _clock(draw, least_s)
         leaves_s = _clock(draw, arrives_s) if draw(st.booleans()) else arrives_s
         last = station is goal

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -226,6 +227,70 @@ def test_missing_file_is_an_input_error(tmp_path: Path) -> None:
 def test_parts_are_joined(tmp_path: Path) -> None:
     path = write(tmp_path, "polyline.json", polyline([A, B], [B, C, D]))
     assert read_polyline(path).tolist() == [A, B, C, D]
+
+
+@pytest.mark.parametrize(
+    "parts", [([C, D], [A, B], [B, C]), ([B, A], [B, C], [D, C]), ([B, C], [B, A], [C, D])]
+)
+def test_parts_are_joined_in_whatever_order_and_direction_they_lie(
+    tmp_path: Path, parts: tuple[list[list[float]], ...]
+) -> None:
+    got = read_polyline(write(tmp_path, "polyline.json", polyline(*parts))).tolist()
+    assert got in ([A, B, C, D], [D, C, B, A])
+
+
+def test_of_some_stations_only_their_part_of_the_track_is_taken(tmp_path: Path) -> None:
+    pytest.importorskip("pyproj")
+    row = [[140.0 + 0.002 * i, 36.6] for i in range(60)]
+    table = stations(row[2], row[20], row[40], row[57])
+    track, places = write(tmp_path, "p.json", polyline(row)), write(tmp_path, "s.json", table)
+    got = read_geometry(track, places, only=(2, 1))  # and the other way round
+    assert [s.name_ja for s in got.stations] == ["S2", "S1"]
+    assert got.stations[1].position_m == pytest.approx(20 * 0.002 * 89_500.0, rel=0.01)
+    assert got.alignment.to_m - got.alignment.from_m < got.stations[1].position_m + 4 * 300.0
+
+
+def winding(curves: int, seed: int = 3) -> tuple[tuple[Curve, ...], float]:
+    """Curves of a long winding track, and its length, m."""
+    chance = np.random.default_rng(seed)
+    made: list[Curve] = []
+    at_m = 300.0
+    for i in range(curves):
+        length_m = float(chance.uniform(180.0, 420.0))
+        radius_m = float(chance.uniform(250.0, 600.0)) * (-1.0 if i % 2 else 1.0)
+        made.append(Curve(at_m, at_m + length_m, radius_m, 42.0, 0.0))
+        at_m += length_m + float(chance.uniform(60.0, 500.0))
+    return tuple(made), at_m + 300.0
+
+
+def test_a_long_winding_track_is_followed_to_its_end() -> None:
+    """Forty-four curves: fitted all at once the far end swings away; block by block each goes on from the last."""
+    curves, length_m = winding(44)
+    axis = sample_axis(0.0, 0.0, curvature_table(0.0, length_m, 0.4, curves), length_m)
+    at_m = np.arange(0.0, length_m, 30.0)
+    points = np.column_stack([np.interp(at_m, axis.along_m, v) for v in (axis.east_m, axis.north_m)])
+    fit = fit_curves(points + np.random.default_rng(5).normal(0.0, 0.5, points.shape))
+    assert fit.max_m < 15.0
+    assert fit.length_m == pytest.approx(float(at_m[-1]), rel=0.002)
+    assert sum(deflection(c) for c in fit.curves) == pytest.approx(
+        sum(deflection(c) for c in curves), abs=0.1
+    )
+
+
+def test_a_track_that_no_axis_follows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pyproj")
+    lost = replace(fit_curves(known_vertices()), max_m=312.0)
+    monkeypatch.setattr("network.exchange.geometry.fit_curves", lambda track: lost)
+    track = write(tmp_path, "p.json", polyline([A, B, C, D]))
+    with pytest.raises(InputError, match="the best one found lies up to 312 m off"):
+        read_geometry(track, write(tmp_path, "s.json", stations(A, D)))
+
+
+def test_a_curve_that_turns_far_may_be_sharp() -> None:
+    assert snap_radius(157.0) == 200.0
+    assert snap_radius(157.0, math.radians(30.0)) == 200.0
+    assert snap_radius(157.0, math.radians(120.0)) == 160.0
+    assert snap_radius(40.0, math.radians(120.0)) == 100.0
 
 
 def stations(*places: list[float]) -> dict[str, object]:

@@ -182,3 +182,37 @@ def test_the_cut_of_bad_hersfeld() -> None:
     # Milestones beside the platforms read 153.2 and 156.8.
     assert places["FBHF"] == pytest.approx(153_200, abs=60)
     assert places["FFL"] == pytest.approx(156_800, abs=60)
+
+
+def test_a_signal_on_a_way_drawn_against_its_track_is_turned(tmp_path: Path) -> None:
+    """The last 600 m in two ways, from either end: one track in the sense of the first, the signal on the other."""
+    two = OSM.replace(
+        osm_way(3, [8, 7, 15, 6], ref="7", usage="branch"),
+        osm_way(3, [8, 7], ref="7", usage="branch") + osm_way(6, [6, 15, 7], ref="7", usage="branch"),
+    )
+    layout = read(tmp_path, two)
+    (signal,) = (s for s in layout.signals if s.name == "B")
+    rows = layout.track_of[signal.track_id].kilometrage
+    grows = rows[-1][1] > rows[0][1]
+    # Backward on a way that runs with the kilometrage: to trains that run against it.
+    assert signal.forward != grows
+    assert layout.km_of(signal.track_id, signal.offset_m) == pytest.approx(1500.0, abs=1.0)
+
+
+def test_a_line_that_bends_off_at_points_is_their_normal_leg(tmp_path: Path) -> None:
+    """The siding goes straight on, the line to its left: the line is the normal leg all the same."""
+    bend = "\n".join(
+        (
+            '<osm version="0.6">',
+            osm_node(1, 0, 0),
+            osm_node(2, 500, 0, railway="switch"),
+            osm_node(3, 900, 60),
+            osm_node(4, 900, 0, railway="buffer_stop"),
+            osm_way(1, [1, 2], ref="7"),
+            osm_way(2, [2, 3], ref="7"),
+            osm_way(3, [2, 4], service="siding"),
+            "</osm>",
+        )
+    )
+    (points,) = read(tmp_path, bend).points
+    assert (points.stem, points.normal, points.reverse, points.side) == ("1", "2", "3", Side.RIGHT)

@@ -225,7 +225,7 @@ FAULTS = [
         "main",
     ),
     ("toe", changed("toe_km = 0.11", "toe_km = 0.16"), "points[0].toe_km", 0.16, "between from_km = 0.1"),
-    ("unknown neighbour", changed('stem = "P"', 'stem = "Q"'), "points[0].stem", "Q", "such as"),
+    ("unknown neighbour", changed('stem = "P"', 'stem = "Q"'), "points[0].stem", "Q", "one of "),
     (
         "points section as neighbour",
         changed('stem = "P"', 'stem = "A.E"'),
@@ -313,7 +313,7 @@ FAULTS = [
     ("tag off its section", changed("km = 0.43\n", "km = 0.41\n"), "tags[0].km", 0.41, "0.42 to 3"),
     ("tag in points", changed('piece = "A.11.stem"', 'section = "A.W"'), "tags[1].section", "A.W", "piece ="),
     ("tag nowhere", changed('piece = "A.11.stem"\n', ""), "tags[1].section", None, "either section or piece"),
-    ("tag on nothing", changed('piece = "A.11.stem"', 'piece = "Z"'), "tags[1].piece", "Z", "such as"),
+    ("tag on nothing", changed('piece = "A.11.stem"', 'piece = "Z"'), "tags[1].piece", "Z", "one of "),
 ]
 
 

@@ -129,7 +129,8 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
         (
             'set = { "points.A.11.throw_time" = 5 }',
             'what_if.toml: patch.line.set."points.A.11.throw_time" is 5; '
-            "expected no such key, but one of 15, such as throw_time_s, to_km, toe_km, from_km, alignment",
+            "expected no such key, but one of throw_time_s, to_km, toe_km, from_km, alignment, id, section, terminal, "
+            "faces, stem, normal, reverse, diverging_limit_kmh, offset_m, initial",
         ),
         (
             'set = { "stations.H" = 5 }',

@@ -13,7 +13,7 @@ import pytest
 
 from network.errors import InputError
 from simulation.carriers import sumo_api
-from simulation.carriers.carrier import CarrierLostError
+from simulation.carriers.lost import CarrierLostError
 from simulation.carriers.sumo_api import Window, in_window
 from study.outcome import Outcome, outcome_of
 from tests.conftest import Ended

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -19,6 +20,7 @@ from study.scenario.scenario import load_scenario, shipped_scenarios
 from tests.study.feasibility.broken_plans import BREAKS, TEN, Broken, good
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
+from tests.system.test_passing import SCENARIO, TIMETABLE
 
 GOOD_PLANS = 200
 NOT_TO_WORK = ("karasuyama_without_loop",)
@@ -146,6 +148,18 @@ def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
     assert feasibility(bare(plan).setup()).findings == ()
     fast = bare(plan.with_train(later(plan.train("W"), -5 * 60, "OKA")))
     assert [(f.kind, f.place) for f in feasibility(fast.setup()).impossible] == [(Kind.LEG, "EDO-OKA")]
+
+
+@pytest.mark.parametrize(("passes", "place"), [("07:17:30", None), ("07:09", "OGN-KBN")])
+def test_passing_and_standing_for_nobody_count(passes: str, place: str | None, tmp_path: Path) -> None:
+    """1D runs through Ogane while 2U stands there for it; or eight minutes before 2U can be there."""
+    (tmp_path / "timetable.toml").write_text(
+        TIMETABLE.format(leaves="07:00", arrives="07:16", passes=passes), "utf-8"
+    )
+    (tmp_path / "day.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
+    found = feasibility(load_scenario(str(tmp_path / "day.toml")).setup)
+    assert [(f.kind, f.place) for f in found.impossible] == ([(Kind.OPPOSING, place)] if place else [])
+    assert [meet.station for meet in found.meets] == [None if place else "OGN"]
 
 
 def test_blocks_that_the_day_makes_up_for_are_tight() -> None:

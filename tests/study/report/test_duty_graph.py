@@ -17,6 +17,8 @@ from study.measures.duties import SetDuty, duties_of
 from study.report.duty_graph import draw_duties, duty_rows
 from study.report.style import drawing
 
+LONG = "-of-a-number-that-is-as-long-as-may-be-in-a-file"
+
 
 def day(name: str, line_name: str) -> tuple[Line, tuple[SetDuty, ...]]:
     line = load_line(shipped_line(line_name))
@@ -28,10 +30,8 @@ def close(line: Line, duties: tuple[SetDuty, ...]) -> tuple[SetDuty, ...]:
     return tuple(
         replace(
             duty,
-            trains=tuple(
-                replace(t, ends_s=t.begins_s + 300, number=f"{t.number}-LONG-NUMBER") for t in duty.trains
-            ),
-            gaps=tuple(replace(g, before=g.before and f"{g.before}-LONG-NUMBER") for g in duty.gaps),
+            trains=tuple(replace(t, ends_s=t.begins_s + 300, number=t.number + LONG) for t in duty.trains),
+            gaps=tuple(replace(g, before=g.before and g.before + LONG) for g in duty.gaps),
         )
         for duty in duties
     )

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import Final
 
 from branchline import cli
-from network.errors import SHOWN_MAX
+from network.errors import EXPECTED_MAX, SHOWN_MAX
 from study.outcome import Outcome
 from tests.system.damaged.damages import Case
 from tests.system.damaged.places import places_of, value_at
@@ -124,7 +124,7 @@ def _refusal(case: Case, out: str, err: str) -> list[str]:
         wrong.append(f"no line as it should be: {err[:300]!r}")
     if not any(name in line for name in case.files):
         wrong.append(f"no file of the input is named: {line[:300]}")
-    if len(line) > 200 + 6 * SHOWN_MAX + 600:
+    if len(line) > 200 + 6 * SHOWN_MAX + EXPECTED_MAX:
         wrong.append(f"a line of {len(line)} characters")
     if case.place is None:
         return wrong

@@ -1,0 +1,192 @@
+"""New files: they are valid, run as they stand, and leave nothing behind where they cannot be."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from network.errors import InputError
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line
+from network.timetable import load_timetable
+from study.feasibility.check import feasibility
+from study.making.scenario import new_drill, new_scenario
+from study.making.timetable import Pattern, new_timetable
+from study.making.train import Figures, new_train
+from study.run.drill import run_drill
+from study.run.run import CarrierKind, Link, execute
+from study.scenario.scenario import load_scenario
+
+VALLEY = Path(__file__).parents[2] / "examples" / "line" / "valley.toml"
+HOUR_S = 3600
+
+
+# scenario --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("base", ["karasuyama_weekday", "rtri_test_line", "busy_line"])
+def test_a_new_scenario_changes_nothing(base: str, tmp_path: Path) -> None:
+    made = new_scenario(base, tmp_path / "mine.toml")
+    assert (made.id, made.changes) == ("mine", ())
+    assert made.setup.timetable == load_scenario(base).setup.timetable
+
+
+@pytest.mark.parametrize("base", ["karasuyama_weekday", "rtri_test_line", "busy_line"])
+def test_every_example_in_a_new_scenario_is_valid_without_its_hash(base: str, tmp_path: Path) -> None:
+    out = tmp_path / "mine.toml"
+    new_scenario(base, out)
+    rows = out.read_text("utf-8").splitlines()
+    head = rows.index('id = "mine"')
+    wanted = [row for row in rows[head:] if re.match(r"# ([\[\"]|[a-z_]+ = )", row)]
+    assert len(wanted) > 12
+    text = "\n".join(
+        row.removeprefix("# ") if row in wanted and i >= head else row for i, row in enumerate(rows)
+    )
+    out.write_text(text, "utf-8")
+    changed = load_scenario(str(out))
+    assert {change.file for change in changed.changes} >= {"mine.toml"} or len(changed.changes) > 4
+    assert changed.setup.unit.request_lead_s == 60.0
+    assert changed.setup.seed == 2
+
+
+def test_a_new_scenario_on_a_file_names_it_from_where_it_stands(tmp_path: Path) -> None:
+    (tmp_path / "below").mkdir()
+    new_scenario("rtri_test_line", tmp_path / "one.toml")
+    made = new_scenario(str(tmp_path / "one.toml"), tmp_path / "below" / "two.toml")
+    assert 'extends = "../one.toml"' in (tmp_path / "below" / "two.toml").read_text("utf-8")
+    assert made.id == "two"
+
+
+@pytest.mark.parametrize("name", ["mine.txt", "con.toml", "-x.toml", "nowhere/mine.toml", "there.toml"])
+def test_a_file_that_cannot_be_made_is_refused(name: str, tmp_path: Path) -> None:
+    (tmp_path / "there.toml").write_text("somebody's work", "utf-8")
+    for make in (
+        lambda out: new_scenario("rtri_test_line", out),
+        lambda out: new_drill("rtri_test_line", out),
+        lambda out: new_train("br642", out, Figures()),
+        lambda out: new_timetable(str(VALLEY), "br642", Pattern(1800, 0, 3600), out, None),
+    ):
+        with pytest.raises(InputError) as refused:
+            make(tmp_path / name)
+        assert refused.value.key == "OUT"
+    assert [path.name for path in tmp_path.iterdir()] == ["there.toml"]
+    assert (tmp_path / "there.toml").read_text("utf-8") == "somebody's work"
+
+
+# drill -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("base", ["rtri_test_line", "karasuyama_round_trip"])
+def test_a_new_drill_runs_and_is_passed(base: str, tmp_path: Path) -> None:
+    made = new_drill(base, tmp_path / "mine.toml")
+    assert len(made.setup.script.faults) == len(made.setup.script.acts) == 1
+    drill = run_drill(str(tmp_path / "mine.toml"), Link.SIMULATED)
+    assert drill.passed
+    late_s = drill.run.summary["late_s_max"]
+    assert late_s > 20.0  # the fault did something: the first train waits for its route
+
+
+# train -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("like", ["ev_e301", "br642", "hitachi_train", "oda_train", "oda_scale_car"])
+def test_a_copy_is_the_same_train_with_every_key_explained(like: str, tmp_path: Path) -> None:
+    from vehicle.train_file import load_train, shipped_train
+
+    out = tmp_path / "mine.toml"
+    made = new_train(like, out, Figures())
+    assert made.id == "mine"
+    assert (made.row == load_train(shipped_train(like)).row).all()
+    text = out.read_text("utf-8").partition("\n[provenance]\n")[0]
+    keys = [row for row in text.splitlines() if re.match(r"[a-z0-9_]+ = ", row)]
+    assert len(keys) > 30
+    assert not [row for row in keys if " # " not in row]
+
+
+def test_figures_of_ones_own_stand_in_their_places_and_are_named_as_given(tmp_path: Path) -> None:
+    out = tmp_path / "mine.toml"
+    made = new_train("ev_e301", out, Figures("A railbus", 20.0, 30.0, 1, 200.0, 30.0, 90.0))
+    data = tomllib.loads(out.read_text("utf-8"))
+    assert made.name == data["name"] == "A railbus"
+    assert (data["body"]["length_m"], data["body"]["mass_empty_t"], data["body"]["cars"]) == (20.0, 30.0, 1)
+    assert (data["traction"]["power_max_kw"], data["traction"]["force_max_kn"]) == (200.0, 30.0)
+    assert data["body"]["speed_max_kmh"] == 90.0
+    assert float(made.row[0]["length_m"]) == 20.0
+    given = [key for key, text in data["provenance"].items() if text.startswith("given")]
+    assert len(given) == 6
+
+
+def test_a_train_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as refused:
+        new_train("ev_e301", tmp_path / "mine.toml", Figures(mass_t=-3.0))
+    assert "mass" in refused.value.key
+    assert not list(tmp_path.iterdir())
+
+
+# timetable -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "every_min", "trains"),
+    [("karasuyama", 60, 6), ("karasuyama", 120, 4), ("valley", 30, 12), ("busy_line", 30, 12)],
+)
+def test_a_new_timetable_can_work(line: str, every_min: int, trains: int, tmp_path: Path) -> None:
+    name = str(VALLEY) if line == "valley" else line
+    pattern = Pattern(60 * every_min, 6 * HOUR_S, 9 * HOUR_S)
+    count = new_timetable(name, "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
+    assert count == trains
+    scenario = load_scenario(str(tmp_path / "run.toml"))
+    found = feasibility(scenario.setup)
+    assert found.good
+    assert not found.impossible
+    departures = sorted(
+        train.calls[0].departure_s or 0
+        for train in scenario.setup.timetable.trains.values()
+        if train.direction > 0
+    )
+    steps = {after - before for before, after in pairwise(departures)}
+    assert steps == {60 * every_min}
+    assert departures[0] == 6 * HOUR_S
+
+
+def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:
+    new_timetable(str(VALLEY), "br642", Pattern(1800, 0, 3600), tmp_path / "tt.toml", None)
+    timetable = load_timetable(tmp_path / "tt.toml", load_line(VALLEY))
+    assert timetable.line_id == load_line(VALLEY).id
+    with pytest.raises(InputError):
+        load_timetable(tmp_path / "tt.toml", load_line(shipped_line("karasuyama")))
+
+
+@pytest.mark.system
+def test_a_new_timetable_runs_on_time(tmp_path: Path) -> None:
+    pattern = Pattern(1800, 6 * HOUR_S, 7 * HOUR_S + 1)
+    new_timetable(str(VALLEY), "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
+    run = execute(load_scenario(str(tmp_path / "run.toml")), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    assert not run.broken
+    assert run.summary["trains_arrived"] == run.summary["trains_planned"] == 5
+    assert run.summary["late_s_max"] < 30.0
+
+
+def test_an_interval_that_cannot_work_is_refused_with_one_that_can(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as refused:
+        new_timetable(
+            "karasuyama", "ev_e301", Pattern(900, 6 * HOUR_S, 12 * HOUR_S), tmp_path / "tt.toml", None
+        )
+    assert refused.value.key == "--every"
+    least_min = int(re.findall(r"\d+", refused.value.expected)[0])
+    assert not list(tmp_path.iterdir())
+    pattern = Pattern(60 * least_min, 6 * HOUR_S, 12 * HOUR_S)
+    assert new_timetable("karasuyama", "ev_e301", pattern, tmp_path / "tt.toml", None)
+    assert 'stock = "' in (tmp_path / "tt.toml").read_text("utf-8")
+
+
+def test_times_that_make_no_day_are_refused(tmp_path: Path) -> None:
+    for pattern, key in ((Pattern(0, 0, 3600), "--every"), (Pattern(3600, 7200, 3600), "--to")):
+        with pytest.raises(InputError) as refused:
+            new_timetable("karasuyama", "ev_e301", pattern, tmp_path / "tt.toml", None)
+        assert refused.value.key == key
