@@ -31,7 +31,7 @@ class Whereabouts:
             along_m = span.direction * (rows["position_m"] - starts_m[index])
             at_m: list[float] = (np.asarray(span.entries_m)[index] + along_m).tolist()
             self._times_s[unit] += (rows["step"] / STEPS_PER_S).tolist()
-            pieces = [span.piece_ids[i] for i in index.tolist()]
+            pieces = [span.piece_ids[int(i)] for i in index]
             self._at[unit] += zip(pieces, at_m, strict=True)
             rows_of[unit].append(rows)
         self._rows = {unit: np.concatenate(parts) for unit, parts in rows_of.items()}

@@ -233,6 +233,16 @@ def test_what_is_out_of_order_is_named(
 
 
 @pytest.mark.system
+def test_an_emergency_stop_is_over_when_its_driver_has_acknowledged_it() -> None:
+    run = observed("rtri/05_unit_power_position_unknown")
+    release_s = run.setup.unit.emergency_release_s
+    stands = [wait for wait in run.of("K1") if wait.cause is Cause.EMERGENCY]
+    assert stands
+    assert all(wait.length_s <= release_s + 1.0 for wait in stands)
+    assert max(wait.length_s for wait in stands) > release_s / 3.0
+
+
+@pytest.mark.system
 def test_what_a_stock_waits_for_at_a_moment_is_found_by_time() -> None:
     run = observed("rtri/03_block_held")
     held = the(run, "K2", Cause.ROUTE_HELD, place="A")

@@ -115,6 +115,14 @@ def test_two_trains_of_a_stock_that_left_the_line_between_them_have_a_row_each(
     assert hoshakuji[1]["planned_to_s"] is None
 
 
+def test_a_train_that_comes_in_by_a_portal_begins_a_stay_of_its_own(
+    stops: pl.DataFrame, line: Line, timetable: Timetable
+) -> None:
+    around = pl.concat([stops[5:], stops[:1]])  # 2U ends at Hoshakuji and goes; its set comes back as 1D
+    found = track_occupation(around, line, timetable).to_dicts()
+    assert sorted((row["train"], row["next_train"]) for row in found) == [("1D", "1D"), ("2U", "2U")]
+
+
 def test_waits_tell_how_long_a_stock_stood_that_no_call_says(
     stops: pl.DataFrame, line: Line, timetable: Timetable
 ) -> None:

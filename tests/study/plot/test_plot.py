@@ -97,7 +97,9 @@ def test_a_japanese_picture_keeps_no_english_words(read: RunRead, name: str) -> 
     texts = {text.get_text() for text in figure.findobj(Text) if isinstance(text, Text)}
     assert not texts & set(JAPANESE)
     labels = {axes.get_ylabel() for axes in figure.axes} | {axes.get_xlabel() for axes in figure.axes}
-    assert all(not label or any(ord(c) > 0x2E80 for c in label) for label in labels)
+    legends = [*figure.legends, *(own for axes in figure.axes if (own := axes.get_legend()) is not None)]
+    labels |= {text.get_text() for legend in legends for text in legend.get_texts()} - set(run.units)
+    assert all(not label or any(ord(c) > 0x2E80 for c in label) for label in labels), labels
     assert any(ord(c) > 0x2E80 for c in kind.title_ja)
 
 
