@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 import polars as pl
@@ -10,21 +11,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from network.model import Direction
+from study.measures.duties import SetDuty, duties_of
 from study.measures.wait import Cause
 from study.measures.wait_text import text_of
 from study.plot.choice import Seen
 from study.plot.words import cause_name
+from study.report.duty_graph import draw_duties as draw_duty_graph
+from study.report.duty_graph import duty_rows
 from study.report.style import (
     DIRECTION_COLOUR,
-    INK,
-    PALE,
     RULE,
     WIDTH_IN,
     TimeBand,
     draw_clock_axis,
     time_bands,
 )
+from study.run.as_run import trains_as_run
 from study.run.waits_table import read_waits
 
 ROW_IN: Final = 0.34
@@ -123,86 +125,16 @@ def _numbers(axes: Axes, run: Seen, units: list[str], band: TimeBand) -> None:
             )  # fmt: skip
 
 
+def _duties(run: Seen) -> tuple[SetDuty, ...]:
+    return duties_of(run.line, run.timetable, trains_as_run(run.timetable, run.tables.stops))
+
+
 def duties_table(run: Seen) -> pl.DataFrame:
-    """One row a train of each stock, in its order: from, to, planned and as run."""
-    stops = run.tables.stops
-    ends = {
-        (unit, train): (rows.row(0, named=True), rows.row(-1, named=True))
-        for (unit, train), rows in stops.group_by("unit", "train", maintain_order=True)
-    }
-    rows: list[dict[str, object]] = []
-    for diagram in run.timetable.diagrams:
-        for order, number in enumerate(diagram.train_numbers, 1):
-            train = run.timetable.trains[number]
-            first, last = ends.get((diagram.stock_id, number), (None, None))
-            rows.append(
-                {
-                    "unit": diagram.stock_id,
-                    "order": order,
-                    "train": number,
-                    "revenue": train.revenue,
-                    "direction": train.direction.name.lower(),
-                    "from_station": train.calls[0].station_id,
-                    "to_station": train.calls[-1].station_id,
-                    "planned_from_s": float(train.calls[0].last_s),
-                    "planned_to_s": float(train.calls[-1].first_s),
-                    "from_s": None if first is None else first["departure_s"],
-                    "to_s": None if last is None else last["arrival_s"],
-                }
-            )
-    schema = {
-        **dict.fromkeys(("unit", "train", "direction", "from_station", "to_station"), pl.String),
-        **dict.fromkeys(("planned_from_s", "planned_to_s", "from_s", "to_s"), pl.Float64),
-    }
-    return run.within(
-        run.shown(pl.DataFrame(rows, schema_overrides=schema)), "planned_from_s", "planned_to_s"
-    )
+    """One row a train of each set as it ran, with what the set did before it."""
+    return pl.DataFrame(duty_rows(_duties(run)), infer_schema_length=None)
 
 
 def draw_duties(run: Seen) -> Figure | None:
-    """A row a stock: a bar a train as planned, its number in it, the run as a thin line below; places at the ends."""
-    table = duties_table(run)
-    if table.is_empty():
-        return None
-    units = list(dict.fromkeys(table["unit"]))
-    bands, grid = time_bands(*run.window_s)
-    figure = Figure(figsize=(WIDTH_IN, len(bands) * (0.46 * len(units) + 0.6) + 0.6), layout="constrained")
-    for axes, band in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands, strict=True):
-        draw_clock_axis(axes, band, grid)
-        _rows(axes, units)
-        s_per_pt = (band.to_s - band.from_s) / (AXES_IN * 72.0)
-        for row in table.iter_rows(named=True):
-            _draw_duty(axes, run, row, units.index(row["unit"]), band, s_per_pt)
-    legend = [Patch(color=DIRECTION_COLOUR[d], alpha=0.35, lw=0, label=d.name.lower()) for d in Direction]
-    legend.append(Patch(color=PALE, lw=0, label="as run"))
-    figure.legend(handles=legend, loc="outside upper right", ncols=4, handlelength=1.2)
-    return figure
-
-
-def _draw_duty(
-    axes: Axes, run: Seen, row: Mapping[str, object], y: int, band: TimeBand, s_per_pt: float
-) -> None:
-    low_s, high_s = float(str(row["planned_from_s"])), float(str(row["planned_to_s"]))
-    if not band.meets(low_s, high_s):
-        return
-    train = str(row["train"])
-    colour = DIRECTION_COLOUR[run.directions[train]]
-    axes.barh(y, high_s - low_s, left=low_s, height=0.42, color=colour, alpha=0.35, lw=0, zorder=2)
-    if row["from_s"] is not None and row["to_s"] is not None:
-        ran_s = float(str(row["from_s"])), float(str(row["to_s"]))
-        axes.hlines(y + 0.3, *ran_s, color=PALE, lw=1.6, zorder=2)
-    seen_s = min(high_s, band.to_s) - max(low_s, band.from_s)
-    number = train if row["revenue"] else f"({train})"
-    middle_s = (max(low_s, band.from_s) + min(high_s, band.to_s)) / 2
-    if seen_s / s_per_pt > len(number) * NUMBER_PT * 0.62:
-        axes.text(middle_s, y, number, ha="center", va="center", fontsize=NUMBER_PT, color=INK, zorder=4)
-    places = [run.name(str(row[key])) for key in ("from_station", "to_station")]
-    if seen_s / s_per_pt > sum(map(_width_pt, places)) + 6.0:
-        for place, at_s, side in zip(places, (low_s, high_s), ("left", "right"), strict=True):
-            if band.from_s <= at_s <= band.to_s:
-                axes.text(at_s, y - 0.23, place, ha=side, va="bottom", fontsize=5.0, color=PALE, zorder=4)
-
-
-def _width_pt(text: str) -> float:
-    """About how wide a text of 5 pt is: Japanese characters are twice as wide as others."""
-    return sum(5.0 if ord(character) > 0x2E80 else 2.9 for character in text)
+    """The duty graph of the day as it was, with stations in the language chosen."""
+    stations = {s.id: replace(s, name=run.name(s.id)) for s in run.line.stations.values()}
+    return draw_duty_graph(replace(run.line, stations=stations), _duties(run))

@@ -139,7 +139,7 @@ _KINDS: Final = (
         days.draw_waits,
         _ALL,
     ),
-    Kind("duties", "Duties", "運用", days.duties_table, days.draw_duties, _TIME),
+    Kind("duties", "Duties", "運用", days.duties_table, days.draw_duties),
     Kind(
         "energy-train",
         "Energy by train; above, net kWh a train-km",

@@ -16,6 +16,7 @@ from study.run.directory import reserved
 from study.run.drill import Drill, fill_drill, find_drill, run_drill, sentence_of, shipped_drills
 from study.run.run import Link, terminals_of
 from study.scenario.scenario import load_scenario
+from tests.study.report.page import payload_of
 
 RTRI = [name for name in shipped_drills() if name.startswith("rtri/")]
 KARASUYAMA = [name for name in shipped_drills() if name.startswith("karasuyama/")]
@@ -182,9 +183,10 @@ def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
     assert fault["fault"] == "stuck P7"
     assert fault["over_s"] == act["begun_s"]  # staff mend it
     assert told["scores"]["last_heal_s"] == act["begun_s"]
+    shown = json.dumps(payload_of(page), ensure_ascii=False)
     for verdict in drill.verdicts:
-        assert verdict.text in page
-    assert "stuck P7" in page and "staff: repair_points P7" in page
+        assert verdict.text in shown
+    assert "stuck P7" in shown and "staff: repair_points P7" in shown
     kinds = drill.run.tables.events["kind"].to_list()
     assert {"fault", "fault over", "act"} <= set(kinds)
     assert kinds.count("expectation") == len(drill.verdicts)
