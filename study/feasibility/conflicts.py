@@ -146,16 +146,7 @@ def _towards(clash: Clash) -> Finding:
         f"{second.number} is to leave at {_until(clash.begins_s)} into {clash.section_id}, where"
         f" {first.number} comes the other way until {_until(clash.first.to_s)}"
     )
-    return Finding(
-        Kind.OPPOSING,
-        severity(clash),
-        _numbers(first, second),
-        clash.section_id,
-        clash.begins_s,
-        text,
-        _later(clash, f"{second.number} leaves"),
-        _short(clash),
-    )
+    return _one_after_another(Kind.OPPOSING, clash, text, f"{second.number} leaves")
 
 
 def _follows(clash: Clash) -> Finding:
@@ -165,16 +156,7 @@ def _follows(clash: Clash) -> Finding:
         f"{second.number} is to follow {first.number} at {_until(clash.begins_s)} into {clash.section_id},"
         f" which is taken until {_until(clash.first.to_s)}"
     )
-    return Finding(
-        Kind.FOLLOWING,
-        severity(clash),
-        _numbers(first, second),
-        clash.section_id,
-        clash.begins_s,
-        text,
-        _later(clash, f"{second.number} leaves"),
-        _short(clash),
-    )
+    return _one_after_another(Kind.FOLLOWING, clash, text, f"{second.number} leaves")
 
 
 def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) -> Finding:
@@ -210,16 +192,7 @@ def _crossing(clash: Clash) -> Finding:
         f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.begins_s)};"
         f" {first.number} has them until {_until(clash.first.to_s)}"
     )
-    return Finding(
-        Kind.CROSSING,
-        severity(clash),
-        _numbers(first, second),
-        clash.section_id,
-        clash.begins_s,
-        text,
-        _later(clash, f"{second.number} goes"),
-        _short(clash),
-    )
+    return _one_after_another(Kind.CROSSING, clash, text, f"{second.number} goes")
 
 
 def _at_portal(clash: Clash) -> Finding:
@@ -228,13 +201,14 @@ def _at_portal(clash: Clash) -> Finding:
         f"{second.number} needs the portal {clash.section_id} from {_until(clash.begins_s)}, and"
         f" {first.number} is in it until {_until(clash.first.to_s)}"
     )
+    what = f"{second.number} comes" if second.duty.enters else f"{second.number} goes"
+    return _one_after_another(Kind.PORTAL, clash, text, what)
+
+
+def _one_after_another(kind: Kind, clash: Clash, text: str, what: str) -> Finding:
+    """Two trains that want a section at a time: the second has to wait, and `what` it does comes later."""
+    remedy = _later(clash, what)
+    numbers = _numbers(*clash.trains)
     return Finding(
-        Kind.PORTAL,
-        severity(clash),
-        _numbers(first, second),
-        clash.section_id,
-        clash.begins_s,
-        text,
-        _later(clash, f"{second.number} comes" if second.duty.enters else f"{second.number} goes"),
-        _short(clash),
+        kind, severity(clash), numbers, clash.section_id, clash.begins_s, text, remedy, _short(clash)
     )
