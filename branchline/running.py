@@ -99,6 +99,15 @@ def _base_of(directory: Path, scenario: Scenario) -> Side:
     return base_of(directory, scenario.setup.line)
 
 
+def _passing(at: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """The latest passing, where trains pass."""
+    if at is None:
+        return []
+    side = "after" if at["late_s"] >= 0.0 else "before"
+    text = f"{abs(at['late_s']):.1f} s {side} the timetable, {at['train']} at {at['station']}"
+    return [("latest passing", text)]
+
+
 def _latest(late_s: float | None) -> str:
     """The worst lateness of a run in words; None: no train arrived."""
     return "no train arrived" if late_s is None else f"{late_s:.1f} s after the timetable"
@@ -136,6 +145,7 @@ def _print_run(done: Run, report: Path) -> None:
         ("trains", f"{summary['trains_arrived']} of {summary['trains_planned']} ran their whole journey"),
         ("empty workings", f"{summary['empty_workings_arrived']} of {summary['empty_workings_planned']}"),
         ("latest", _latest(summary["late_s_max"])),
+        *_passing(summary["late_passing_at"]),
         ("earliest departure", f"{summary['early_departure_s_max']:.1f} s before the timetable"),
         ("smallest margin", _margin(summary["margins"])),
         (

@@ -43,6 +43,10 @@ class TagRule:
         False  # in a section too short for it, APPROACH lies a nose inside where trains come in
     )
 
+    approach_to_tracks: bool = (
+        False  # APPROACH also before a track without points that trains can run through
+    )
+
     def approach_m(self, speed_mps: float) -> float:
         """Distance of APPROACH from the points' section: v t + v^2 / (2 b), up to the next 50 m."""
         need_m = speed_mps * self.reaction_s + speed_mps**2 / (2.0 * self.service_deceleration_mps2)
@@ -146,7 +150,10 @@ def _open_spots(line: Line, rule: TagRule, section: Section) -> Iterator[_Spot]:
             for read_by in _BOTH:
                 yield _checked(piece, _Spot(piece.id, portal_m, TagPurpose.PORTAL, read_by))
         following = [line.pieces[name].section_id for name in next_pieces(line, piece.id, direction)]
-        if any(line.sections[name].kind is SectionKind.POINTS for name in following):
+        kinds = {line.sections[name].kind for name in following}
+        through = any(next_pieces(line, name, direction) for name in next_pieces(line, piece.id, direction))
+        to_track = rule.approach_to_tracks and SectionKind.TRACK in kinds and through
+        if SectionKind.POINTS in kinds or to_track:
             exit_m = _entry_m(piece, direction.opposite)
             approach_m = exit_m - direction * rule.approach_m(line.max_speed_mps)
             if rule.short_approach and piece.length_m <= rule.approach_m(line.max_speed_mps) + rule.nose_m:

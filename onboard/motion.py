@@ -389,9 +389,10 @@ class Motion:
         else:
             self._run(command, now_s)
         self._found = False
-        row.position_trigger_m = math.inf
+        row.position_trigger_m = math.inf if self._timed is None else self._timed.position_m
         if command.await_radio and row.position_known and self._mission is not None:
-            row.position_trigger_m = next_coverage_m(self._line, self._mission.path, row.position_m)
+            covered_m = next_coverage_m(self._line, self._mission.path, row.position_m)
+            row.position_trigger_m = min(row.position_trigger_m, covered_m)
 
     def _run_on_sight(self, command: Command) -> None:
         """No further than the section it is in; to the next mark, if it knows where that is."""

@@ -69,7 +69,10 @@ class LayoutRule:
         """The rule of tags that goes with these lengths."""
         length_m = float(math.ceil(self.train_length_m))  # tags are written in whole metres
         return TagRule(
-            train_length_m=length_m, portal_inset_m=max(60.0, length_m + 20.0), short_approach=True
+            train_length_m=length_m,
+            portal_inset_m=max(60.0, length_m + 20.0),
+            short_approach=True,
+            approach_to_tracks=True,
         )
 
     @property

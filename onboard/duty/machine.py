@@ -37,7 +37,7 @@ from onboard.authority.stop_limit import (
 )
 from onboard.duty import fitness, on_sight
 from onboard.duty.arrival import clear_behind, confirm
-from onboard.duty.plan import Plan
+from onboard.duty.plan import Plan, Span
 from onboard.duty.records import (
     ASK,
     LEAVE,
@@ -161,12 +161,17 @@ def tag_passed(turn: Turn, event: TagPassed) -> None:
     if passed[-1].purpose is TagPurpose.ARRIVAL:
         turn.set(freed=proved)
     last = max((i for i, tag in enumerate(passed) if tag.purpose is TagPurpose.APPROACH), default=None)
-    if last is None or any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):
-        return
-    turn.want(plan.arrival_points(passed[last]))
-    track = plan.track_ahead(passed[last])  # not what lies beyond a track that this tag stands in
-    if track is not None and not plan.calls_at(track.section_id):
-        turn.ask(plan.leg_beyond(track.section_id))
+    if last is not None and not any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):
+        turn.want(plan.arrival_points(passed[last]))
+        ask_beyond(turn, plan.track_ahead(passed[last]))  # not beyond a track that this tag stands in
+    elif passed[-1].purpose is TagPurpose.POSITION:
+        ask_beyond(turn, plan.track_behind_joint(passed[-1]))
+
+
+def ask_beyond(turn: Turn, track: Span | None) -> None:
+    """A train that runs through a track asks for the route beyond it before it comes there."""
+    if track is not None and not turn.plan.calls_at(track.section_id):
+        turn.ask(turn.plan.leg_beyond(track.section_id))
 
 
 def started(turn: Turn, _event: Started) -> None:

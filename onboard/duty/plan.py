@@ -123,6 +123,13 @@ class Plan(msgspec.Struct, frozen=True):
         """The next track that begins beyond a tag."""
         return next((s for s in self.spans[tag.ahead :] if s.kind is SectionKind.TRACK), None)
 
+    def track_behind_joint(self, tag: Tag) -> Span | None:
+        """The track that begins where the open line of a tag ends, without points between (no ④ stands before it)."""
+        here, ahead = self.spans[max(tag.ahead - 1, 0)], self.spans[tag.ahead : tag.ahead + 1]
+        if here.kind is not SectionKind.BETWEEN or not ahead or ahead[0].kind is not SectionKind.TRACK:
+            return None
+        return ahead[0]
+
     def calls_at(self, section_id: str) -> bool:
         """Whether the train stops in a section."""
         return any(self.spans[stop.span].section_id == section_id for stop in self.stops)

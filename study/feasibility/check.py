@@ -14,6 +14,7 @@ from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, minute
 from study.feasibility.holdings import clashes_of, holds_of
 from study.feasibility.meets import day_meets
+from study.feasibility.passings import passings_of
 from study.feasibility.places import track_place
 from study.feasibility.planned import PlannedDay, planned_day
 from study.feasibility.rehearsal import Lateness, Rehearsal, Waits
@@ -40,6 +41,7 @@ def feasibility(setup: Setup) -> Feasibility:
         *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
+        *passings_of(setup, day),
         *equipment_of(setup, day),
     ]
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))

@@ -20,6 +20,8 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
     - trains_planned, trains_arrived: revenue trains of the timetable, and those at their last call.
     - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late; late_at is where. None
       when trains were planned and none arrived: how late they are nobody knows.
+    - late_passing_s_max: seconds after plan of the latest passing, negative when all were early; late_passing_at is
+      where. None when no train passed anything at a time planned.
     - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
     - stops and stop_error_m_mean, _sigma (of the sample, n - 1), _max_abs: over stops with a known error.
     - energy_kwh {traction, regenerated, auxiliary} of trains and layovers; energy: `energy_summary`.
@@ -31,13 +33,15 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
     telegrams = tables.telegrams
     planned = sum(train.revenue for train in timetable.trains.values())
     arrived = len(arrived_trains(stops, timetable))
-    late, early = worst_late(stops), worst_early(stops)
+    late, early, passed = worst_late(stops), worst_early(stops), worst_passing(stops)
     none_came = planned > 0 and arrived == 0
     return {
         "trains_planned": planned,
         "trains_arrived": arrived,
         "late_s_max": None if none_came else 0.0 if late is None else late["late_s"],
         "late_at": None if none_came else late,
+        "late_passing_s_max": None if passed is None else passed["late_s"],
+        "late_passing_at": passed,
         "early_departure_s_max": 0.0 if early is None else -early["late_s"],
         "early_at": early,
         "stops": len(error_m),
@@ -102,6 +106,17 @@ def worst_late(stops: pl.DataFrame) -> dict[str, Any] | None:
     """The latest arrival or departure of all, if after plan: train, station, what it was, late_s. None: none was."""
     told = (
         _lateness(stops).filter(pl.col("late_s") > 0.0).sort("late_s", descending=True, maintain_order=True)
+    )
+    return None if told.is_empty() else told.row(0, named=True)
+
+
+def worst_passing(stops: pl.DataFrame) -> dict[str, Any] | None:
+    """The latest passing by the plan: train, station, late_s. None: no train passed at a time planned."""
+    came = pl.col("late_departure_s").is_not_null()
+    told = (
+        stops.filter(came, pl.col("kind") == CallKind.PASS.value)
+        .select("train", "station", pl.col("late_departure_s").alias("late_s"))
+        .sort("late_s", descending=True, maintain_order=True)
     )
     return None if told.is_empty() else told.row(0, named=True)
 
