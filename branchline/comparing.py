@@ -64,36 +64,63 @@ def check_over(over_s: float) -> None:
 
 
 def print_comparison(found: Comparisons) -> None:
-    """The comparison for a person: what changed in sentences, then tables of it."""
+    """The comparison for a person: of two runs all of it, of more the figures of all and a line of each."""
     from rich.console import Console
-
-    from study.compare.comparison import verdict_of
-    from study.compare.grids import inputs_grid, measures_grid, meets_grid, moved_grid, once_grid, rows_grid
-    from study.compare.measures import TABLES
 
     # A file or a pipe has no width; a terminal's own is kept, and long cells fold there.
     console = Console(width=None if sys.stdout.isatty() else WIDTH_IN_FILE)
-    base = found.sides[0]
-    for index, pair in enumerate(found.pairs):
-        new = found.sides[index + 1]
-        console.print(f"[bold]{_plain(new.label)} against {_plain(base.label)}[/bold]")
-        for text in verdict_of(pair):
-            console.print(_plain(text))
-        console.print()
-        if pair.nothing_differs:
-            continue
-        print_grid(console, "Inputs that differ", inputs_grid(pair))
-        print_grid(console, "Times that moved", moved_grid(pair, new, largest_first=True))
-        print_grid(console, "Came in one run only", once_grid(pair, new))
-        print_grid(console, "Meets that moved", meets_grid(pair, base, new))
-        for table in TABLES:
-            if table != "stops":  # the figures below say enough of them here
-                print_grid(console, table.capitalize(), rows_grid(pair, table, new))
+    if len(found.pairs) == 1:
+        _print_pair(console, found)
+        _print_figures(console, found)
+        return
+    _print_figures(console, found)
+    console.print()
+    _print_lines(console, found)
+
+
+def _print_figures(console: Console, found: Comparisons) -> None:
+    """The figures that differ, a column a run."""
+    from study.compare.grids import measures_grid
+
     grid = measures_grid(found, changed_only=True)
     same = len(found.measures) - len(grid.rows)
     if grid.rows:
         print_grid(console, "Figures", grid, most=len(grid.rows))
     console.print(f"{same} of {len(found.measures)} figures are the same.")
+
+
+def _print_lines(console: Console, found: Comparisons) -> None:
+    """Of each run against the first the sentence that comes first."""
+    from study.compare.comparison import verdict_of
+
+    base = found.sides[0]
+    for index, pair in enumerate(found.pairs):
+        new = found.sides[index + 1]
+        text = f"[bold]{_plain(new.label)} against {_plain(base.label)}[/bold]: {_plain(verdict_of(pair)[0])}"
+        console.print(text)
+    console.print("--out or --json has all of each; so has compare of two runs.")
+
+
+def _print_pair(console: Console, found: Comparisons) -> None:
+    """What changed from one run to the other: sentences, then tables."""
+    from study.compare.comparison import verdict_of
+    from study.compare.grids import inputs_grid, meets_grid, moved_grid, once_grid, rows_grid
+    from study.compare.measures import TABLES
+
+    (base, new), (pair,) = found.sides, found.pairs
+    console.print(f"[bold]{_plain(new.label)} against {_plain(base.label)}[/bold]")
+    for text in verdict_of(pair):
+        console.print(_plain(text))
+    console.print()
+    if pair.nothing_differs:
+        return
+    print_grid(console, "Inputs that differ", inputs_grid(pair))
+    print_grid(console, "Times that moved", moved_grid(pair, new, largest_first=True))
+    print_grid(console, "Came in one run only", once_grid(pair, new))
+    print_grid(console, "Meets that moved", meets_grid(pair, base, new))
+    for table in TABLES:
+        if table != "stops":  # the figures below say enough of them here
+            print_grid(console, table.capitalize(), rows_grid(pair, table, new))
 
 
 def print_grid(console: Console, title: str, grid: Grid, most: int = SHOWN) -> None:

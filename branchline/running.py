@@ -118,15 +118,20 @@ def _margin(margins: dict[str, Any] | None) -> str:
     least, left = (None if margins is None else margins.get(f"smallest_{of}_s") for of in ("margin", "left"))
     if least is None:
         return "-"
-    text = f"{least['margin_s']:.0f} s, {least['train']} {least['from_station']} to {least['to_station']}"
-    return text if left is None else f"{text}; as run {left['left_s']:.0f} s left, {left['train']}"
+    text = f"planned {least['margin_s']:.0f} s {_hop(least)}"
+    return text if left is None else f"{text}; least left as run {left['left_s']:.0f} s {_hop(left)}"
+
+
+def _hop(row: dict[str, Any]) -> str:
+    """Which train runs from where to where."""
+    return f"({row['train']}, {row['from_station']} to {row['to_station']})"
 
 
 def _net(energy: dict[str, Any]) -> str:
-    """Net energy of the day, and by distance."""
-    by_train, by_car = energy["net_kwh_per_train_km"]["all"], energy["net_kwh_per_car_km"]["all"]
-    text = f"{energy['all']['net']:.1f} kWh"
-    return text if by_train is None else f"{text}: {by_train:.2f} a train-km, {by_car:.2f} a car-km"
+    """Net energy of the day, and by distance as the report says it."""
+    from study.report.facts import net_by_distance
+
+    return "; ".join(filter(None, (f"{energy['all']['net']:,.1f} kWh", net_by_distance(energy))))
 
 
 def _print_run(done: Run, report: Path) -> None:
@@ -156,8 +161,8 @@ def _print_run(done: Run, report: Path) -> None:
         ("invariants broken", str(summary["invariants_broken"])),
         (
             "energy",
-            f"traction {energy['traction']:.1f}, regenerated {energy['regenerated']:.1f},"
-            f" auxiliary {energy['auxiliary']:.1f} kWh",
+            f"traction {energy['traction']:,.1f}, regenerated {energy['regenerated']:,.1f},"
+            f" auxiliary {energy['auxiliary']:,.1f} kWh",
         ),
         ("net energy", _net(summary["energy"])),
         ("telegrams", ", ".join(f"{count} {name}" for name, count in telegrams.items())),

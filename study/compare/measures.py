@@ -149,8 +149,9 @@ def _energy(side: Side) -> Iterator[Figure]:
     share = 100.0 * whole["all"]["regenerated"] / traction if traction > 0.0 else None
     yield Figure("energy", "regenerated, of traction", "%", 1, share)
     yield Figure("energy", "distance", "train-km", 1, whole["train_km"])
-    yield Figure("energy", "net by distance", "kWh/train-km", 3, whole["net_kwh_per_train_km"]["all"])
-    yield Figure("energy", "net by cars and distance", "kWh/car-km", 3, whole["net_kwh_per_car_km"]["all"])
+    for key, unit in (("net_kwh_per_train_km", "kWh/train-km"), ("net_kwh_per_car_km", "kWh/car-km")):
+        yield Figure("energy", "net", unit, 3, whole[key]["trains"])
+        yield Figure("energy", "net, with layovers", unit, 3, whole[key]["all"])
 
 
 def _stop_errors(side: Side) -> Iterator[Figure]:

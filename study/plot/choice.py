@@ -12,7 +12,7 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from network.model import Station
 from network.timetable import seconds_of
-from study.measures.wait_text import Language, Names, names_of
+from study.measures.wait_text import Language, Names, at_time, names_of
 from study.report.data import Run
 from study.run.read_back import RunRead
 
@@ -79,13 +79,23 @@ def seen(read: RunRead, choice: Choice) -> Seen:
     """A run through a choice. InputError for a train, station or time that the run does not have."""
     _known("--train", choice.train, {str(train) for train in read.tables.stops["train"].unique()})
     _known("--station", choice.station, read.line.stations)
-    whole_s = Run(read.line, read.timetable, read.tables).window_s
-    from_s = whole_s[0] if choice.from_s is None else choice.from_s
-    to_s = whole_s[1] if choice.to_s is None else choice.to_s
-    if from_s >= to_s:
-        asked = choice.to_s if choice.from_s is None else choice.from_s
-        raise InputError("command line", "--from, --to", asked, "a stretch of time in which the run is")
-    return Seen(read.line, read.timetable, read.tables, read, choice, (from_s, to_s))
+    window_s = _window_s(Run(read.line, read.timetable, read.tables).window_s, choice)
+    return Seen(read.line, read.timetable, read.tables, read, choice, window_s)
+
+
+def _window_s(run_s: tuple[float, float], choice: Choice) -> tuple[float, float]:
+    """First and last time to show, s. InputError, in times as they are typed, for a stretch that is none of the run."""
+    begins_s, ends_s = run_s
+    from_s = begins_s if choice.from_s is None else choice.from_s
+    to_s = ends_s if choice.to_s is None else choice.to_s
+    if choice.from_s is not None and choice.to_s is not None and from_s >= to_s:
+        raise InputError("command line", "--to", at_time(to_s), f"a time after --from, {at_time(from_s)}")
+    in_run = f"a time of the run, which goes from {at_time(begins_s)} to {at_time(ends_s)}"
+    if from_s >= ends_s:
+        raise InputError("command line", "--from", at_time(from_s), in_run)
+    if to_s <= begins_s:
+        raise InputError("command line", "--to", at_time(to_s), in_run)
+    return from_s, to_s
 
 
 def _known(option: str, value: str | None, choices: Collection[str]) -> None:

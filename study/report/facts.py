@@ -166,6 +166,7 @@ def energy_fact(facts: Mapping[str, Any], energy_table: pl.DataFrame) -> Fact:
     """Net energy of the day in one line."""
     energy = facts["energy"]
     whole, per_km, per_car = energy["all"], energy["net_kwh_per_train_km"], energy["net_kwh_per_car_km"]
+    distance = net_by_distance(energy)
     at, at_ja = drawn_at(energy_table)
     text = (
         f"{whole['net']:,.1f} kWh net {at}: traction {whole['traction']:,.1f},"
@@ -175,16 +176,24 @@ def energy_fact(facts: Mapping[str, Any], energy_table: pl.DataFrame) -> Fact:
         f"正味 {whole['net']:,.1f} kWh（{at_ja}）：力行 {whole['traction']:,.1f}、"
         f"補機 {whole['auxiliary']:,.1f}、回生 {whole['regenerated']:,.1f}"
     )
-    if per_km["all"] is not None:
-        text += (
-            f"; {per_km['trains']:.2f} kWh/train-km ({per_car['trains']:.2f} per car-km),"
-            f" {per_km['all']:.2f} ({per_car['all']:.2f}) with layovers"
-        )
+    if distance:
+        text += f"; {distance}"
         text_ja += (
             f"；{per_km['trains']:.2f} kWh/列車キロ（{per_car['trains']:.2f} kWh/車両キロ）、"
             f"折返しを含め {per_km['all']:.2f}（{per_car['all']:.2f}）"
         )
     return Fact("Energy", text, False, "電力量", text_ja)
+
+
+def net_by_distance(energy: Mapping[str, Any]) -> str:
+    """Net energy by distance, of the trains and with their layovers; empty where none moved."""
+    per_km, per_car = energy["net_kwh_per_train_km"], energy["net_kwh_per_car_km"]
+    if per_km["all"] is None:
+        return ""
+    return (
+        f"{per_km['trains']:.2f} kWh/train-km ({per_car['trains']:.2f} per car-km),"
+        f" {per_km['all']:.2f} ({per_car['all']:.2f}) with layovers"
+    )
 
 
 def drawn_at(energy: pl.DataFrame) -> tuple[str, str]:

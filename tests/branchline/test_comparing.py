@@ -52,6 +52,23 @@ def test_json_is_one_object_and_files_are_written(
     assert (tmp_path / "x" / "cmp" / "compare.html").is_file()
 
 
+def test_of_three_runs_the_figures_come_first_and_each_run_has_a_line(
+    main: Callable[..., Any], runs: Path
+) -> None:
+    ended = main("compare", str(runs / "one"), str(runs / "two"), str(runs / "one"))
+    assert ended.code == 0
+    lines = ended.out.splitlines()
+    assert lines[0].startswith("Figures")
+    first = next(
+        n for n, line in enumerate(lines) if line.startswith("two against one: Nothing moved by more")
+    )
+    assert lines[first + 1].startswith("one (2) against one: Nothing differs at all, from the same inputs")
+    assert lines[first + 2] == "--out or --json has all of each; so has compare of two runs."
+    assert len(lines) == first + 3
+    assert "Inputs that differ" not in ended.out
+    assert "Inputs that differ" in main("compare", str(runs / "one"), str(runs / "two")).out
+
+
 @pytest.mark.parametrize("over", ["-1", "nan", "inf"])
 @pytest.mark.parametrize("command", ["compare", "run"])
 def test_a_threshold_that_is_none_is_refused(

@@ -32,6 +32,7 @@ export function start(doc, data) {
     if (page.papers.some(([known]) => known === id) && id !== page.state.paper) show(page, id);
   });
   doc.defaultView.branchline = page;
+  for (const id of ["drawing", "undrawn"]) doc.getElementById(id)?.remove();
   return page;
 }
 

@@ -9,6 +9,7 @@ from study.compare.comparison import compare, compare_two, verdict_of
 from study.compare.grids import inputs_grid, measures_grid, moved_matrix, rows_grid
 from study.compare.measures import compare_rows, figures_of, measures_of
 from study.report.data import Run
+from study.run.summary import energy_summary
 from tests.study.compare.sides import side, with_tables
 
 
@@ -72,6 +73,17 @@ def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: Run
     assert (least.value, least.where) == (-3.0, "330M Karasuyama – Hoshakuji")
     percent = next(f for f in found if (f.group, f.name, f.unit) == ("margins", "smallest planned", "%"))
     assert percent.value == 20.0
+
+
+def test_energy_by_distance_is_told_with_and_without_layovers_as_the_report_tells_it(weekday: Run) -> None:
+    tables = weekday.tables
+    whole = energy_summary(tables)
+    figures = {(f.name, f.unit): f.value for f in figures_of(side(weekday)) if f.group == "energy"}
+    assert tables.layovers["net_kwh"].sum() > 0.0
+    for key, unit in (("net_kwh_per_train_km", "kWh/train-km"), ("net_kwh_per_car_km", "kWh/car-km")):
+        assert figures["net", unit] == whole[key]["trains"]
+        assert figures["net, with layovers", unit] == whole[key]["all"]
+    assert figures["net", "kWh/train-km"] != figures["net, with layovers", "kWh/train-km"]
 
 
 def test_rows_are_matched_by_name_and_told_where_they_differ(weekday: Run) -> None:

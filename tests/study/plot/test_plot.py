@@ -12,6 +12,7 @@ from matplotlib.text import Text
 
 from network.errors import InputError
 from study.measures.wait import Cause
+from study.measures.wait_text import at_time
 from study.plot.choice import Choice, seen, time_of
 from study.plot.kinds import KINDS, Chosen, Kind, kind_of
 from study.plot.words import CAUSES, JAPANESE, cause_name, word
@@ -174,6 +175,28 @@ def test_a_time_that_is_none_and_a_kind_that_is_none() -> None:
     with pytest.raises(InputError) as refused:
         kind_of("traingraph")
     assert all(name in refused.value.expected for name in KINDS)
+
+
+def test_a_stretch_of_time_that_is_none_of_the_run_is_refused_as_typed(read: RunRead, tmp_path: Path) -> None:
+    """Back to front; after the run, which would give an empty graph; before it."""
+    begins_s, ends_s = seen(read, Choice()).window_s
+    whole = f"goes from {at_time(begins_s)} to {at_time(ends_s)}"
+    for from_s, to_s, key, typed, why in (
+        (36_000.0, 32_400.0, "--to", "09:00", "a time after --from, 10:00"),
+        (36_000.0, 36_000.0, "--to", "10:00", "a time after --from, 10:00"),
+        (90_000.0, 93_600.0, "--from", "25:00", whole),
+        (90_000.0, None, "--from", "25:00", whole),
+        (0.0, 60.0, "--to", "00:01", whole),
+        (None, 60.0, "--to", "00:01", whole),
+    ):
+        with pytest.raises(InputError) as refused:
+            choice = Choice(from_s=from_s, to_s=to_s)
+            write_plot(read, kind_of("train-graph"), choice, Format.PNG, tmp_path / "a.png")
+        assert (refused.value.key, refused.value.value) == (key, typed)
+        assert why in refused.value.expected
+    assert list(tmp_path.iterdir()) == []
+    partly = seen(read, Choice(from_s=begins_s - 60.0, to_s=begins_s + 60.0))
+    assert partly.window_s == (begins_s - 60.0, begins_s + 60.0)
 
 
 def test_the_name_of_a_file_says_what_it_shows() -> None:

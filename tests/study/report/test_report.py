@@ -115,7 +115,9 @@ def test_page_names_every_train_and_station(page: str, weekday: Run) -> None:
 
 
 def test_without_javascript_the_page_says_so_and_has_its_figures(page: str) -> None:
-    assert "drawn by JavaScript, which is switched off or too old" in page
+    (said,) = re.findall(r"<noscript>(.*?)</noscript>", page, re.DOTALL)
+    assert "drawn by JavaScript, which is switched off" in said
+    assert page.count("switched off") == 1
     assert (
         page.index("drawn by JavaScript") < page.index("<dt>Trains arrived</dt>") < page.index('id="papers"')
     )

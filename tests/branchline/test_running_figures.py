@@ -1,0 +1,37 @@
+"""The figures that `branchline run` prints are those of the report, in its words, and say what they are of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import polars as pl
+
+from branchline.running import _margin, _net  # pyright: ignore[reportPrivateUsage]
+from study.report.facts import energy_fact
+
+BY = ("traction", "regenerated", "auxiliary", "net")
+ENERGY: dict[str, Any] = {
+    "all": dict(zip(BY, (2000.0, 336.3, 700.0, 2363.7), strict=True)),
+    "regenerated_to": {},
+    "net_kwh_per_train_km": {"trains": 2.88, "all": 3.52},
+    "net_kwh_per_car_km": {"trains": 1.44, "all": 1.76},
+}
+
+
+def test_energy_by_distance_is_that_of_the_report() -> None:
+    net, distance = _net(ENERGY).split("; ")
+    assert net == "2,363.7 kWh"
+    assert distance == "2.88 kWh/train-km (1.44 per car-km), 3.52 (1.76) with layovers"
+    frame = pl.DataFrame({"regenerated_to": ["other_trains"]})
+    assert energy_fact({"energy": ENERGY}, frame).value.endswith(f"; {distance}")
+    nobody: dict[str, Any] = {"trains": None, "all": None}
+    assert _net(ENERGY | {"net_kwh_per_train_km": nobody, "net_kwh_per_car_km": nobody}) == "2,363.7 kWh"
+
+
+def test_the_smallest_margin_says_what_was_planned_and_what_was_left() -> None:
+    planned = {"train": "1", "from_station": "AOK", "to_station": "SAW", "margin_s": 18.2}
+    left = {"train": "21", "from_station": "HMN", "to_station": "KTR", "left_s": 5.9}
+    margins = {"smallest_margin_s": planned, "smallest_left_s": left}
+    assert _margin(margins) == "planned 18 s (1, AOK to SAW); least left as run 6 s (21, HMN to KTR)"
+    assert _margin({"smallest_margin_s": planned}) == "planned 18 s (1, AOK to SAW)"
+    assert _margin(None) == "-"
