@@ -18,6 +18,7 @@ from branchline.options import (
     Json,
     LineName,
     OutsideMin,
+    RunBy,
     TimetableId,
     TimetableOut,
     TurnMin,
@@ -55,6 +56,7 @@ def import_gtfs(
     name: ByHand = None,
     names: ByHandFile = None,
     add: Additions = None,
+    train: RunBy = None,
     turn_min: TurnMin = TURN_MIN_S,
     outside_min: OutsideMin = OUTSIDE_MIN_S,
     as_json: Json = False,
@@ -63,13 +65,24 @@ def import_gtfs(
     from network.exchange.gtfs.reader import GtfsChoice, read_gtfs
 
     day = read_gtfs(source, GtfsChoice(date, service, tuple(route or ())))
-    plain = not (date or service or route or name or names or add)
+    plain = not (date or service or route or name or names or add or train)
     if line is not None and plain and _read_back(day, line, timetable_id, out, as_json=as_json):
         return
     suffix = date.replace("-", "") or service or "day"
     credit = f"numbers and times: GTFS feed {source.name}"
     wanted = Wanted(
-        credit, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, in_order=False
+        credit,
+        suffix,
+        line,
+        out,
+        timetable_id,
+        name or (),
+        names,
+        add,
+        turn_min,
+        outside_min,
+        in_order=False,
+        train=train,
     )
     counts = {"feed_trips": day.trips, "feed_stops": day.stops, "feed_calls": day.calls}
     finish(day.published, wanted, counts, as_json=as_json)

@@ -18,6 +18,7 @@ from branchline.options import (
     Json,
     LineName,
     OutsideMin,
+    RunBy,
     TimetableId,
     TimetableOut,
     TurnMin,
@@ -28,6 +29,8 @@ from study.outcome import Outcome
 if TYPE_CHECKING:
     from network.exchange.import_timetable import ImportedTimetable
     from network.exchange.published import PublishedTimetable
+    from network.exchange.running import Running
+    from network.model import Line
 
 TURN_MIN_S: Final = 120  # as `network.exchange.workings` has it, which is not imported for `--help`
 OUTSIDE_MIN_S: Final = 1800
@@ -48,6 +51,7 @@ class Wanted:
     turn_min_s: int = TURN_MIN_S
     outside_min_s: int = OUTSIDE_MIN_S
     in_order: bool = True
+    train: str | None = None
 
 
 def import_mini_tokyo(
@@ -65,6 +69,7 @@ def import_mini_tokyo(
     name: ByHand = None,
     names: ByHandFile = None,
     add: Additions = None,
+    train: RunBy = None,
     turn_min: TurnMin = TURN_MIN_S,
     outside_min: OutsideMin = OUTSIDE_MIN_S,
     as_json: Json = False,
@@ -74,7 +79,9 @@ def import_mini_tokyo(
 
     published = read_mini_tokyo(source, calendar, stations, railway)
     suffix = {"Weekday": "weekday", "SaturdayHoliday": "holiday"}.get(calendar, calendar)
-    wanted = Wanted(SOURCE, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min)
+    wanted = Wanted(
+        SOURCE, suffix, line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
+    )
     finish(published, wanted, as_json=as_json)
 
 
@@ -89,6 +96,8 @@ def finish(
 
     if wanted.line is None and wanted.out is not None:
         raise InputError(COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written")
+    if wanted.line is None and wanted.train is not None:
+        raise InputError(COMMAND_LINE, "--line", None, f"the line that {wanted.train} is to run on")
     figures = {**(counts or {}), **counted(published)} if wanted.line is None else {}
     if wanted.line is not None:
         imported = _imported(published, wanted)
@@ -146,8 +155,17 @@ def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetabl
         by_hand=names_by_hand(wanted.by_hand, wanted.by_hand_file),
         hand_file=COMMAND_LINE if wanted.by_hand_file is None else str(wanted.by_hand_file),
         in_order=wanted.in_order,
+        least=None if wanted.train is None else _least(line, wanted.train),
     )
     return import_timetable(published, line, order)
+
+
+def _least(line: Line, train_name: str) -> Running:
+    """Least running times of a train by leg; for the compiled kernels only where it is asked for."""
+    from study.measures.standard_times import least_by_leg
+    from vehicle.train_file import load_train, train_named
+
+    return least_by_leg(line, load_train(train_named(train_name)))
 
 
 def print_figures(figures: dict[str, Any]) -> None:

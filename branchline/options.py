@@ -49,6 +49,13 @@ Additions = Annotated[
         "--add", help="Shipped additions, or a file (.toml): trains and sets that nobody publishes."
     ),
 ]
+RunBy = Annotated[
+    str | None,
+    typer.Option(
+        "--train",
+        help="A shipped train, or a train file (.toml): no arrival is computed before that train can be there.",
+    ),
+]
 TurnMin = Annotated[int, typer.Option("--turn-min", min=0, max=86_400, help="Least time to turn back, s.")]
 OutsideMin = Annotated[
     int, typer.Option("--outside-min", min=0, max=86_400, help="Least time of a set beyond a portal, s.")

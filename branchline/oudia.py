@@ -18,6 +18,7 @@ from branchline.options import (
     Json,
     LineName,
     OutsideMin,
+    RunBy,
     TimetableId,
     TimetableOut,
     TurnMin,
@@ -41,6 +42,7 @@ def import_oudia(
     name: ByHand = None,
     names: ByHandFile = None,
     add: Additions = None,
+    train: RunBy = None,
     turn_min: TurnMin = TURN_MIN_S,
     outside_min: OutsideMin = OUTSIDE_MIN_S,
     as_json: Json = False,
@@ -61,10 +63,14 @@ def import_oudia(
         _say(counts if dia is None else _counted(route, [route.dia(dia)]), as_json=as_json)
         return
     chosen = route.dia(dia)
-    if not (name or names or add) and _read_back(route, chosen, line, timetable_id, out, as_json=as_json):
+    if not (name or names or add or train) and _read_back(
+        route, chosen, line, timetable_id, out, as_json=as_json
+    ):
         return
     credit = f"{source.name}: {route.name}, {chosen.name} ({route.kind})"
-    wanted = Wanted(credit, "oudia", line, out, timetable_id, name or (), names, add, turn_min, outside_min)
+    wanted = Wanted(
+        credit, "oudia", line, out, timetable_id, name or (), names, add, turn_min, outside_min, train=train
+    )
     finish(
         published_of(route, chosen), wanted, {"file_type": route.kind, "dia": chosen.name}, as_json=as_json
     )

@@ -55,6 +55,7 @@ from network.files.quantities import (
 )
 from network.files.quantity import OUT_OF_RANGE, Quantity
 from network.files.raw import is_list, is_table
+from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 from vehicle.train_checks import check_train
@@ -282,6 +283,12 @@ def shipped_train(name: str) -> Path:
     if name not in names:
         raise InputError("vehicle/trains", "name", name, "one of " + ", ".join(names))
     return TRAINS_FOLDER / f"{name}.toml"
+
+
+def train_named(name: str) -> Path:
+    """Path of a train by its name: a file (`.toml`) that there is, else one that comes with the project. InputError."""
+    own = name.endswith(".toml") and existing_file(Path(name))
+    return Path(name) if own else shipped_train(name)
 
 
 def load_train(path: Path) -> TrainType:

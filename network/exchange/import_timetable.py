@@ -31,8 +31,8 @@ DWELL_MIN_S: Final = 20
 class ImportOrder:
     """What is to be made of a published timetable: the file's id and credit, and what the source does not say.
 
-    `by_hand`, `hand_file`, `in_order`, `running`: see `network.exchange.onto_line.onto_line`. An empty `name` is the
-    source's own.
+    `by_hand`, `hand_file`, `in_order`, `running`, `least`: see `network.exchange.onto_line.onto_line`. An empty `name`
+    is the source's own.
     """
 
     id: str
@@ -44,6 +44,7 @@ class ImportOrder:
     hand_file: str = COMMAND_LINE
     in_order: bool = True
     running: Running | None = None
+    least: Running | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +89,7 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         line,
         order.by_hand,
         order.running,
+        least=order.least,
         hand_file=order.hand_file,
         in_order=order.in_order,
     )

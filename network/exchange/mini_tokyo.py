@@ -7,6 +7,7 @@ after (`pt`, `nt`), on this railway or another. What lies beyond the railway is 
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -19,6 +20,7 @@ from network.exchange.published import PublishedCall, PublishedStation, Publishe
 from network.exchange.station_order import ordered_stations, runs_down
 from network.files.json_input import read_json
 from network.files.names import title_of
+from network.files.text_input import JSON_BYTES_MAX, read_bytes
 from network.files.toml_input import one_of
 from network.timetable import CallKind, clock
 
@@ -36,6 +38,8 @@ _TIME: Final = re.compile(r"([01]\d|2[0-3]):([0-5]\d)")
 _DAYS: Final = {"Weekday": "weekdays", "SaturdayHoliday": "weekends and holidays"}
 _WORD: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _NAMED_MAX: Final = 8
+_OUDIA: Final = b"FileType=OuDia"
+_FORM: Final = "a file of mini-tokyo-3d's train-timetables: a JSON array of trains, each with id, n, d and tt"
 
 
 class _CallRow(msgspec.Struct):
@@ -81,6 +85,7 @@ def read_mini_tokyo(
     is needed where the file holds several. Raises InputError.
     """
     file = str(source)
+    _check_form(source)
     rows = list(enumerate(read_json(source, list[_TrainRow])))
     railways = sorted({row.railway for _, row in rows})
     if railway or len(railways) > 1:
@@ -107,6 +112,15 @@ def read_mini_tokyo(
     name = (railway or railways[0]).rpartition(".")[2]
     title = f"{' '.join(_WORD.split(name))} Line, {_DAYS.get(calendar, calendar)}"
     return PublishedTimetable(title_of(title), _stations(order, stations), trains, file, tuple(left))
+
+
+def _check_form(source: Path) -> None:
+    """Another program's file is told as that, whatever its encoding. Raises InputError."""
+    begins = read_bytes(source, JSON_BYTES_MAX).removeprefix(codecs.BOM_UTF8).lstrip()[: len(_OUDIA)]
+    if begins == _OUDIA:
+        raise InputError(str(source), "", None, f"{_FORM}; this is one of OuDia, for branchline import oudia")
+    if begins.startswith(b"{"):
+        raise InputError(str(source), "", None, f"{_FORM}; this is one JSON object")
 
 
 def _check(file: str, key: str, row: _TrainRow) -> None:

@@ -19,7 +19,20 @@ from network.errors import COMMAND_LINE, InputError
 from network.exchange.hidden_meets import hidden_meets
 from network.exchange.planned import PlannedTrain
 from network.exchange.published import PublishedCall, PublishedTimetable, PublishedTrain
-from network.exchange.running import DWELL_S, Leg, Running, Timed, UntimedError, filled, least_s, observed
+from network.exchange.running import (
+    CHANGE_MPS2,
+    DWELL_S,
+    Leg,
+    Running,
+    Timed,
+    Times,
+    UntimedError,
+    filled,
+    least_s,
+    leg_of,
+    observed,
+    plausible_s,
+)
 from network.exchange.station_join import JoinedBy, StationJoin, join_stations
 from network.exchange.train_numbers import numbers_of
 from network.model import Direction, Line, PlatformTrack
@@ -78,25 +91,27 @@ def onto_line(
     by_hand: Mapping[str, str] | None = None,
     running: Running | None = None,
     *,
+    least: Running | None = None,
     hand_file: str = COMMAND_LINE,
     in_order: bool = True,
 ) -> OntoLine:
     """Put a published timetable on a line.
 
-    `by_hand`, `hand_file`, `in_order`: see `join_stations`. `running` gives least running times of legs; what it does
-    not know, and all without it, comes from other trains of the timetable. Raises InputError where stations cannot be
-    joined, or no train runs on the line.
+    `by_hand`, `hand_file`, `in_order`: see `join_stations`. `running` gives running times of legs, by which trains are
+    there; what it does not know, and all without it, comes from other trains of the timetable. `least` gives those that
+    no train takes less than; without it they follow from distance and the line's speed. Raises InputError where
+    stations cannot be joined, or no train runs on the line.
     """
     file = published.source
     join = join_stations(file, published.stations, line, by_hand, hand_file=hand_file, in_order=in_order)
     said = _Said()
     cuts = _cut_all(published, line, join, said)
-    known = observed([cut.calls for cut in cuts])
+    times = _times(cuts, line, running, least)
     trains: list[PlannedTrain] = []
     computed = 0
     for cut in cuts:
         try:
-            timed = _timed(cut, line, _first_of(running, known), said)
+            timed = _timed(cut, line, times, said)
         except UntimedError as why:
             said.note(f"left out: {{}} ({why})", cut.number)
             continue
@@ -109,7 +124,7 @@ def onto_line(
     trains.sort(key=lambda train: (train.calls[0].first_s, train.number))
     trains = _linked(trains, cuts, said)
     stops = sum(len(train.calls) for train in trains)
-    assumed = _assumed(computed, stops, given=running is not None)
+    assumed = _assumed(computed, stops, given=running is not None, least=least is not None)
     meets = tuple(meet.text(line) for meet in hidden_meets(trains, line))
     remarks = (*_of_join(join, line), *said.sentences(), *meets)
     return OntoLine(tuple(trains), join, assumed, remarks, len(published.trains) - len(cuts))
@@ -122,14 +137,26 @@ def named(names: Sequence[str]) -> str:
     return f"{shown} and {more} more" if more > 0 else shown
 
 
-def _first_of(given: Running | None, known: Running) -> Running:
-    """Running times that somebody gives, else those of the timetable."""
-    if given is None:
-        return known
+def _times(cuts: Sequence[_Cut], line: Line, running: Running | None, least: Running | None) -> Times:
+    """Running times that somebody gives, else those of the timetable; and the least that there can be on the line."""
+    calls = [cut.calls for cut in cuts]
+
+    def at_least(leg: Leg) -> float:
+        length_m = line.stations[leg.to_id].position_m - line.stations[leg.from_id].position_m
+        given_s = [of(leg) or 0.0 for of in (running, least) if of is not None]
+        return max([plausible_s(length_m, line.max_speed_mps, leg.from_stand + leg.to_stand), *given_s])
+
+    return Times(
+        _first_of(running, observed(calls)), _first_of(running, least, observed(calls, rough=True)), at_least
+    )
+
+
+def _first_of(*known: Running | None) -> Running:
+    """What the first knows that knows anything of a leg."""
 
     def running(leg: Leg) -> float | None:
-        time_s = given(leg)
-        return known(leg) if time_s is None else time_s
+        times_s = (of(leg) for of in known if of is not None)
+        return next((time_s for time_s in times_s if time_s is not None), None)
 
     return running
 
@@ -253,7 +280,7 @@ def _trim_passes(cut: _Cut, line: Line, said: _Said) -> None:
         raise UntimedError("it stops at less than two stations of the line")
 
 
-def _timed(cut: _Cut, line: Line, running: Running, said: _Said) -> Timed:
+def _timed(cut: _Cut, line: Line, times: Times, said: _Said) -> Timed:
     """The train's calls with all times; at the ends of its run there is one time, on the way there are two."""
     calls = cut.calls
     first, last = calls[0], calls[-1]
@@ -266,8 +293,22 @@ def _timed(cut: _Cut, line: Line, running: Running, said: _Said) -> Timed:
         elif last.arrival_s == last.departure_s:
             calls[-1] = replace(last, departure_s=None)
     positions_m = [line.stations[call.station_id].position_m for call in calls]
-    timed = filled(calls, positions_m, running)
-    return _spaced(timed, positions_m, line, cut.number, said)
+    timed = _spaced(filled(calls, positions_m, times), positions_m, line, cut.number, said)
+    _say_short(timed.calls, times, line, cut.number, said)
+    return timed
+
+
+def _say_short(calls: Sequence[Call], times: Times, line: Line, number: str, said: _Said) -> None:
+    """Legs for which the times leave less than any train takes; the run will be late there."""
+    for before, call in pairwise(calls):
+        left_s, needed_s = call.first_s - before.last_s, math.ceil(times.least(leg_of(before, call)))
+        if left_s < needed_s:
+            from_name, to_name = (line.stations[one.station_id].name for one in (before, call))
+            said.note(
+                f"times too short: from {from_name} to {to_name} {left_s} s are left, where at least {needed_s} s are"
+                " needed: {}",
+                number,
+            )
 
 
 def _spaced(timed: Timed, positions_m: Sequence[float], line: Line, number: str, said: _Said) -> Timed:
@@ -353,14 +394,18 @@ def _linked(trains: Sequence[PlannedTrain], cuts: Sequence[_Cut], said: _Said) -
     ]
 
 
-def _assumed(computed: int, calls: int, *, given: bool) -> tuple[str, ...]:
+def _assumed(computed: int, calls: int, *, given: bool, least: bool) -> tuple[str, ...]:
     """What the timetable file says of computed times."""
     if not computed:
         return ()
-    whose = "least running times of the legs" if given else "the quickest train of the timetable on the leg"
+    whose = (
+        "running times of the legs" if given else "the quickest train of the timetable that has both times"
+    )
+    needs = "its least running time" if least else "the line's speed"
     return (
-        f"times: {computed} of {calls} calls have one that is not the source's (marked inferred), computed from"
-        f" {whose}, else {DWELL_S} s before the departure, or by distance between the times around it",
+        f"times: {computed} of {calls} calls have one that is not the source's (marked inferred): an arrival"
+        f" {DWELL_S} s before the departure, or earlier by {whose}, but not before {needs} allows, with starts and"
+        f" stops at {CHANGE_MPS2} m/s2; else by distance between the times around it",
     )
 
 

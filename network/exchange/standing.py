@@ -47,7 +47,10 @@ class Stand:
 
 @dataclass(frozen=True, slots=True)
 class _Use:
-    """A track in use: by a set that stands over, or by a train's call on the way."""
+    """A track in use: by a set that stands over, or by a train's call on the way.
+
+    In block working it is held for longer: from the departure at the station before to the arrival at the one after.
+    """
 
     from_s: int
     to_s: int
@@ -55,6 +58,12 @@ class _Use:
     tracks: tuple[PlatformTrack, ...]  # that it can use, the best first
     text: str
     over: bool
+    held_from_s: int
+    held_to_s: int
+
+    def held_with(self, other: _Use) -> bool:
+        """Whether both hold a track at once in block working, so that one of them waits."""
+        return self.held_from_s < other.held_to_s and other.held_from_s < self.held_to_s
 
     def clashes(self, other: _Use, clear_s: int = 0) -> bool:
         """Whether both need a track at once, or within `clear_s` of each other."""
@@ -170,14 +179,31 @@ def _uses(line: Line, station_id: str, trains: Sequence[PlannedTrain], stands: I
             keys.append((stand.leaves.number, 0))
         taken.update(keys)
         usable = standing_tracks(line, stand.arrives, stand.leaves)
-        uses.append(_Use(stand.from_s, stand.to_s, tuple(keys), usable, str(stand), over=True))
+        held_from_s = stand.from_s if stand.arrives is None else _held_from_s(line, stand.arrives, -1)
+        held_to_s = stand.to_s if stand.leaves is None else _held_to_s(line, stand.leaves, 0)
+        uses.append(
+            _Use(stand.from_s, stand.to_s, tuple(keys), usable, str(stand), True, held_from_s, held_to_s)
+        )
     for train in trains:
         for i, call in enumerate(train.calls):
             if call.station_id == station_id and (train.number, i) not in taken:
                 usable = _usable(line, [(call, train.direction)])
                 key = (train.number, i)
-                uses.append(_Use(call.first_s, call.last_s, (key,), usable, train.number, over=False))
+                held = (_held_from_s(line, train, i), _held_to_s(line, train, i))
+                uses.append(_Use(call.first_s, call.last_s, (key,), usable, train.number, False, *held))
     return uses
+
+
+def _held_from_s(line: Line, train: PlannedTrain, index: int) -> int:
+    """When a train leaves the station with tracks of its own before a call; its time there where there is none."""
+    before = [call.last_s for call in train.calls[:index] if not line.stations[call.station_id].is_halt]
+    return before[-1] if before else train.calls[index].first_s
+
+
+def _held_to_s(line: Line, train: PlannedTrain, index: int) -> int:
+    """When a train is at the station with tracks of its own after a call; its time there where there is none."""
+    after = [call.first_s for call in train.calls[index + 1 :] if not line.stations[call.station_id].is_halt]
+    return after[0] if after else train.calls[index].last_s
 
 
 def _chosen(uses: Sequence[_Use]) -> tuple[list[tuple[_Use, PlatformTrack]], list[_Use]]:
@@ -187,7 +213,7 @@ def _chosen(uses: Sequence[_Use]) -> tuple[list[tuple[_Use, PlatformTrack]], lis
     on_the_way = [use for use in uses if not use.over and use.tracks]
     for use in sorted(uses, key=lambda use: (not use.over, use.from_s, use.to_s, use.calls)):
 
-        def cost(track: PlatformTrack, use: _Use = use) -> tuple[int, int, int, int]:
+        def cost(track: PlatformTrack, use: _Use = use) -> tuple[int, int, int, int, int]:
             there = [other for other, theirs in chosen if theirs.section_id == track.section_id]
             # trains on the way that have chosen are among `there`; the others are expected on their usual track
             expected = [
@@ -199,6 +225,7 @@ def _chosen(uses: Sequence[_Use]) -> tuple[list[tuple[_Use, PlatformTrack]], lis
                 sum(use.clashes(other) for other in there),
                 sum(use.clashes(other) for other in expected),
                 sum(use.clashes(other, _CLEAR_S) for other in (*there, *expected)),
+                sum(use.held_with(other) for other in (*there, *expected)) if use.over else 0,
                 use.tracks.index(track),
             )
 

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
 
+from network.exchange.running import Leg, Running
 from network.model import Direction, Line
-from network.timetable import Call, CallKind, Stabled, TimetableTrain
+from network.timetable import Call, CallKind, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, NoWay, Target, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import draw_up, first_section
@@ -23,6 +24,7 @@ from vehicle.train_file import TrainType
 
 ROUNDED_TO_S: Final = 5  # as running times are laid down
 HOW: Final = ("stop_stop_s", "stop_pass_s", "pass_stop_s", "pass_pass_s")
+_HOW_OF: Final = dict(zip(((True, True), (True, False), (False, True), (False, False)), HOW, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +128,32 @@ def standard_times(setup: Setup) -> tuple[StandardTime, ...]:
         for direction in Direction
         for time in _along(setup, kind, direction)
     )
+
+
+def least_by_leg(line: Line, kind: TrainType) -> Running:
+    """Least running time, s, of a kind of train for any leg of a line, over several stations too; None where no way is.
+
+    With the load and the braking that scenarios have where they say nothing.
+    """
+    times = standard_times(Setup("", line, Timetable("", "", line.id, 0.0, {}, ()), {"": kind}))
+    onward = {(time.from_id, time.direction): time for time in times}
+
+    def least(leg: Leg) -> float | None:
+        here, total_s = leg.from_id, 0.0
+        step_m = line.stations[leg.to_id].position_m - line.stations[leg.from_id].position_m
+        direction = Direction.DOWN if step_m > 0 else Direction.UP
+        while here != leg.to_id:
+            time = onward.get((here, direction))
+            if time is None:
+                return None
+            stands = (leg.from_stand and here == leg.from_id, leg.to_stand and time.to_id == leg.to_id)
+            time_s = getattr(time, _HOW_OF[stands])
+            if time_s is None or not math.isfinite(time_s):
+                return None
+            here, total_s = time.to_id, total_s + time_s
+        return total_s
+
+    return least
 
 
 def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[StandardTime]:

@@ -12,7 +12,7 @@ from network.errors import InputError
 from network.exchange.onto_line import OntoLine, onto_line
 from network.exchange.planned import PlannedTrain
 from network.exchange.published import PublishedCall, PublishedStation, PublishedTimetable, PublishedTrain
-from network.exchange.running import Leg
+from network.exchange.running import CHANGE_MPS2, DWELL_S, Leg, plausible_s
 from network.exchange.train_numbers import numbers_of
 from network.files.line_file import load_line
 from network.files.names import is_identifier
@@ -106,28 +106,37 @@ def test_an_arrival_follows_from_the_quickest_train_on_the_leg() -> None:
     assert "2 of 9 calls have one that is not the source's" in onto.assumed[0]
 
 
-def test_where_no_arrival_is_published_the_quickest_train_stands_shortest() -> None:
+def test_where_no_train_has_both_times_each_is_there_shortly_before_it_leaves() -> None:
     onto = put(
         train("1M", call("宝積寺", "10:00"), call("大金", "10:16"), call("烏山", "10:32")),
         train("5M", call("宝積寺", "14:00"), call("大金", "14:25"), call("烏山", "14:41")),
     )
-    assert [one.calls[1].arrival_s for one in onto.trains] == [at("10:15:40"), at("14:15:40")]
+    assert [one.calls[1].arrival_s for one in onto.trains] == [at("10:15:40"), at("14:24:40")]
     assert [clocks(one)[-1] for one in onto.trains] == [
         ("KRS", at("10:32"), None),
         ("KRS", at("14:41"), None),
     ]
 
 
-def test_least_running_times_that_are_given_count_first() -> None:
+def test_departures_a_minute_apart_do_not_hurry_the_trains_that_have_two() -> None:
+    """From one departure in whole minutes to the next may seem a minute; it tells nothing of arrivals."""
+    onto = put(
+        train("1M", call("鴻野山", "10:00"), call("大金", "10:05"), call("烏山", "10:25")),
+        train("3M", call("鴻野山", "12:00"), call("大金", "12:06"), call("烏山", "12:26")),
+    )
+    assert onto.trains[1].calls[1].arrival_s == at("12:05:40")
+
+
+def test_running_times_that_are_given_count_first() -> None:
     def running(leg: Leg) -> float | None:
         assert (leg.from_stand, leg.to_stand) == (True, True)
-        return 600.4 if (leg.from_id, leg.to_id) == ("HSK", "OGN") else None
+        return 780.4 if (leg.from_id, leg.to_id) == ("HSK", "OGN") else None
 
     onto = put(
         train("1M", call("宝積寺", "10:00"), call("大金", "10:16"), call("烏山", "10:32 -")), running=running
     )
-    assert onto.trains[0].calls[1].arrival_s == at("10:10:00")
-    assert "least running times of the legs" in onto.assumed[0]
+    assert onto.trains[0].calls[1].arrival_s == at("10:13:01")
+    assert "earlier by running times of the legs" in onto.assumed[0]
 
 
 def test_an_arrival_is_never_after_the_departure() -> None:
@@ -136,6 +145,80 @@ def test_an_arrival_is_never_after_the_departure() -> None:
         running=lambda leg: 2000.0,
     )
     assert onto.trains[0].calls[1].arrival_s == at("10:16")
+
+
+@pytest.mark.parametrize(
+    ("least_s", "arrival"), [(700.0, "10:15:40"), (940.0, "10:15:40"), (950.2, "10:15:51"), (2000.0, "10:16")]
+)
+def test_a_least_running_time_takes_from_the_stand_where_there_is_no_room(
+    least_s: float, arrival: str
+) -> None:
+    onto = put(
+        train("1M", call("宝積寺", "10:00"), call("大金", "10:16"), call("烏山", "11:32 -")),
+        least=lambda leg: least_s,
+    )
+    assert onto.trains[0].calls[1].arrival_s == at(arrival)
+    short = [text for text in onto.remarks if text.startswith("times too short")]
+    wanted = "times too short: from Hoshakuji to Ogane 960 s are left, where at least 2000 s are needed: 1M"
+    assert short == ([wanted] if least_s > 960 else [])
+
+
+def test_no_arrival_is_computed_before_the_line_lets_a_train_be_there() -> None:
+    """12.6 km at 65 km/h are 698 s, and a start and a stop at 0.8 m/s2 lose 11.3 s each; a given arrival stays."""
+    onto = put(
+        train("1M", call("宝積寺", "10:00"), call("大金", "10:05 10:16"), call("烏山", "10:32 -")),
+        train("3M", call("宝積寺", "12:00"), call("大金", "12:16"), call("烏山", "12:32 -")),
+    )
+    assert LINE.max_speed_mps * 3.6 == pytest.approx(65.0)
+    assert onto.trains[0].calls[1].arrival_s == at("10:05")
+    arrival_s = onto.trains[1].calls[1].arrival_s
+    length_m = LINE.stations["OGN"].position_m - LINE.stations["HSK"].position_m
+    wanted_s = length_m * 3.6 / 65.0 + 2.0 * 65.0 / 3.6 / (2.0 * 0.8)
+    assert arrival_s is not None
+    assert 0.0 <= arrival_s - 12 * 3600 - wanted_s < 1.0
+    assert any("from Hoshakuji to Ogane 300 s are left" in text for text in onto.remarks)
+
+
+@given(st.floats(1.0, 50_000.0), st.floats(5.0, 40.0), st.integers(0, 2))
+def test_the_least_time_is_that_of_even_starts_and_stops(
+    length_m: float, speed_mps: float, stands: int
+) -> None:
+    """The distance under the curve of speed over that time is the leg's."""
+    time_s = plausible_s(length_m, speed_mps, stands)
+    top_mps = min(speed_mps, CHANGE_MPS2 * time_s / stands) if stands else speed_mps
+    changing_s = stands * top_mps / CHANGE_MPS2
+    assert top_mps * (time_s - changing_s / 2.0) == pytest.approx(length_m)
+    assert time_s >= length_m / speed_mps * (1.0 - 1e-12)
+
+
+def departing_days() -> st.SearchStrategy[list[list[int]]]:
+    """Trains over all stations of the line, in minutes between departures."""
+    return st.lists(st.lists(st.integers(1, 12), min_size=7, max_size=7), min_size=1, max_size=6)
+
+
+@given(departing_days())
+def test_computed_arrivals_keep_departures_the_dwell_and_the_least_running_time(
+    days: list[list[int]],
+) -> None:
+    trains: list[PublishedTrain] = []
+    for index, minutes in enumerate(days):
+        times = [36_000 + index * 600 + 60 * sum(minutes[:i]) for i in range(8)]
+        calls = (PublishedCall(name, STOP, None, t) for name, t in zip(NAMES[1:], times, strict=True))
+        trains.append(train(f"{index}M", *calls))
+    published = {one.number: one for one in trains}
+    for one in put(*trains).trains:
+        for before, here, source in zip(
+            one.calls, one.calls[1:-1], published[one.number].calls[1:-1], strict=False
+        ):
+            assert here.departure_s == source.departure_s
+            assert here.arrival_s is not None
+            assert here.departure_s is not None
+            length_m = LINE.stations[here.station_id].position_m - LINE.stations[before.station_id].position_m
+            needed_s = plausible_s(length_m, LINE.max_speed_mps, 2)
+            assert here.arrival_s <= here.departure_s
+            assert here.arrival_s - before.last_s >= min(needed_s, here.departure_s - before.last_s)
+            room = here.departure_s - before.last_s - needed_s >= DWELL_S
+            assert not room or here.departure_s - here.arrival_s >= DWELL_S
 
 
 def test_passings_without_a_time_lie_between_those_around_them() -> None:
