@@ -133,5 +133,6 @@ def test_least_times_by_leg_are_those_of_the_table_and_add_up() -> None:
     over = least(Leg("OGN", "TAK", True, True))
     first, second = table["OGN", "KBN"], table["KBN", "TAK"]
     assert over == (first.stop_pass_s or 0.0) + (second.pass_stop_s or 0.0)
+    assert over is not None
     assert over < first.stop_stop_s + second.stop_stop_s
     assert least(Leg("OGN", "KBN", True, False)) == first.stop_pass_s
