@@ -147,6 +147,7 @@ def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetabl
     added = additions.Additions()
     if wanted.additions is not None:
         added = additions.read_additions(additions.shipped_additions(wanted.additions), line)
+    least, least_of = (None, "") if wanted.train is None else _least(line, wanted.train)
     order = ImportOrder(
         id=timetable_id,
         credit=wanted.credit,
@@ -155,17 +156,19 @@ def _imported(published: PublishedTimetable, wanted: Wanted) -> ImportedTimetabl
         by_hand=names_by_hand(wanted.by_hand, wanted.by_hand_file),
         hand_file=COMMAND_LINE if wanted.by_hand_file is None else str(wanted.by_hand_file),
         in_order=wanted.in_order,
-        least=None if wanted.train is None else _least(line, wanted.train),
+        least=least,
+        least_of=least_of,
     )
     return import_timetable(published, line, order)
 
 
-def _least(line: Line, train_name: str) -> Running:
-    """Least running times of a train by leg; for the compiled kernels only where it is asked for."""
+def _least(line: Line, train_name: str) -> tuple[Running, str]:
+    """Least running times of a train by leg, and its id."""
     from study.measures.standard_times import least_by_leg
     from vehicle.train_file import load_train, train_named
 
-    return least_by_leg(line, load_train(train_named(train_name)))
+    train = load_train(train_named(train_name))
+    return least_by_leg(line, train), train.id
 
 
 def print_figures(figures: dict[str, Any]) -> None:

@@ -31,8 +31,8 @@ DWELL_MIN_S: Final = 20
 class ImportOrder:
     """What is to be made of a published timetable: the file's id and credit, and what the source does not say.
 
-    `by_hand`, `hand_file`, `in_order`, `running`, `least`: see `network.exchange.onto_line.onto_line`. An empty `name`
-    is the source's own.
+    `by_hand`, `hand_file`, `in_order`, `running`, `least`, `least_of`: see `network.exchange.onto_line.onto_line`. An
+    empty `name` is the source's own.
     """
 
     id: str
@@ -45,6 +45,7 @@ class ImportOrder:
     in_order: bool = True
     running: Running | None = None
     least: Running | None = None
+    least_of: str = "the trains"
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +91,7 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         order.by_hand,
         order.running,
         least=order.least,
+        least_of=order.least_of,
         hand_file=order.hand_file,
         in_order=order.in_order,
     )

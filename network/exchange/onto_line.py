@@ -92,6 +92,7 @@ def onto_line(
     running: Running | None = None,
     *,
     least: Running | None = None,
+    least_of: str = "the trains",
     hand_file: str = COMMAND_LINE,
     in_order: bool = True,
 ) -> OntoLine:
@@ -99,8 +100,9 @@ def onto_line(
 
     `by_hand`, `hand_file`, `in_order`: see `join_stations`. `running` gives running times of legs, by which trains are
     there; what it does not know, and all without it, comes from other trains of the timetable. `least` gives those that
-    no train takes less than; without it they follow from distance and the line's speed. Raises InputError where
-    stations cannot be joined, or no train runs on the line.
+    no train takes less than, those of `least_of`; without it they follow from distance and the line's speed.
+
+    Raises InputError where stations cannot be joined, or no train runs on the line.
     """
     file = published.source
     join = join_stations(file, published.stations, line, by_hand, hand_file=hand_file, in_order=in_order)
@@ -124,7 +126,7 @@ def onto_line(
     trains.sort(key=lambda train: (train.calls[0].first_s, train.number))
     trains = _linked(trains, cuts, said)
     stops = sum(len(train.calls) for train in trains)
-    assumed = _assumed(computed, stops, given=running is not None, least=least is not None)
+    assumed = _assumed(computed, stops, given=running is not None, least_of="" if least is None else least_of)
     meets = tuple(meet.text(line) for meet in hidden_meets(trains, line))
     remarks = (*_of_join(join, line), *said.sentences(), *meets)
     return OntoLine(tuple(trains), join, assumed, remarks, len(published.trains) - len(cuts))
@@ -394,14 +396,14 @@ def _linked(trains: Sequence[PlannedTrain], cuts: Sequence[_Cut], said: _Said) -
     ]
 
 
-def _assumed(computed: int, calls: int, *, given: bool, least: bool) -> tuple[str, ...]:
+def _assumed(computed: int, calls: int, *, given: bool, least_of: str) -> tuple[str, ...]:
     """What the timetable file says of computed times."""
     if not computed:
         return ()
     whose = (
         "running times of the legs" if given else "the quickest train of the timetable that has both times"
     )
-    needs = "its least running time" if least else "the line's speed"
+    needs = f"the least running time of {least_of}" if least_of else "the line's speed"
     return (
         f"times: {computed} of {calls} calls have one that is not the source's (marked inferred): an arrival"
         f" {DWELL_S} s before the departure, or earlier by {whose}, but not before {needs} allows, with starts and"

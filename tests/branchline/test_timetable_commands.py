@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -136,3 +137,48 @@ def test_duties_leave_a_directory_of_somebody_else_alone(main: Callable[..., Any
     assert main("duties", "karasuyama_weekday", "--out", "out").code == 2
     assert main("duties", str(tmp_path / "out")).code == 2
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["mine.txt"]
+
+
+def departing(tmp_path: Path) -> str:
+    """A train of which Ogane, 12.6 km on, has a departure alone, 900 s after the one before."""
+    calls = [("Hoshakuji", {"d": "06:00"}), ("Ogane", {"d": "06:15"}), ("Karasuyama", {"a": "06:40"})]
+    row = {"id": f"{PREFIX}1M.Weekday", "n": "1M", "d": "Outbound", "os": ["JR-East.Tohoku.Utsunomiya"]}
+    row |= {"tt": [{"s": PREFIX + name, **times} for name, times in calls]}
+    path = tmp_path / "departing.json"
+    path.write_text(json.dumps([row]), encoding="utf-8")
+    return str(path)
+
+
+def test_no_arrival_is_computed_before_the_train_that_is_named_can_be_there(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    source = departing(tmp_path)
+    slow = (SHIPPED.parents[1] / "vehicle/trains/br642.toml").read_text("utf-8")
+    slow = re.sub(r"(?m)^speed_max_kmh = .*$", "speed_max_kmh = 52.0", slow)
+    (tmp_path / "slow.toml").write_text(slow, encoding="utf-8")
+    texts: list[str] = []
+    for options in ((), ("--train", "slow.toml")):
+        ended = main("import", "mini-tokyo", source, "out.toml", "--line", "karasuyama", *options)
+        assert ended.code == 0, ended.err
+        texts.append((tmp_path / "out.toml").read_text("utf-8"))
+    assert 'arrival = "06:14:40", departure = "06:15", inferred' in texts[0]
+    assert 'arrival = "06:14:40"' not in texts[1]
+    assert "not before the least running time of br642 allows" in texts[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            ("--line", "karasuyama", "--train", "nothing"),
+            "vehicle/trains: name is 'nothing'; expected one of",
+        ),
+        (("--train", "br642"), "--line; expected the line that br642 is to run on"),
+    ],
+)
+def test_a_train_that_there_is_not_or_without_a_line_is_refused(
+    main: Callable[..., Any], tmp_path: Path, options: tuple[str, ...], message: str
+) -> None:
+    ended = main("import", "mini-tokyo", departing(tmp_path), *options)
+    assert ended.code == 2
+    assert message in ended.err

@@ -16,6 +16,11 @@ from network.exchange.mini_tokyo import read_mini_tokyo
 from network.exchange.published import PublishedTimetable
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.making.new_line import Asked, make_line
+from study.feasibility.check import feasibility
+from study.measures.standard_times import least_by_leg
+from study.scenario.scenario import load_scenario
+from vehicle.train_file import load_train, train_named
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "../shared/data/timetables/mini_tokyo_3d"
@@ -182,3 +187,65 @@ def test_two_trains_with_one_id_and_no_train(tmp_path: Path) -> None:
         read(tmp_path, row(), row())
     with pytest.raises(InputError, match="a calendar that is in it"):
         read(tmp_path)
+
+
+def test_a_file_of_oudia_is_told_as_one_whatever_its_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "obama.oud"
+    path.write_bytes("FileType=OuDia.1.02\r\nRosen.\r\nRosenmei=小浜線\r\n".encode("cp932"))
+    with pytest.raises(InputError, match=r"this is one of OuDia, for branchline import oudia") as told:
+        read_mini_tokyo(path, "Weekday")
+    assert "iconv" not in str(told.value)
+
+
+@pytest.mark.parametrize("text", ["{}", '\ufeff {"trains": [{"id": "1"}]}'])
+def test_an_object_of_another_form_is_told_what_the_file_should_be(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "other.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"a JSON array of trains, each with id, n, d and tt; this is one JSON"
+    ):
+        read_mini_tokyo(path, "Weekday")
+
+
+MINATO = """name,name_ja,km,tracks,kind
+Katsuta,勝田,0.0,1,station
+Kokimae,工機前,0.6,1,halt
+Kaneage,金上,1.8,2,station
+Nakane,中根,4.8,1,halt
+Takadano-tekkyo,高田の鉄橋,7.1,1,halt
+Nakaminato,那珂湊,8.2,3,station
+Tonoyama,殿山,9.6,1,halt
+Hiraiso,平磯,10.8,1,halt
+Minohamagakuen,美乃浜学園,12.4,1,halt
+Isozaki,磯崎,13.3,1,halt
+Ajigaura,阿字ヶ浦,14.3,2,station
+"""
+
+
+@needs_shared
+@pytest.mark.parametrize("train", [None, "br642"])
+def test_a_day_of_departures_on_a_line_from_a_list_can_be_run(tmp_path: Path, train: str | None) -> None:
+    """The Minato weekday, of which the source gives arrivals at the ends and Nakaminato alone."""
+    listed, line_file, day = (
+        tmp_path / name for name in ("minato.csv", "minato.toml", "minato_weekday.toml")
+    )
+    listed.write_text(MINATO, encoding="utf-8")
+    line = make_line(listed, "minato", Asked()).line
+    line_file.write_text(make_line(listed, "minato", Asked()).text, encoding="utf-8")
+    least = None if train is None else least_by_leg(line, load_train(train_named(train)))
+    published = read_mini_tokyo(FOLDER / "hitachinaka-minato.json", "Weekday", FOLDER / "stations.json")
+    imported = import_timetable(published, line, ImportOrder("minato_weekday", CREDIT, least=least))
+    write_timetable(imported, day)
+    calls = {call.station_id: call for call in imported.timetable.trains["102"].calls}
+    assert calls["MNH"].arrival_s == 5 * 3600 + 40  # 20 s before 05:01
+    scenario = tmp_path / "day.toml"
+    scenario.write_text(
+        'id = "day"\nname = "Day"\nline = "minato.toml"\ntimetable = "minato_weekday.toml"\n'
+        '[trains]\ndefault = "br642"\n',
+        encoding="utf-8",
+    )
+    found = feasibility(load_scenario(str(scenario)).setup)
+    assert len(imported.timetable.trains) == 68
+    assert found.impossible == ()
+    short = [text for text in imported.remarks if text.startswith("times too short")]
+    assert any("from Isozaki to Minohamagakuen 60 s are left" in text for text in short)

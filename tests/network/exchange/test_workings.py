@@ -346,3 +346,24 @@ def test_workings_that_cannot_be_are_broken_and_said() -> None:
     got = workings_of(trains, SAMPLE)
     assert len(got.diagrams) == 2
     assert any("the source's link from 1 to 3 is left out" in text for text in got.warnings)
+
+
+def test_a_set_stands_where_no_train_on_its_way_still_holds_the_track() -> None:
+    """1D has left Ogane, but holds its track until it is at Karasuyama; a set from Hoshakuji takes the other one."""
+
+    def day(first_s: int) -> list[PlannedTrain]:
+        way = (
+            Call("HSK", None, None, first_s),
+            Call("OGN", None, first_s + 900, first_s + 960),
+            Call("KRS", None, first_s + 2000, None),
+        )
+        return [
+            PlannedTrain("1D", Direction.DOWN, way, from_beyond=True),
+            train("3D", "HSK", "OGN", 36_960, 37_900, KARASUYAMA, from_beyond=True),
+            train("4D", "OGN", "HSK", 40_000, 41_000, KARASUYAMA, to_beyond=True),
+        ]
+
+    usual = workings_of(day(30_000), KARASUYAMA, SetRules()).tracks
+    assert ("3D", 1) not in usual
+    behind = workings_of(day(36_000), KARASUYAMA, SetRules()).tracks
+    assert behind["3D", 1] == "2"

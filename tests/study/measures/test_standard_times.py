@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from network.exchange.running import Leg
 from network.model import Direction
 from network.timetable import CallKind, parse_timetable
-from simulation.settings import Driving
+from simulation.settings import Driving, Load
 from simulation.setup import Setup
-from study.measures.standard_times import planned_runs, standard_times, whole_line
+from study.measures.standard_times import least_by_leg, planned_runs, standard_times, whole_line
 from study.scenario.scenario import load_scenario
 
 PASSING = """
@@ -120,3 +121,18 @@ def test_a_hill_too_steep_is_said_and_not_rounded(setup: Setup, tmp_path: Path) 
     leg = next(t for t in standard_times(steep) if (t.from_id, t.to_id) == ("OGN", "KBN"))
     assert math.isinf(leg.stop_stop_s)
     assert (leg.rounded_s(), leg.as_dict()["stop_stop_s"]) == (None, None)
+
+
+def test_least_times_by_leg_are_those_of_the_table_and_add_up() -> None:
+    setup = load_scenario("karasuyama_weekday").setup
+    kind = next(iter(setup.trains.values()))
+    least = least_by_leg(setup.line, kind)
+    table = {(t.from_id, t.to_id): t for t in standard_times(replace(setup, load=Load(), driving=Driving()))}
+    for (from_id, to_id), time in table.items():
+        assert least(Leg(from_id, to_id, True, True)) == time.stop_stop_s
+    over = least(Leg("OGN", "TAK", True, True))
+    first, second = table["OGN", "KBN"], table["KBN", "TAK"]
+    assert over == (first.stop_pass_s or 0.0) + (second.pass_stop_s or 0.0)
+    assert over is not None
+    assert over < first.stop_stop_s + second.stop_stop_s
+    assert least(Leg("OGN", "KBN", True, False)) == first.stop_pass_s
