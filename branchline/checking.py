@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from branchline.ending import end, judged, print_json
 from branchline.options import Json, ScenarioName
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from network.model import Line
-    from study.feasibility.finding import Feasibility, PlannedMeet
+    from study.feasibility.finding import Feasibility, Finding, PlannedMeet
+
+NAMED: Final = 4  # of findings that are alike, how many are named; --json has all
 
 
 def check(
@@ -57,19 +61,40 @@ def check(
 
 
 def _print_found(found: Feasibility, line: Line) -> None:
-    """Meets and findings for a person; of what is tight, one line for a place and a thing."""
+    """Meets and findings for a person; one line for a cause, however often it tells."""
     for meet in found.meets:
         sys.stdout.write(f"meet: {_meet(meet, line)}\n")
     sys.stdout.write(f"meets: {len(found.meets)}\n")
-    for finding in found.impossible:
-        sys.stdout.write(f"impossible: {finding.kind.value}: {finding.sentence}\n")
-    tight: dict[tuple[str, str], list[str]] = {}
-    for finding in found.tight:
-        tight.setdefault((finding.kind.value, finding.place), []).append(finding.sentence)
-    for (kind, place), sentences in tight.items():
-        more = f" (and {len(sentences) - 1} more like it, {place})" if len(sentences) > 1 else ""
-        sys.stdout.write(f"tight: {kind}: {sentences[0]}{more}\n")
+    for severity, findings in (("impossible", found.impossible), ("tight", found.tight)):
+        alike: dict[tuple[str, ...], list[Finding]] = {}
+        for finding in findings:
+            alike.setdefault(_cause(finding), []).append(finding)
+        for first, *more in alike.values():
+            rest = f" (and {len(more)} more like it, {first.place}: {_named(more)})" if more else ""
+            sys.stdout.write(f"{severity}: {first.kind.value}: {first.sentence}{rest}\n")
     sys.stdout.write(f"impossible: {len(found.impossible)}, tight: {len(found.tight)}\n")
+
+
+def _cause(finding: Finding) -> tuple[str, ...]:
+    """What findings that are told once have in common: kind and place, and where that may be several causes, more."""
+    from study.feasibility.finding import Kind
+
+    match finding.kind:
+        case Kind.CIRCLE:
+            more = finding.trains
+        case Kind.TAG | Kind.COVERAGE:
+            more = (finding.remedy,)
+        case Kind.NO_WAY:
+            more = (finding.text.partition(": ")[2],)
+        case _:  # where no waiting helps, by who is in the way
+            more = finding.trains[:1] if finding.short_s is None and len(finding.trains) > 1 else ()
+    return (finding.kind.value, finding.place, *more)
+
+
+def _named(findings: Sequence[Finding]) -> str:
+    """Of whom and when, the first of them."""
+    shown = [f"{' and '.join(finding.trains)} at {finding.minute}" for finding in findings[:NAMED]]
+    return ", ".join(shown) + (", …" if len(findings) > NAMED else "")
 
 
 def _meet(meet: PlannedMeet, line: Line) -> str:

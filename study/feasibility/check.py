@@ -11,7 +11,7 @@ from network.timetable import clock
 from simulation.setup import Setup
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
-from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, minute
+from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, lasting, minute
 from study.feasibility.holdings import clashes_of, holds_of
 from study.feasibility.meets import day_meets
 from study.feasibility.passings import passings_of
@@ -171,7 +171,7 @@ def _lateness(day: PlannedDay, late: Sequence[Lateness]) -> Iterator[Finding]:
             worst[one.train.number] = one
     for number, one in worst.items():
         name = day.line.stations[one.station_id].name
-        text = f"{number} would come to {name} at {clock(round(one.due_s + one.late_s))}, {one.late_s:.0f} s late"
+        text = f"{number} would come to {name} at {clock(round(one.due_s + one.late_s))}, {lasting(one.late_s)} late"
         if one.behind:
             text += f", behind {' and '.join(one.behind)}"
         severity = Severity.IMPOSSIBLE if one.late_s >= LATE_S else Severity.TIGHT

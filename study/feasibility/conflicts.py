@@ -8,11 +8,12 @@ from typing import Final
 
 from network.model import Line, SectionKind
 from network.timetable import clock
-from study.feasibility.finding import Finding, Kind, PlannedMeet, Severity, minute, severity_of
+from study.feasibility.finding import Finding, Kind, PlannedMeet, Severity, lasting, minute, severity_of
 from study.feasibility.holdings import Clash, Hold
 from study.feasibility.places import (
     free_track,
     has_two_tracks,
+    is_end,
     station_of,
     track_place,
     where_to_pass,
@@ -116,7 +117,7 @@ def _later(clash: Clash, what: str) -> str:
     """The remedy of waiting, where there is an end to it."""
     if not math.isfinite(clash.wait_s):
         return "one of them needs another track, or has to leave first"
-    return f"{what} {math.ceil(clash.wait_s)} s later, at {_until(clash.first.to_s)}"
+    return f"{what} {lasting(clash.wait_s)} later, at {_until(clash.first.to_s)}"
 
 
 def _meeting(line: Line, clash: Clash, meet: PlannedMeet) -> Finding:
@@ -163,9 +164,7 @@ def _on_track(line: Line, clash: Clash, by_section: Mapping[str, list[Hold]]) ->
     """A train is to come to a track, or to leave for it, that another still has."""
     first, second = clash.trains
     place, track = track_place(line, clash.section_id)
-    stays = not math.isfinite(clash.first.to_s) or len(clash.first.trains) > 1
-    ends = second.nodes[-1].section_id == clash.section_id and not second.duty.leaves
-    kind = Kind.TERMINAL if stays or ends else Kind.TRACK
+    kind = Kind.TERMINAL if is_end(line, place) else Kind.TRACK
     time_s = max(clash.second.arrives_s, clash.first.from_s)
     if not math.isfinite(time_s):
         time_s = clash.begins_s

@@ -13,6 +13,7 @@ Anything less is told as tight and refuses nothing: the trains run, late by abou
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Final
@@ -21,6 +22,7 @@ from network.timetable import clock
 
 HIDDEN_BY_MINUTES_S: Final = 60.0  # a plan in whole minutes is short of the truth by less than this
 HIDDEN_BY_SECONDS_S: Final = 30.0  # assumed: two steps of 15 s, in which railways plan
+SAID_IN_SECONDS_S: Final = 120  # longer times are told in minutes
 LATE_S: Final = 180.0  # assumed: later than this, trains miss those that they are to meet
 
 
@@ -32,7 +34,7 @@ class Kind(Enum):
     FOLLOWING = "following trains"  # one is still in the section that the next needs
     CROSSING = "crossing routes"  # two routes over the same points
     TRACK = "track occupied"  # two trains on one track of a station
-    TERMINAL = "terminal track occupied"  # by a set that turns back or is stabled there
+    TERMINAL = "terminal track occupied"  # the same at an end of the line
     PORTAL = "portal"  # cannot deliver, or not take, a train in time
     LEG = "running time"
     DWELL = "dwell"
@@ -152,6 +154,12 @@ class Feasibility:
 def minute(time_s: float) -> str:
     """HH:MM of the minute that a time (s after midnight) lies in."""
     return clock(time_s // 60 * 60)[:-3]
+
+
+def lasting(time_s: float) -> str:
+    """A length of time, s, as people say it: seconds up to two minutes, whole minutes beyond; rounded up."""
+    whole_s = math.ceil(time_s)
+    return f"{whole_s} s" if whole_s <= SAID_IN_SECONDS_S else f"{math.ceil(time_s / 60.0)} min"
 
 
 def severity_of(short_s: float, *planned_s: float | None) -> Severity:

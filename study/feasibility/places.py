@@ -30,6 +30,12 @@ def has_two_tracks(station: Station) -> bool:
     return not station.is_halt and len({track.section_id for track in station.tracks}) > 1
 
 
+def is_end(line: Line, station_id: str) -> bool:
+    """Whether no station lies beyond this one, on one side of it at least."""
+    order = sorted(line.stations.values(), key=lambda station: station.position_m)
+    return station_id in {station.id for station in (order[0], order[-1])}
+
+
 def where_to_pass(line: Line, position_m: float, but: str | None) -> str:
     """The nearest station with two tracks, in words, other than the one where the trains would meet."""
     passing = [s for s in line.stations.values() if has_two_tracks(s) and s.id != but]

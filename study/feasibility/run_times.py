@@ -17,22 +17,28 @@ class RunTimes:
 
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
-        self._known: dict[tuple[str, tuple[str, ...], float, float], float] = {}
+        self._known: dict[tuple[str, tuple[str, ...], float, float, float], float] = {}
 
-    def run_s(self, stock_id: str, path: Path, from_m: float, to_m: float) -> float:
-        """From a stand at a path coordinate (m) of the front to a stand at another; infinite where it cannot climb."""
+    def run_s(
+        self, stock_id: str, path: Path, from_m: float, to_m: float, *, at_limits: bool = False
+    ) -> float:
+        """From a stand at a path coordinate (m) of the front to a stand at another; infinite where it cannot climb.
+
+        As trains are driven; `at_limits`: as fast as the limits allow, which no unit does.
+        """
         kind = self._setup.trains[stock_id]
         length_m = float(kind.row[0]["length_m"])
         way = _cut(self._setup.believed_line, path, from_m, to_m, length_m)
-        key = (kind.id, way.path.piece_ids, round(way.from_m, 3), round(way.to_m, 3))
+        driving = self._setup.driving
+        below_mps = 0.0 if at_limits else driving.driving_margin_mps
+        key = (kind.id, way.path.piece_ids, round(way.from_m, 3), round(way.to_m, 3), below_mps)
         if key not in self._known:
-            driving = self._setup.driving
             self._known[key] = least_running_time_s(
                 kind,
                 way,
                 self._setup.load.load_share_mean,
                 driving.stop_deceleration_mps2,
-                driving.driving_margin_mps,
+                below_mps,
             )
         return self._known[key]
 

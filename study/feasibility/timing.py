@@ -15,17 +15,19 @@ from network.model import Line
 from network.timetable import clock
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
-from study.feasibility.finding import Finding, Kind, Severity, minute, severity_of
+from study.feasibility.finding import Finding, Kind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain, Stand, due_s
+from study.feasibility.run_times import RunTimes
 
 NEGLIGIBLE_S = 1.0  # shorter than this, a time is not worth a word
 
 
 def timing_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
     """Every time of the day that is too short."""
+    times = RunTimes(setup)
     for trains in day.trains.values():
         for train in trains:
-            yield from _legs(setup, day.line, train)
+            yield from _legs(setup, day.line, train, times)
             yield from _dwells(setup, day.line, train)
             if train.duty.enters:
                 yield from _comes_in(setup, train)
@@ -38,7 +40,7 @@ def _name(line: Line, stand: Stand) -> str:
     return f"portal {stand.target.section_id}" if station_id is None else line.stations[station_id].name
 
 
-def _legs(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:
+def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Iterator[Finding]:
     """Runs from stop to stop that take longer than the plan gives them."""
     for before, there in pairwise(train.stands):
         if before.target.station_id is None or there.target.station_id is None:
@@ -54,10 +56,13 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:
             remedy = "another train, or less load"
             short, severity = None, Severity.IMPOSSIBLE
         else:
-            km = (there.target.mark_m - before.target.mark_m) / 1000.0
+            ends_m = before.target.mark_m, there.target.mark_m
+            limits_s = times.run_s(train.stock_id, train.duty.mission.path, *ends_m, at_limits=True)
+            km = (ends_m[1] - ends_m[0]) / 1000.0
             text = (
                 f"{train.number} leaves {names[0]} at {minute(before.departs_s)} and has {planned_s:.0f} s for"
                 f" {km:.1f} km to {names[1]}; {setup.trains[train.stock_id].name} needs {there.run_s:.0f} s"
+                f" as trains are driven, {limits_s:.0f} s at the limits"
             )
             remedy = (
                 f"it is at {names[1]} at {clock(math.ceil(before.departs_s + there.run_s))} at the earliest"
@@ -161,7 +166,7 @@ def _layover(setup: Setup, before: PlannedTrain, after: PlannedTrain) -> Iterato
         f"the set of {before.number} has left by {before.nodes[-1].section_id} at {clock(round(left_s))} at the"
         f" earliest, and cannot come back as {after.number} for {minute(first.arrives_s)}"
     )
-    remedy = f"{after.number} comes {math.ceil(short_s)} s later"
+    remedy = f"{after.number} comes {lasting(short_s)} later"
     severity = severity_of(short_s, first.target.arrival_s, first.target.departure_s)
     trains, place = (before.number, after.number), before.nodes[-1].section_id
     yield Finding(Kind.LAYOVER, severity, trains, place, first.arrives_s, text, remedy, short_s)

@@ -10,7 +10,9 @@ from typing import Any
 
 import pytest
 
+from branchline.checking import _print_found  # pyright: ignore[reportPrivateUsage]
 from branchline.drilling import tell_of_plan
+from study.feasibility.finding import Feasibility, Finding, Kind, Severity
 from study.scenario.scenario import load_scenario
 
 LINE = Path(__file__).parents[1] / "examples/line"
@@ -56,6 +58,41 @@ def test_a_plan_that_cannot_work_is_shown_with_train_place_and_minute(
     keys = ("kind", "severity", "trains", "place", "minute")
     assert [finding[key] for key in keys] == ["track occupied", "impossible", ["1", "2"], "MRI", "10:04"]
     assert (figures["outcome"], figures["impossible"], figures["tight"]) == ("broken", 1, 0)
+
+
+def test_one_cause_is_told_once_and_other_causes_are_not_left_out(capfd: pytest.CaptureFixture[str]) -> None:
+    """30 trains on one leg that is too fast; a set that stays, and another at the same station; two tags that lack."""
+
+    def finding(
+        kind: Kind, trains: tuple[str, ...], place: str, remedy: str, short_s: float | None
+    ) -> Finding:
+        text = f"{' '.join(trains)} {place}"
+        return Finding(kind, Severity.IMPOSSIBLE, trains, place, 36_000.0, text, remedy, short_s)
+
+    legs = [finding(Kind.LEG, (str(n),), "A-B", f"at {n}", 90.0) for n in range(30)]
+    stays = [finding(Kind.TERMINAL, (who, str(n)), "B", "another", None) for who in "XY" for n in range(3)]
+    tags = [finding(Kind.TAG, ("0", "1"), "B", f"a tag at km {km}", None) for km in (1, 2)]
+    _print_found(Feasibility((), (*legs, *stays, *tags)), load_scenario("rtri_test_line").setup.line)
+    lines = capfd.readouterr().out.splitlines()
+    assert lines == [
+        "meets: 0",
+        "impossible: running time: 0 A-B; at 0 (and 29 more like it, A-B: 1 at 10:00, 2 at 10:00, 3 at 10:00,"
+        " 4 at 10:00, …)",
+        "impossible: terminal track occupied: X 0 B; another (and 2 more like it, B: X and 1 at 10:00,"
+        " X and 2 at 10:00)",
+        "impossible: terminal track occupied: Y 0 B; another (and 2 more like it, B: Y and 1 at 10:00,"
+        " Y and 2 at 10:00)",
+        "impossible: tag missing: 0 1 B; a tag at km 1",
+        "impossible: tag missing: 0 1 B; a tag at km 2",
+        "impossible: 38, tight: 0",
+    ]
+
+
+def test_json_keeps_every_finding(main: Callable[..., Any]) -> None:
+    checked = main("check", "karasuyama_without_loop")
+    assert checked.out.count("\nimpossible: opposing trains: ") == 1
+    figures = main("check", "karasuyama_without_loop", "--json").figures()
+    assert sum(f["kind"] == "opposing trains" for f in figures["findings"]) == 10
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,7 @@ def two_sets_stabled_on_one_track() -> Broken:
     )
     without = replace(plan, trains=tuple(t for t in plan.trains if t.number in "DU"))
     both = without.with_train(first).with_train(second)
-    return _broken(both, Kind.TRACK, "YZ", "KAS", "16:00")
+    return _broken(both, Kind.TERMINAL, "YZ", "KAS", "16:00")
 
 
 def leg_in_two_minutes() -> Broken:

@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 from network.model import Direction, TagPurpose
 from simulation.settings import Operation
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
-from study.feasibility.finding import Kind, Severity, minute, severity_of
+from study.feasibility.finding import Kind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
+from study.measures.running_times import planned_legs
 from study.scenario.scenario import load_scenario, shipped_scenarios
-from tests.study.feasibility.broken_plans import BREAKS, TEN, Broken, good
+from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
 from tests.system.test_passing import SCENARIO, TIMETABLE
@@ -224,6 +225,50 @@ def test_small_delays_that_add_up_are_told_and_refused_in_the_end() -> None:
     (impossible,) = feasibility(alone.setup()).impossible
     assert (impossible.kind, impossible.trains[0]) == (Kind.LATE, "D")
     assert (impossible.short_s or 0.0) >= 180.0
+
+
+# words ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("track", "told"), [("EDO", Kind.TRACK), ("KAS", Kind.TERMINAL)])
+def test_a_track_is_a_terminal_one_at_an_end_of_the_line_alone(track: str, told: Kind) -> None:
+    """Q's set stays in the loop at Edogawa, or at the end of the line; 154 min before R is to come there."""
+    here = STATIONS[: STATIONS.index(track) + 1]
+    stays = journey("S1", "Q", "down", TEN, "portal:ASA.P", "stabled", "1" * len(here), here)
+    comes = journey("S2", "R", "down", TEN + 9220, "portal:ASA.P", "stabled", "1" * len(here), here)
+    plan = replace(good(), trains=(stays, comes))
+    (finding,) = feasibility(plan.setup()).impossible
+    assert (finding.kind, finding.trains, finding.place) == (told, ("Q", "R"), track)
+
+
+@pytest.mark.parametrize(
+    ("time_s", "said"),
+    [(0.4, "1 s"), (120.0, "120 s"), (120.5, "3 min"), (180.0, "3 min"), (9220.0, "154 min")],
+)
+def test_long_times_are_said_in_minutes(time_s: float, said: str) -> None:
+    assert lasting(time_s) == said
+
+
+def test_a_wait_of_hours_is_told_in_minutes() -> None:
+    """D's set waits at Kasumi until 14:07 on the track that W is to have from 11:04; X stays on the other one."""
+    goes = journey("S1", "U", "up", TEN + 4 * 3600, "from:D", "portal:ASA.P", "122222")
+    comes = with_call(good().train("W"), "KAS", track="1")
+    other = journey("S4", "X", "down", TEN + 16 * 60, "portal:ASA.P", "stabled", "111112")
+    plan = replace(good(), trains=(good().train("D"), goes, comes, other))
+    (finding,) = (f for f in feasibility(plan.setup()).impossible if "W" in f.trains)
+    assert finding.remedy == "W leaves for it 183 min later, at 14:07"
+
+
+def test_a_leg_says_what_trains_need_as_driven_and_at_the_limits() -> None:
+    """The busy line's hop of 6.6 km; `running-times` gives the time at the limits."""
+    plan = good()
+    short = plan.with_train(later(plan.train("W"), -150, "OKA"))
+    setup = short.setup()
+    (finding,) = (f for f in feasibility(setup).impossible if f.kind is Kind.LEG)
+    (leg,) = (g for g in planned_legs(setup) if (g.number, g.from_id, g.to_id) == ("W", "EDO", "OKA"))
+    assert leg.least_s < leg.attainable_s - 1.0
+    said = f"needs {leg.attainable_s:.0f} s as trains are driven, {leg.least_s:.0f} s at the limits"
+    assert said in finding.text
 
 
 # refusing ------------------------------------------------------------------------------------------------------------
