@@ -76,7 +76,9 @@ def _of_all_commands(
 
 @app.command()
 def schema(
-    kind: Annotated[str | None, typer.Argument(help="line, timetable, train, scenario or drill.")] = None,
+    kind: Annotated[
+        str | None, typer.Argument(help="line, timetable, train, scenario, drill, station_list.")
+    ] = None,
 ) -> None:
     """Print the JSON Schema of a kind of file; without one, of all kinds by name."""
     from study.scenario.schemas import KINDS, schema_of

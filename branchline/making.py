@@ -56,7 +56,12 @@ def new_line(
         ),
     ] = None,
 ) -> None:
-    """Make a whole line file from a list of stations: sections, points, tags, limits, and what is assumed."""
+    """Make a whole line file from a list of stations: sections, points, tags, limits, and what is assumed.
+
+    Columns of the list, of which only a name is always needed: name, name_ja, id, km, tracks, track_names, kind,
+    points, normal, side, spacing_m, offset_m, end. A kind is `station`, `halt` or `signal station` (no platforms).
+    What each means: docs/make-a.md, docs/files.md.
+    """
     from network.making.new_line import Asked, write_line
     from network.making.sample_day import sample_timetable, write_sample
 

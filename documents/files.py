@@ -19,6 +19,7 @@ from network.files.line_schema import LineFile
 from network.files.raw import is_row, is_table
 from network.files.schema_walk import range_text, resolved
 from network.files.timetable_schema import TimetableFile
+from network.making.station_list import StationListFile
 from study.scenario.key_examples import below as entries_below
 from study.scenario.key_examples import example_of
 from study.scenario.scenario_file import ScenarioFile
@@ -77,12 +78,19 @@ KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
         "`vehicle/trains/*.toml`: what a kind of train is. Every figure is named in `[provenance]`.",
     ),
     ("Scenario and drill", ScenarioFile, "`study/scenarios/*.toml`, `study/drills/*/*.toml`: one run."),
+    (
+        "Station list",
+        StationListFile,
+        "What `branchline new line` makes a line from (docs/make-a.md). A CSV has the keys of `[[stations]]` as its"
+        " columns and a row for each station, with commas between cells.",
+    ),
 )
 EXAMPLES: Final[Mapping[type[BaseModel], str]] = {
     LineFile: "line",
     TimetableFile: "timetable",
     TrainFile: "train",
     ScenarioFile: "scenario",
+    StationListFile: "station_list",
 }
 Entries: TypeAlias = tuple[Mapping[str, Any], ...]
 _FORMATS: Final = {"HH:MM": "time", "identifier": "identifier"}
@@ -131,7 +139,15 @@ _WORDS: Final = """### What a patch may say
 change what extended scenarios have said. `set` writes a value, or a whole list in place of what was there; `add` and
 `remove` change a list; `times` multiplies. Entries of lists are called by their id, name, number, station or stock,
 else by their index, and `*` is all of them: `"points.*.throw_time_s"`, `"trains.323M.calls.OGN.departure"`,
-`"alignments.main.limits[3].speed_kmh"`. The report and `summary.json` list every difference.
+`"alignments.main.limits[3].speed_kmh"`. `add` takes limits, curves and coverage to the first alignment, unless the
+entry names its `alignment`: a restriction is an entry of its own.
+
+```toml
+[patch.line.add]
+limits = [{ from_km = 7.5, to_km = 7.9, speed_kmh = 25, directions = ["down", "up"] }]
+```
+
+The report and `summary.json` list every difference.
 """
 
 

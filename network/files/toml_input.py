@@ -18,6 +18,11 @@ __all__ = ["Record", "key_path", "one_of", "parse_table", "parse_toml", "read_te
 _OUT_OF_RANGE: Final = frozenset(
     {"greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number"}
 )
+# What is counted, in words.
+_TOO_SHORT: Final[Mapping[str, tuple[str, str]]] = {
+    "too_short": ("entry", "entries"),
+    "string_too_short": ("character", "characters"),
+}
 CHOICES_CHARACTERS_MAX: Final = 16_000  # a day of more than 2000 trains, by number
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -95,6 +100,11 @@ def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> Inp
         return InputError(
             file, key, None, f"at most {ends.get('max_length')} entries, not {ends.get('actual_length')}"
         )
+    if detail["type"] in _TOO_SHORT:
+        ends = detail.get("ctx", {})
+        one, many = _TOO_SHORT[detail["type"]]
+        least, has = ends.get("min_length"), ends.get("actual_length", 0)
+        return InputError(file, key, None, f"at least {least} {one if least == 1 else many}, not {has}")
     if detail["type"] in _OUT_OF_RANGE:
         what = "an integer" if node.get("type") == "integer" else "a number"
         what = "a finite number" if detail["type"] == "finite_number" else what

@@ -28,6 +28,7 @@ STATIONS_MAX: Final = 400  # ids of tags are 100 times a station's number, in 16
 TRACKS_MAX: Final = 6  # assumed: with more, the ways between two fans are too many to be written down
 ID_LENGTH_MAX: Final = 24  # two of them and what stands between make an id
 _TAKEN: Final = ("P", "W", "E")  # names of sections beside a station's tracks
+_OTHER_MARKS: Final = ";\t|"  # what spreadsheets put between columns where it is no comma
 _NUMBERS: Final = ("km", "tracks", "offset_m", "spacing_m")
 
 
@@ -92,7 +93,9 @@ class LineHead(Record):
 class StationListFile(Record):
     """A station list as TOML."""
 
-    line: LineHead = Field(default_factory=LineHead)
+    line: Annotated[LineHead, about("the line; options of the command count before it")] = Field(
+        default_factory=LineHead
+    )
     stations: Annotated[
         list[StationRow],
         Field(min_length=STATIONS_MIN, max_length=STATIONS_MAX),
@@ -149,6 +152,8 @@ def csv_tables(text: str, file: str, columns: Sequence[str], needed: Sequence[st
     rows = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         names = [name.strip() for name in next(rows, ())]
+        if len(names) == 1 and any(mark in names[0] for mark in _OTHER_MARKS):
+            raise InputError(file, "line 1", names[0], "commas between columns")
         for name in names:
             if name not in columns:
                 raise InputError(file, "line 1", name, f"columns, each {one_of(columns, name)}")
@@ -161,13 +166,19 @@ def csv_tables(text: str, file: str, columns: Sequence[str], needed: Sequence[st
         for cells in rows:
             if not any(cell.strip() for cell in cells):
                 continue
-            if len(cells) > len(names):
-                raise InputError(file, f"line {rows.line_num}", len(cells), f"at most {len(names)} cells")
-            table = {name: cell.strip() for name, cell in zip(names, cells, strict=False) if cell.strip()}
-            tables.append(table)
+            if len(cells) != len(names):
+                raise InputError(file, f"line {rows.line_num}", len(cells), _cells_expected(len(names)))
+            tables.append(
+                {name: cell.strip() for name, cell in zip(names, cells, strict=True) if cell.strip()}
+            )
     except csv.Error as error:
         raise InputError(file, f"line {rows.line_num}", None, f"valid CSV: {error}") from error
     return tables
+
+
+def _cells_expected(count: int) -> str:
+    """A row is as long as the first one: in a shorter one nobody knows which cell is missing."""
+    return f"{count} cell{'s' if count > 1 else ''}, one for each column, empty ones too, with commas between"
 
 
 def number_of(file: str, key: str, text: str) -> float:

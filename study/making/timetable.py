@@ -1,4 +1,8 @@
-"""A new timetable: trains to and fro over the whole line at even intervals (折返し運転), which can work."""
+"""A new timetable: trains to and fro over the whole line at even intervals (折返し運転), which can work.
+
+Trains call at every place with a platform. Through a signal station (信号場) they run, unless the pattern needs its
+tracks for meets: then they stand there without passengers (運転停車).
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ from network.files.shipped import shipped_line
 from network.files.text_input import existing_file
 from network.files.timetable_schema import HeadTable
 from network.model import Direction, Line
-from network.timetable import Call, Timetable, clock, parse_timetable
+from network.timetable import Call, CallKind, Timetable, clock, parse_timetable
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.making.place import checked_new, named_from, write_new
@@ -30,6 +34,7 @@ SLACKS: Final = (1.08, 1.15, 1.25, 1.35, 1.5)
 ROUND_S: Final = 15
 MINUTE_S: Final = 60
 Legs: TypeAlias = dict[Direction, list[StandardTime]]
+Kinds: TypeAlias = dict[str, CallKind]
 FIRST_CYCLES: Final = 4  # a short day is tried first: what does not work in it does not work in a long one
 
 
@@ -84,60 +89,89 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
         )
     short = Pattern(pattern.every_s, pattern.from_s, pattern.from_s + FIRST_CYCLES * pattern.every_s)
     for slack in SLACKS:
-        for offset_s in _offsets(legs, slack, pattern.every_s):
-            day = Day(line, train, legs, slack, offset_s, stem)
-            if _text(day, short) is None:
-                continue
-            made = _text(day, pattern)
-            if made is not None:
-                return made
-    raise InputError(
-        COMMAND_LINE,
-        "--every",
-        pattern.every_s // 60,
-        f"an interval that can work, {_least(legs)} minutes for one set",
-    )
+        for kinds in _kinds(line, legs):
+            for offset_s in _offsets(legs, kinds, slack, pattern.every_s):
+                day = Day(line, train, legs, kinds, slack, offset_s, stem)
+                if _text(day, short) is None:
+                    continue
+                made = _text(day, pattern)
+                if made is not None:
+                    return made
+    raise InputError(COMMAND_LINE, "--every", pattern.every_s // 60, _expected(line, legs, pattern))
 
 
-def _offsets(legs: Legs, slack: float, every_s: int) -> Iterator[int]:
+def _expected(line: Line, legs: Legs, pattern: Pattern) -> str:
+    """What would work instead, as far as it is known without trying."""
+    least_min = _least(legs, next(_kinds(line, legs)))
+    if 60 * least_min > pattern.every_s:
+        return f"an interval that can work, {least_min} minutes for one set"
+    return f"another interval, or another --train: one set needs {least_min} minutes, but no even pattern was found"
+
+
+def _kinds(line: Line, legs: Legs) -> Iterator[Kinds]:
+    """How trains call at signal stations: first they run through all, then they stand where two can meet."""
+    ends = {end for way in legs.values() for end in (way[0].from_id, way[-1].to_id)}
+    signal = {station.id: station for station in line.stations.values() if station.is_signal_station}
+    through = {name: CallKind.OPERATIONAL if name in ends else CallKind.PASS for name in signal}
+    yield through
+    loops = {name for name, station in signal.items() if len(station.tracks) > 1} - ends
+    if loops:
+        yield through | dict.fromkeys(loops, CallKind.OPERATIONAL)
+
+
+def _offsets(legs: Legs, kinds: Kinds, slack: float, every_s: int) -> Iterator[int]:
     """By how much up trains leave after down trains: first so that a set turns back at once, then any minute."""
-    turns_s = _run_s(legs[Direction.DOWN], slack) + 5 * MINUTE_S
+    turns_s = _run_s(legs[Direction.DOWN], kinds, slack) + 5 * MINUTE_S
     for minute in range(max(1, every_s // MINUTE_S)):
         yield (turns_s + minute * MINUTE_S) // MINUTE_S * MINUTE_S % every_s
 
 
-def _leg_s(leg: StandardTime, slack: float) -> int:
-    return math.ceil(leg.stop_stop_s * slack / ROUND_S) * ROUND_S
+def _leg_s(leg: StandardTime, kinds: Kinds, slack: float) -> int:
+    from_passing, to_passing = (kinds.get(name) is CallKind.PASS for name in (leg.from_id, leg.to_id))
+    time_s = {
+        (False, False): leg.stop_stop_s,
+        (False, True): leg.stop_pass_s,
+        (True, False): leg.pass_stop_s,
+        (True, True): leg.pass_pass_s,
+    }[from_passing, to_passing]
+    # Trains do not pass the ends of the line, which alone have no time of passing.
+    return math.ceil((leg.stop_stop_s if time_s is None else time_s) * slack / ROUND_S) * ROUND_S
 
 
-def _run_s(legs: Sequence[StandardTime], slack: float) -> int:
+def _run_s(legs: Sequence[StandardTime], kinds: Kinds, slack: float) -> int:
     """From the first departure to the last arrival, whole minutes."""
-    calls = _calls(legs, slack, 0)
+    calls = _calls(legs, kinds, slack, 0)
     return math.ceil(calls[-1].first_s / MINUTE_S) * MINUTE_S
 
 
-def _least(legs: Legs) -> int:
+def _least(legs: Legs, kinds: Kinds) -> int:
     """The least interval, min, for one set: there and back, with ten minutes at both ends, in steps of five."""
-    return math.ceil((sum(_run_s(way, SLACKS[0]) for way in legs.values()) / MINUTE_S + 20) / 5) * 5
+    return math.ceil((sum(_run_s(way, kinds, SLACKS[0]) for way in legs.values()) / MINUTE_S + 20) / 5) * 5
 
 
-def _calls(legs: Sequence[StandardTime], slack: float, departs_s: int) -> tuple[Call, ...]:
-    calls = [Call(legs[0].from_id, None, None, departs_s)]
+def _calls(legs: Sequence[StandardTime], kinds: Kinds, slack: float, departs_s: int) -> tuple[Call, ...]:
+    calls = [Call(legs[0].from_id, None, None, departs_s, kinds.get(legs[0].from_id, CallKind.STOP))]
     at_s = departs_s
     for leg in legs:
-        arrives_s = at_s + _leg_s(leg, slack)
-        at_s = math.ceil((arrives_s + DWELL_S) / 30) * 30
-        calls.append(Call(leg.to_id, None, arrives_s, at_s if leg is not legs[-1] else None))
+        kind = kinds.get(leg.to_id, CallKind.STOP)
+        arrives_s = at_s + _leg_s(leg, kinds, slack)
+        at_s = arrives_s if kind is CallKind.PASS else math.ceil((arrives_s + DWELL_S) / 30) * 30
+        arrival_s = None if kind is CallKind.PASS else arrives_s
+        calls.append(Call(leg.to_id, None, arrival_s, at_s if leg is not legs[-1] else None, kind))
     return tuple(calls)
 
 
 @dataclass(frozen=True, slots=True)
 class Day:
-    """What a pattern is tried with: `slack` over the least running time, up trains `offset_s` after down trains."""
+    """What a pattern is tried with: `slack` over the least running time, up trains `offset_s` after down trains.
+
+    `kinds` has how trains call where they do not stop for passengers.
+    """
 
     line: Line
     train: TrainType
     legs: Legs
+    kinds: Kinds
     slack: float
     offset_s: int
     stem: str
@@ -153,7 +187,9 @@ def _text(day: Day, pattern: Pattern) -> tuple[int, str] | None:
     ):
         departures_s = range(begin_s, pattern.to_s, pattern.every_s)
         planned += [
-            PlannedTrain(str(first + 2 * i), direction, _calls(day.legs[direction], day.slack, departs_s))
+            PlannedTrain(
+                str(first + 2 * i), direction, _calls(day.legs[direction], day.kinds, day.slack, departs_s)
+            )
             for i, departs_s in enumerate(departures_s)
         ]
     try:

@@ -77,7 +77,9 @@ class Seen(Run):
 
 def seen(read: RunRead, choice: Choice) -> Seen:
     """A run through a choice. InputError for a train, station or time that the run does not have."""
-    _known("--train", choice.train, {str(train) for train in read.tables.stops["train"].unique()})
+    ran = {str(train) for train in read.tables.stops["train"].unique()}
+    planned = [number for number in read.timetable.trains if number in ran]
+    _known("--train", choice.train, [*planned, *sorted(ran.difference(planned))])
     _known("--station", choice.station, read.line.stations)
     window_s = _window_s(Run(read.line, read.timetable, read.tables).window_s, choice)
     return Seen(read.line, read.timetable, read.tables, read, choice, window_s)

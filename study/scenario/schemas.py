@@ -11,6 +11,7 @@ from network.files.line_schema import LineFile
 from network.files.raw import is_row
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import one_of
+from network.making.station_list import StationListFile
 from study.scenario.key_examples import with_examples
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import UNITS, TrainFile
@@ -93,4 +94,5 @@ KINDS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
     "train": _train,
     "scenario": _scenario,
     "drill": _drill,
+    "station_list": lambda: with_examples(StationListFile.model_json_schema(), "station_list"),
 }

@@ -116,6 +116,13 @@ def test_a_list_has_an_end(text: str, key: str, most: int) -> None:
     assert f"at most {most} entries, not " in error.expected
 
 
+def test_a_list_that_is_too_short_is_said_in_plain_words() -> None:
+    head, _, rest = TIMES.partition("[[trains]]")
+    assert rest
+    error = refused_times("trains = []\n" + head)
+    assert (error.key, error.value, error.expected) == ("trains", None, "at least 1 entry, not 0")
+
+
 def test_a_piece_of_track_is_there() -> None:
     error = refused_line(LINE.replace("to_km = 0.08\n", "to_km = 0.0005\n"))
     assert error.key == "sections[0].to_km" and "at least 1 m" in error.expected

@@ -12,7 +12,8 @@ import pytest
 from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
-from network.timetable import load_timetable
+from network.making.new_line import Asked, write_line
+from network.timetable import CallKind, load_timetable
 from study.feasibility.check import feasibility
 from study.making.scenario import new_drill, new_scenario
 from study.making.timetable import Pattern, new_timetable
@@ -51,6 +52,25 @@ def test_every_example_in_a_new_scenario_is_valid_without_its_hash(base: str, tm
     assert {change.file for change in changed.changes} >= {"mine.toml"} or len(changed.changes) > 4
     assert changed.setup.unit.request_lead_s == 60.0
     assert changed.setup.seed == 2
+
+
+@pytest.mark.parametrize("base", ["karasuyama_weekday", "rtri_test_line", "kururi_weekday"])
+def test_each_example_in_a_new_scenario_is_valid_by_itself(base: str, tmp_path: Path) -> None:
+    out = tmp_path / "mine.toml"
+    new_scenario(base, out)
+    text = out.read_text("utf-8")
+    head, _, examples = text.partition("# Put `*`")
+    said: set[str] = set()
+    for block in examples.partition("\n")[2].split("\n\n"):
+        plain = "\n".join(row.removeprefix("# ") for row in block.strip().splitlines())
+        said |= set(tomllib.loads(plain).get("patch", {}))
+        for line_of_it in plain.splitlines():
+            assert not line_of_it.startswith("#")
+        out.write_text(f"{head}\n{plain}\n", "utf-8")
+        made = load_scenario(str(out))
+        if "[patch.line.add]" in plain:
+            assert made.changes
+    assert said >= {"line", "timetable", "train", "air", "unit"}
 
 
 def test_a_new_scenario_on_a_file_names_it_from_where_it_stands(tmp_path: Path) -> None:
@@ -152,6 +172,68 @@ def test_a_new_timetable_can_work(line: str, every_min: int, trains: int, tmp_pa
     steps = {after - before for before, after in pairwise(departures)}
     assert steps == {60 * every_min}
     assert departures[0] == 6 * HOUR_S
+
+
+LINES_WITH_SIGNAL_STATIONS = {
+    "one track": "name,km,tracks,kind\nA,0,2,\nK,3,1,signal station\nM,6,2,\nO,12,2,\n",
+    "two tracks": "name,km,tracks,kind\nA,0,2,\nK,6,2,signal station\nO,12,2,\n",
+    "the only loop": "name,km,tracks,kind\nA,0,1,\nK,6,2,signal station\nO,12,1,\n",
+    "three": "name,km,tracks,kind\nA,0,2,\nK,3,2,signal station\nM,6,1,signal station\n"
+    "N,9,2,signal station\nO,12,2,\n",
+    "at an end": "name,km,tracks,kind\nA,0,2,signal station\nK,3,2,\nO,7,1,\n",
+}
+
+
+def line_file(folder: Path, text: str) -> Path:
+    (folder / "list.csv").write_text(text, "utf-8")
+    write_line(folder / "list.csv", folder / "drawn.toml", Asked())
+    return folder / "drawn.toml"
+
+
+@pytest.mark.parametrize(
+    ("name", "every_min", "kind"),
+    [
+        ("one track", 60, CallKind.PASS),
+        ("two tracks", 60, CallKind.PASS),
+        ("the only loop", 60, CallKind.PASS),
+        ("three", 15, CallKind.OPERATIONAL),
+        ("at an end", 30, CallKind.OPERATIONAL),
+    ],
+)
+def test_nobody_gets_out_at_a_signal_station(
+    name: str, every_min: int, kind: CallKind, tmp_path: Path
+) -> None:
+    drawn = line_file(tmp_path, LINES_WITH_SIGNAL_STATIONS[name])
+    pattern = Pattern(60 * every_min, 6 * HOUR_S, 8 * HOUR_S)
+    assert new_timetable(str(drawn), "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
+    setup = load_scenario(str(tmp_path / "run.toml")).setup
+    signal = {station.id for station in setup.line.stations.values() if station.is_signal_station}
+    calls = [call for train in setup.timetable.trains.values() for call in train.calls]
+    inner = {c.kind for t in setup.timetable.trains.values() for c in t.calls if c.station_id in signal}
+    assert kind in inner
+    assert CallKind.STOP not in inner
+    assert {call.kind for call in calls if call.station_id not in signal} == {CallKind.STOP}
+    assert feasibility(setup).good
+
+
+def test_the_examples_in_words_of_a_new_timetable_are_accepted(tmp_path: Path) -> None:
+    out = tmp_path / "tt.toml"
+    new_timetable("karasuyama", "ev_e301", Pattern(7200, 6 * HOUR_S, 9 * HOUR_S), out, None)
+    text = out.read_text("utf-8")
+    for word in ("`pass = ", "`operational = true`", "`track`"):
+        assert word in text
+    line = load_line(shipped_line("karasuyama"))
+    call = re.search(r'\{ station = "(OGN)", arrival = "([0-9:]+)", departure = "([0-9:]+)"', text)
+    assert call is not None
+    track = line.stations["OGN"].tracks[0].name
+    for said in (
+        f'pass = "{call[3]}"',
+        call[0][2:] + ", operational = true",
+        call[0][2:] + f', track = "{track}"',
+    ):
+        begin = said if said.startswith("station") else f'station = "OGN", {said}'
+        out.write_text(text.replace(call[0], "{ " + begin, 1), "utf-8")
+        load_timetable(out, line)
 
 
 def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:

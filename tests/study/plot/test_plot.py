@@ -156,6 +156,13 @@ def test_a_choice_that_makes_no_sense_is_refused(
     assert not list(tmp_path.iterdir())
 
 
+def test_trains_to_choose_from_stand_in_the_order_of_the_timetable(read: RunRead) -> None:
+    with pytest.raises(InputError) as refused:
+        seen(read, Choice(train="999"))
+    ran = set(read.tables.stops["train"])
+    assert refused.value.expected == f"one of {', '.join(n for n in read.timetable.trains if n in ran)}"
+
+
 def test_the_format_is_that_of_the_option_or_of_the_file() -> None:
     assert format_of(None, None) is Format.PNG
     assert format_of(None, Path("a.svg")) is Format.SVG
