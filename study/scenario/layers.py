@@ -6,7 +6,7 @@ changes what is there instead: of the scenario's own tables here, of the other f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,7 +28,10 @@ _NO_CHANGE: Final = frozenset({"id", "name", "assumed", "fault", "act", "expect"
 
 @dataclass(frozen=True, slots=True)
 class Pile:
-    """A scenario with all that it extends: its tables, and patches of other files in order."""
+    """A scenario with all that it extends: its tables, and patches of other files in order.
+
+    `said_in`: by key path, the file that names another one, which may lie beside it.
+    """
 
     data: Data
     changes: tuple[Change, ...] = ()
@@ -36,6 +39,7 @@ class Pile:
     trains: Mapping[str, tuple[Asked, ...]] = field(default_factory=dict[str, tuple[Asked, ...]])
     # Key path: file and key of its patch.
     written: Mapping[str, tuple[str, str]] = field(default_factory=dict[str, tuple[str, str]])
+    said_in: Mapping[str, Path] = field(default_factory=dict[str, Path])
 
     def validated(self, path: Path) -> ScenarioFile:
         """The scenario's tables, checked; what a patch has written is put down to that patch."""
@@ -58,7 +62,9 @@ def pile_of(path: Path, find: Callable[[Path, str], Path]) -> Pile:
     trains: dict[str, tuple[Asked, ...]] = {}
     written: dict[str, tuple[str, str]] = {}
     data: Data = {}
+    said_in: dict[str, Path] = {}
     for file, table in layers:
+        said_in |= dict.fromkeys(_names_of_files(table), file)
         patch = _patch_of(file, table.pop("patch", {}))
         data = laid_over(data, table)
         for name, words in patch.items():
@@ -72,7 +78,17 @@ def pile_of(path: Path, find: Callable[[Path, str], Path]) -> Pile:
                 _patch_table(data, name, asked, written)
     before, after = _whole(below), _whole(data)
     changes = tuple(differences(low.name, before, after))
-    return Pile(data, changes, files, trains, written)
+    return Pile(data, changes, files, trains, written, said_in)
+
+
+def _names_of_files(table: Data) -> Iterator[str]:
+    """Key paths at which a scenario file names others."""
+    yield from (key for key in ("line", "timetable") if key in table)
+    trains = table.get("trains")
+    if is_table(trains):
+        yield from ("trains.default" for key in trains if key == "default")
+        stock = trains.get("stock")
+        yield from (f"trains.stock.{name}" for name in (stock if is_table(stock) else ()))
 
 
 def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> Data:

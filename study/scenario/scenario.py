@@ -74,9 +74,9 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     path = find_scenario(name)
     pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
     model = pile.validated(path)
-    line_file = _named(path, "line", model.line, shipped_line)
+    line_file = _named(path, "line", model.line, shipped_line, pile)
     line, line_data, of_line = patched_line(line_file, pile.files.get("line", ()))
-    file = _named(path, "timetable", model.timetable, shipped_timetable)
+    file = _named(path, "timetable", model.timetable, shipped_timetable, pile)
     timetable, times_data, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
     check_parties(str(file), str(line_file), line, timetable)
     stock, loaded = _trains(path, model, timetable, pile)
@@ -128,11 +128,12 @@ def _folder() -> Path:
     return Path(str(files("study"))) / FOLDER
 
 
-def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path]) -> Path:
-    """A file named relative to the scenario's own folder, or one that is shipped; InputError names the key."""
-    near = path.parent / name
-    if name.endswith(".toml") and existing_file(near):
-        return near
+def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path], pile: Pile | None = None) -> Path:
+    """A file beside the one that names it, beside the scenario itself, or shipped; InputError names the key."""
+    said_in = path if pile is None else pile.said_in.get(key, path)
+    for folder in dict.fromkeys((said_in.parent, path.parent)):
+        if name.endswith(".toml") and existing_file(folder / name):
+            return folder / name
     try:
         return shipped(name)
     except InputError as error:
@@ -157,7 +158,7 @@ def _trains(
                 patches[0].file, patches[0].key, None, f"a train that runs, {one_of(named.values())}"
             )
     loaded = {
-        name: patched_train(_named(path, key, name, shipped_train), pile.trains.get(name, ()))
+        name: patched_train(_named(path, key, name, shipped_train, pile), pile.trains.get(name, ()))
         for key, name in named.items()
     }
     return {

@@ -9,11 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.errors import InputError
+from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Position
 from radio.air import DelayShape
 from simulation.settings import Driving, Sensors
 from study.scenario.layers import laid_over
 from study.scenario.scenario import find_scenario, load_scenario, shipped_scenarios
+from vehicle.train_file import shipped_train
 
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
 
@@ -171,3 +173,26 @@ def test_laying_over_keeps_all_of_the_upper_and_adds_nothing(
 @given(TABLE)
 def test_laying_over_nothing_changes_nothing(table: dict[str, object]) -> None:
     assert laid_over(table, {}) == laid_over({}, table) == laid_over(table, table) == table
+
+
+def test_a_name_counts_from_the_file_that_says_it(tmp_path: Path) -> None:
+    """A scenario that extends one of another folder takes over the files that lie beside that one."""
+    below, above = tmp_path / "base", tmp_path / "above"
+    below.mkdir()
+    above.mkdir()
+    for kind, name in (("lines", "rtri_test_line"), ("timetables", "rtri_test_line")):
+        own = shipped_line(name) if kind == "lines" else shipped_timetable(name)
+        (below / f"own_{kind}.toml").write_text(own.read_text("utf-8"), "utf-8")
+    (below / "own_train.toml").write_text(shipped_train("br642").read_text("utf-8"), "utf-8")
+    (below / "base.toml").write_text(
+        'id = "base"\nname = "base"\nline = "own_lines.toml"\ntimetable = "own_timetables.toml"\n'
+        '[trains]\ndefault = "own_train.toml"\n',
+        "utf-8",
+    )
+    text = f'extends = "{below / "base.toml"}"\nid = "above"\nname = "above"\n'
+    (above / "above.toml").write_text(text, "utf-8")
+    setup = load_scenario(str(above / "above.toml")).setup
+    assert {kind.id for kind in setup.trains.values()} == {"br642"}
+    assert setup.line == load_scenario(str(below / "base.toml")).setup.line
+    (above / "own_timetables.toml").write_text("nonsense", "utf-8")
+    load_scenario(str(above / "above.toml"))  # what lies beside the upper one is not what the lower one means
