@@ -49,8 +49,9 @@ def write_plot(read: RunRead, kind: Kind, choice: Choice, form: Format, out: Pat
     InputError for a choice that the kind does not take or lacks, for one that shows nothing, for a path that cannot
     be written.
     """
+    _check_taken(kind, choice)
     run = seen(read, choice)
-    _check(run, kind, choice, form)
+    _check_needed(run, kind, choice, form)
     data = csv_of(kind.table(run)) if form is Format.CSV else _picture(run, kind, form)
     write_bytes_aside(out, data)
 
@@ -65,16 +66,23 @@ def default_name(kind: Kind, choice: Choice, form: Format) -> str:
     return "-".join(filter(None, (kind.name, choice.train, choice.station))) + f".{form.value}"
 
 
-def _check(run: Seen, kind: Kind, choice: Choice, form: Format) -> None:
-    chosen = {
+def _chosen(choice: Choice) -> dict[Chosen, float | str | None]:
+    return {
         Chosen.TRAIN: choice.train,
         Chosen.STATION: choice.station,
         Chosen.TIME: choice.from_s if choice.from_s is not None else choice.to_s,
     }
-    for option, value in chosen.items():
+
+
+def _check_taken(kind: Kind, choice: Choice) -> None:
+    for option, value in _chosen(choice).items():
         if value is not None and option not in kind.takes:
             takes = ", ".join(sorted(o.value for o in kind.takes)) or "no choice"
             raise InputError("command line", option.value, value, f"{kind.name} takes {takes}")
+
+
+def _check_needed(run: Seen, kind: Kind, choice: Choice, form: Format) -> None:
+    for option, value in _chosen(choice).items():
         if value is None and option in kind.needs and form is not Format.CSV:
             known = list(run.trains) if option is Chosen.TRAIN else list(run.line.stations)
             raise InputError("command line", option.value, None, f"{one_of(known)}: a picture is of one")

@@ -153,13 +153,14 @@ def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
 
 @pytest.mark.parametrize(("passes", "place"), [("07:17:30", None), ("07:09", "OGN-KBN")])
 def test_passing_and_standing_for_nobody_count(passes: str, place: str | None, tmp_path: Path) -> None:
-    """1D runs through Ogane while 2U stands there for it; or eight minutes before 2U can be there."""
+    """1D runs through Ogane while 2U stands there for it; or eight minutes before 2U, and itself, can be there."""
     (tmp_path / "timetable.toml").write_text(
         TIMETABLE.format(leaves="07:00", arrives="07:16", passes=passes), "utf-8"
     )
     (tmp_path / "day.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
     found = feasibility(load_scenario(str(tmp_path / "day.toml")).setup)
-    assert [(f.kind, f.place) for f in found.impossible] == ([(Kind.OPPOSING, place)] if place else [])
+    wrong = [(Kind.LEG, "HSK-OGN"), (Kind.OPPOSING, place)] if place else []
+    assert [(f.kind, f.place) for f in found.impossible] == wrong
     assert [meet.station for meet in found.meets] == [None if place else "OGN"]
 
 

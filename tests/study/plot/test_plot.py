@@ -142,7 +142,7 @@ def test_sentences_stand_in_the_table_of_waits(read: RunRead) -> None:
         ("train-graph", Choice(station="NOWHERE"), "--station"),
         ("run-curve", Choice(), "--train"),
         ("station-timetable", Choice(), "--station"),
-        ("train-graph", Choice(from_s=9e4, to_s=8e4), "--from, --to"),
+        ("train-graph", Choice(from_s=9e4, to_s=8e4), "--to"),
         ("duties", Choice(from_s=9e3), "--from, --to"),
         ("stop-errors", Choice(from_s=9 * 3600.0), "--from, --to"),
     ],
