@@ -432,7 +432,7 @@ def _check_change(
     if type(after.begins) is not partner:
         written = {FromTrain: f"from:{before.number}", Stabled: "stabled", AtPortal: "portal:<section id>"}
         wanted = written[partner]
-        raise InputError(file, begins, _written(after.begins), f"{wanted}, as train {before.number} ends")
+        raise InputError(file, begins, begins_text(after.begins), f"{wanted}, as train {before.number} ends")
     last, first = before.calls[-1], after.calls[0]
     if partner is not AtPortal:
         if first.station_id != last.station_id:
@@ -446,11 +446,23 @@ def _check_change(
         raise InputError(file, key, after.number, f"{expected}; it begins at {clock(first.first_s)}")
 
 
-def _written(begins: Begin) -> str:
+def begins_text(begins: Begin) -> str:
+    """How a train begins, as files write it."""
     match begins:
         case AtPortal(section_id):
             return f"portal:{section_id}"
         case FromTrain(number):
             return f"from:{number}"
+        case Stabled():
+            return "stabled"
+
+
+def ends_text(ends: End) -> str:
+    """How a train ends, as files write it."""
+    match ends:
+        case AtPortal(section_id):
+            return f"portal:{section_id}"
+        case BecomesTrain(number):
+            return f"becomes:{number}"
         case Stabled():
             return "stabled"

@@ -42,7 +42,7 @@ from simulation.world.records import (
     PASSED_TAG,
     TRACE,
 )
-from simulation.world.roster import draw_up
+from simulation.world.roster import drawn_up
 from simulation.world.signs import Signs
 from simulation.world.trains import SIGN, Trains
 from sumo_cfg.truth_map import NetMap
@@ -69,8 +69,7 @@ class Simulation:
     ) -> None:
         self.setup: Final = setup
         self.journal = journal or Journal()
-        lengths = {s: float(t.row[0]["length_m"]) for s, t in setup.trains.items()}
-        duties = draw_up(setup.believed_line, setup.timetable, lengths, setup.operation.portal_lead_s)
+        duties = drawn_up(setup, setup.believed_line)
         first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)
         last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)

@@ -11,16 +11,12 @@ from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, T
 from network.model import Direction
 from network.timetable import (
     DAY_S,
-    AtPortal,
-    BecomesTrain,
-    Begin,
     Call,
     CallKind,
-    End,
-    FromTrain,
-    Stabled,
     Timetable,
+    begins_text,
     clock,
+    ends_text,
 )
 
 _LAST_WRITTEN_S = 30 * 3600  # files write hours up to 29; what is later is found again from the trains before
@@ -92,28 +88,6 @@ def file_of_timetable(timetable: Timetable) -> TimetableFile:
         DiagramTable(stock=item.stock_id, trains=list(item.train_numbers)) for item in timetable.diagrams
     ]
     return TimetableFile(timetable=head, trains=trains, diagrams=diagrams)
-
-
-def begins_text(begins: Begin) -> str:
-    """How a train begins, as files write it."""
-    match begins:
-        case AtPortal(section_id):
-            return f"portal:{section_id}"
-        case FromTrain(number):
-            return f"from:{number}"
-        case Stabled():
-            return "stabled"
-
-
-def ends_text(ends: End) -> str:
-    """How a train ends, as files write it."""
-    match ends:
-        case AtPortal(section_id):
-            return f"portal:{section_id}"
-        case BecomesTrain(number):
-            return f"becomes:{number}"
-        case Stabled():
-            return "stabled"
 
 
 def time_text(time_s: int) -> str:

@@ -8,6 +8,7 @@ from itertools import zip_longest
 from network.model import Line, SectionKind, TagPurpose
 from network.timetable import AtPortal, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, plan_mission
+from simulation.setup import Setup
 
 PORTAL_STAND_M = 40.0  # a train enters with its rear this far inside the portal's outer end, at most
 
@@ -23,6 +24,12 @@ class Duty:
     enter_s: float
     leaves: bool
     becomes: str | None  # the next train of a set that stays on the line, at once or after a rest
+
+
+def drawn_up(setup: Setup, line: Line) -> dict[str, tuple[Duty, ...]]:
+    """Duties of a setup's day on its line, or on the one that its units believe in. Raises as `draw_up` does."""
+    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
+    return draw_up(line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
 
 
 def draw_up(

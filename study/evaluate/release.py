@@ -10,7 +10,7 @@ from typing import Final
 
 from onboard.duty.plan import plan_of
 from simulation.setup import Setup
-from simulation.world.roster import draw_up
+from simulation.world.roster import drawn_up
 
 CONFIRMED_BY_EYE: Final = (
     "no tag proves the sections behind clear; they are released when the driver confirms the arrival"
@@ -19,12 +19,11 @@ CONFIRMED_BY_EYE: Final = (
 
 def confirmed_by_eye(setup: Setup) -> dict[str, list[str]]:
     """Stops of the timetable where that is so, each with the numbers of its trains, in the order of the timetable."""
-    lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in setup.trains.items()}
     found: dict[str, list[str]] = {}
-    duties = draw_up(setup.believed_line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
-    for stock_id, drawn in duties.items():
+    for stock_id, drawn in drawn_up(setup, setup.believed_line).items():
+        length_m = float(setup.trains[stock_id].row[0]["length_m"])
         for duty in drawn:
-            plan = plan_of(duty.mission, lengths_m[stock_id])
+            plan = plan_of(duty.mission, length_m)
             for stop in plan.stops:
                 if stop.by_eye:
                     section_id = plan.spans[stop.span].section_id

@@ -18,7 +18,7 @@ from network.model import Direction, Line
 from network.timetable import Diagram
 from onboard.duty.mission import NoWay, Target
 from simulation.setup import Setup
-from simulation.world.roster import Duty, draw_up
+from simulation.world.roster import Duty, drawn_up
 from study.run.as_run import trains_as_run
 from study.run.read_back import RunRead
 from sumo_cfg.build import net_for
@@ -80,9 +80,8 @@ def export_sumo(name: str, setup: Setup, out: Path) -> SumoDay:
 
 def vehicles_of(setup: Setup) -> tuple[Vehicle, ...]:
     """The day's sets as SUMO's vehicles; a set that leaves the line and comes again is two. Raises InputError."""
-    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
     try:
-        drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+        drawn = drawn_up(setup, setup.line)
     except NoWay as error:
         raise InputError(
             setup.timetable.id, "", None, f"trains that the line has a way for: {error}"

@@ -10,50 +10,30 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from network.model import Line
 from network.timetable import clock
 from simulation.setup import Setup
 from study.feasibility.finding import LATE_S, Finding, Kind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedTrain
-from study.measures.running_times import Way, least_times_s
-
-NEGLIGIBLE_S = 1.0  # shorter than this, a time is not worth a word
+from study.feasibility.timing import NEGLIGIBLE_S
 
 
 def passings_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
     """Every passing of the day whose time is before the train can be there, from the stop before it."""
-    known: dict[tuple[object, ...], tuple[float, ...]] = {}
     for trains in day.trains.values():
         for train in trains:
-            yield from _late(setup, day.line, train, known)
+            yield from _late(setup, day, train)
 
 
-def _late(
-    setup: Setup, line: Line, train: PlannedTrain, known: dict[tuple[object, ...], tuple[float, ...]]
-) -> Iterator[Finding]:
-    kind, path = setup.trains[train.stock_id], train.duty.mission.path
+def _late(setup: Setup, day: PlannedDay, train: PlannedTrain) -> Iterator[Finding]:
+    stations, kind = day.line.stations, setup.trains[train.stock_id]
     for before, there in pairwise(train.stands):
-        passings = there.target.passings
-        if not passings or before.target.station_id is None:
+        if before.target.station_id is None:
             continue
-        from_m, to_m = before.target.mark_m, there.target.mark_m
-        at_m = tuple(passing.position_m for passing in passings)
-        key = (kind.id, path.piece_ids, from_m, to_m, at_m)
-        if key not in known:
-            driving = setup.driving
-            known[key] = least_times_s(
-                kind,
-                Way(setup.believed_line, path, from_m, to_m),
-                at_m,
-                setup.load.load_share_mean,
-                driving.stop_deceleration_mps2,
-                driving.driving_margin_mps,
-            )
-        for passing, least_s in zip(passings, known[key], strict=False):
+        for passing, least_s in zip(there.target.passings, there.passes_s, strict=True):
             short_s = before.departs_s + least_s - passing.time_s
             if not math.isfinite(short_s) or short_s < NEGLIGIBLE_S:
                 continue  # a train that cannot climb is told of its leg
-            left, name = line.stations[before.target.station_id].name, line.stations[passing.station_id].name
+            left, name = stations[before.target.station_id].name, stations[passing.station_id].name
             yield Finding(
                 Kind.LEG,
                 Severity.IMPOSSIBLE if short_s >= LATE_S else Severity.TIGHT,

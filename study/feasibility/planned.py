@@ -16,7 +16,7 @@ from network.model import Direction, Line, Route
 from network.timetable import Diagram
 from onboard.duty.mission import Mission, NoWay, Target
 from simulation.setup import Setup
-from simulation.world.roster import Duty, draw_up
+from simulation.world.roster import Duty, drawn_up
 from study.feasibility.run_times import RunTimes
 
 NO_ROUTE: Final = (NoWay, ValueError)  # the latter: a train that begins at a halt, where no route does
@@ -39,12 +39,16 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """A stop of a train, halts included, with its running time from the stop before, s (0 for the first)."""
+    """A stop of a train, halts included, with its running time from the stop before, s (0 for the first).
+
+    `passes_s`: the running time to each station passed on the way, s.
+    """
 
     target: Target
     arrives_s: float
     departs_s: float
     run_s: float
+    passes_s: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,13 +112,11 @@ def planned_day(setup: Setup) -> PlannedDay:
 
 def _drawn(setup: Setup, diagram: Diagram) -> tuple[tuple[Duty, ...], list[WayMissing]]:
     """The duties of one set, up to the first that has no way."""
-    lengths_m = {diagram.stock_id: float(setup.trains[diagram.stock_id].row[0]["length_m"])}
 
     def drawn(count: int) -> tuple[Duty, ...]:
         part = replace(diagram, train_numbers=diagram.train_numbers[:count])
-        timetable = replace(setup.timetable, diagrams=(part,))
-        duties = draw_up(setup.believed_line, timetable, lengths_m, setup.operation.portal_lead_s)
-        return duties[diagram.stock_id]
+        day = replace(setup, timetable=replace(setup.timetable, diagrams=(part,)))
+        return drawn_up(day, setup.believed_line)[diagram.stock_id]
 
     try:
         return drawn(len(diagram.train_numbers)), []
@@ -148,7 +150,8 @@ def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[Stand, ...]:
             arrives_s = begins_s if there.arrival_s is None else there.arrival_s
             stands.append(Stand(there, arrives_s, there.departure_s or begins_s, 0.0))
             continue
-        run_s = times.run_s(duty.stock_id, mission.path, before.mark_m, there.mark_m)
+        passing_m = tuple(passing.position_m for passing in there.passings)
+        *passes_s, run_s = times.times_s(duty.stock_id, mission.path, before.mark_m, there.mark_m, passing_m)
         last = stands[-1]
         if duty.enters and len(stands) == 1:
             stands[0] = last = _comes_in(setup, duty, last, there, run_s)
@@ -158,7 +161,7 @@ def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[Stand, ...]:
         elif there.departure_s is not None:
             arrives_s = max(min(arrives_s, there.departure_s), last.departs_s)
         departs_s = arrives_s if there.departure_s is None else there.departure_s
-        stands.append(Stand(there, arrives_s, departs_s, run_s))
+        stands.append(Stand(there, arrives_s, departs_s, run_s, tuple(passes_s)))
     return tuple(stands)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from simulation.setup import Setup
-from simulation.world.roster import draw_up
+from simulation.world.roster import drawn_up
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,10 +25,8 @@ class PlannedPassing:
 
 def planned_passings(setup: Setup) -> tuple[PlannedPassing, ...]:
     """Every passing of the timetable, by stock and in order of travel."""
-    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
-    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
     found: list[PlannedPassing] = []
-    for duties in drawn.values():
+    for duties in drawn_up(setup, setup.line).values():
         for duty in duties:
             mission = duty.mission
             for target in mission.targets:

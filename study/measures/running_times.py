@@ -14,9 +14,9 @@ from network.model import Line
 from network.path import Path
 from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train, lowered_by
-from onboard.duty.mission import Target
+from onboard.duty.mission import Mission, Target
 from simulation.setup import Setup
-from simulation.world.roster import Duty, draw_up
+from simulation.world.roster import drawn_up
 from vehicle.resistance import climb_m
 from vehicle.running_time import predicted_run
 from vehicle.train_file import TrainType
@@ -83,6 +83,33 @@ def least_times_s(
 
 
 @dataclass(frozen=True, slots=True)
+class Hop:
+    """From one stop of a train at a station to the next, with a time at both ends, s; stations between are passed."""
+
+    stock_id: str
+    mission: Mission
+    here: Target
+    there: Target
+    leaves_s: float
+    due_s: float  # latest arrival
+
+    def way(self, line: Line) -> Way:
+        """The run that it is, on a line."""
+        return Way(line, self.mission.path, self.here.mark_m, self.there.mark_m)
+
+
+def planned_hops(setup: Setup) -> Iterator[Hop]:
+    """Every hop of the timetable, by stock and in order of travel."""
+    for stock_id, duties in drawn_up(setup, setup.line).items():
+        for duty in duties:
+            at_stations = (target for target in duty.mission.targets if target.station_id is not None)
+            for here, there in pairwise(at_stations):
+                due_s = latest_arrival_s(there, setup.timetable.dwell_min_s)
+                if here.departure_s is not None and due_s is not None:
+                    yield Hop(stock_id, duty.mission, here, there, here.departure_s, due_s)
+
+
+@dataclass(frozen=True, slots=True)
 class PlannedLeg:
     """One hop of one train as planned, s. `attainable_s` keeps the distance to limits that driving keeps."""
 
@@ -107,41 +134,32 @@ def planned_legs(setup: Setup) -> tuple[PlannedLeg, ...]:
 
     Trains carry the scenario's mean load and brake as the unit's pattern to a stop does.
     """
-    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
-    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
     known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]] = {}
-    return tuple(leg for duties in drawn.values() for duty in duties for leg in _legs_of(setup, duty, known))
+    return tuple(_leg_of(setup, hop, known) for hop in planned_hops(setup))
 
 
-def _legs_of(
-    setup: Setup, duty: Duty, known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]]
-) -> Iterator[PlannedLeg]:
-    """Hops of one duty; a kind of train needs the same time for the same way again."""
-    kind, mission = setup.trains[duty.stock_id], duty.mission
-    for here, there in pairwise(target for target in mission.targets if target.station_id is not None):
-        due_s = latest_arrival_s(there, setup.timetable.dwell_min_s)
-        if here.departure_s is None or due_s is None:
-            continue
-        key = (kind.id, mission.path.piece_ids, here.mark_m, there.mark_m)
-        if key not in known:
-            way = Way(setup.line, mission.path, here.mark_m, there.mark_m)
-            load, driving = setup.load.load_share_mean, setup.driving
-            known[key] = (
-                least_running_time_s(kind, way, load, driving.stop_deceleration_mps2),
-                least_running_time_s(
-                    kind, way, load, driving.stop_deceleration_mps2, driving.driving_margin_mps
-                ),
-            )
-        yield PlannedLeg(
-            duty.stock_id,
-            mission.number,
-            mission.revenue,
-            here.station_id or "",
-            there.station_id or "",
-            here.departure_s,
-            due_s,
-            *known[key],
+def _leg_of(
+    setup: Setup, hop: Hop, known: dict[tuple[str, tuple[str, ...], float, float], tuple[float, float]]
+) -> PlannedLeg:
+    """The leg of a hop; a kind of train needs the same time for the same way again."""
+    kind, way = setup.trains[hop.stock_id], hop.way(setup.line)
+    key = (kind.id, way.path.piece_ids, way.from_m, way.to_m)
+    if key not in known:
+        load, driving = setup.load.load_share_mean, setup.driving
+        known[key] = (
+            least_running_time_s(kind, way, load, driving.stop_deceleration_mps2),
+            least_running_time_s(kind, way, load, driving.stop_deceleration_mps2, driving.driving_margin_mps),
         )
+    return PlannedLeg(
+        hop.stock_id,
+        hop.mission.number,
+        hop.mission.revenue,
+        hop.here.station_id or "",
+        hop.there.station_id or "",
+        hop.leaves_s,
+        hop.due_s,
+        *known[key],
+    )
 
 
 def latest_arrival_s(there: Target, dwell_min_s: float) -> float | None:

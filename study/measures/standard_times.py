@@ -18,8 +18,8 @@ from network.model import Direction, Line
 from network.timetable import Call, CallKind, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, NoWay, Target, plan_mission
 from simulation.setup import Setup
-from simulation.world.roster import draw_up, first_section
-from study.measures.running_times import Way, latest_arrival_s, least_times_s
+from simulation.world.roster import first_section
+from study.measures.running_times import Hop, Way, least_times_s, planned_hops
 from vehicle.train_file import TrainType
 
 ROUNDED_TO_S: Final = 5  # as running times are laid down
@@ -222,57 +222,42 @@ def _places(mission: Mission) -> list[tuple[str, float]]:
 
 def planned_runs(setup: Setup) -> tuple[PlannedRun, ...]:
     """Every run of the timetable between two times of one train, those of passing too, in order of travel."""
-    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
-    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
     known: dict[tuple[object, ...], tuple[float, ...]] = {}
-    return tuple(
-        run
-        for stock_id, duties in drawn.items()
-        for duty in duties
-        for run in _runs_of(setup, stock_id, duty.mission, known)
-    )
+    return tuple(run for hop in planned_hops(setup) for run in _runs_of(setup, hop, known))
 
 
 def _runs_of(
-    setup: Setup, stock_id: str, mission: Mission, known: dict[tuple[object, ...], tuple[float, ...]]
+    setup: Setup, hop: Hop, known: dict[tuple[object, ...], tuple[float, ...]]
 ) -> Iterator[PlannedRun]:
-    kind = setup.trains[stock_id]
-    for here, there in pairwise(target for target in mission.targets if target.station_id is not None):
-        due_s = latest_arrival_s(there, setup.timetable.dwell_min_s)
-        if here.departure_s is None or due_s is None:
-            continue
-        passing_m = tuple(passing.position_m for passing in there.passings)
-        key = (kind.id, mission.path.piece_ids, here.mark_m, there.mark_m, passing_m)
-        if key not in known:
-            known[key] = least_times_s(
-                kind,
-                Way(setup.line, mission.path, here.mark_m, there.mark_m),
-                passing_m,
-                setup.load.load_share_mean,
-                setup.driving.stop_deceleration_mps2,
-            )
-        places = [
-            (here.station_id or "", _kind(here), here.departure_s, 0.0),
-            *(
-                (passing.station_id, CallKind.PASS, passing.time_s, least_s)
-                for passing, least_s in zip(there.passings, known[key], strict=False)
-            ),
-            (there.station_id or "", _kind(there), due_s, known[key][-1]),
-        ]
-        for (from_id, from_kind, leaves_s, before_s), (to_id, to_kind, at_s, after_s) in pairwise(places):
-            yield PlannedRun(
-                mission.number,
-                stock_id,
-                kind.id,
-                mission.direction,
-                from_id,
-                to_id,
-                from_kind,
-                to_kind,
-                leaves_s,
-                at_s,
-                after_s - before_s,
-            )
+    """The parts of a hop, from each of its times to the next."""
+    kind, way, passings = setup.trains[hop.stock_id], hop.way(setup.line), hop.there.passings
+    passing_m = tuple(passing.position_m for passing in passings)
+    key = (kind.id, way.path.piece_ids, way.from_m, way.to_m, passing_m)
+    if key not in known:
+        load, driving = setup.load.load_share_mean, setup.driving
+        known[key] = least_times_s(kind, way, passing_m, load, driving.stop_deceleration_mps2)
+    places = [
+        (hop.here.station_id or "", _kind(hop.here), hop.leaves_s, 0.0),
+        *(
+            (passing.station_id, CallKind.PASS, passing.time_s, least_s)
+            for passing, least_s in zip(passings, known[key], strict=False)
+        ),
+        (hop.there.station_id or "", _kind(hop.there), hop.due_s, known[key][-1]),
+    ]
+    for (from_id, from_kind, leaves_s, before_s), (to_id, to_kind, at_s, after_s) in pairwise(places):
+        yield PlannedRun(
+            hop.mission.number,
+            hop.stock_id,
+            kind.id,
+            hop.mission.direction,
+            from_id,
+            to_id,
+            from_kind,
+            to_kind,
+            leaves_s,
+            at_s,
+            after_s - before_s,
+        )
 
 
 def smallest_margins(runs: tuple[PlannedRun, ...]) -> dict[tuple[str, Direction, str, str], PlannedRun]:

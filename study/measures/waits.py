@@ -23,7 +23,7 @@ from onboard.authority.stop_limit import NOT_PROVEN
 from simulation.events import MANAGER, Entry
 from simulation.result import EnergyRecord, Phase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
-from simulation.world.roster import Duty, draw_up
+from simulation.world.roster import Duty, drawn_up
 from study.measures.wait import Asked, Cause, Wait
 from study.measures.wait_history import History
 from study.measures.wait_view import Doing, View, subject_of
@@ -54,8 +54,7 @@ class Stretch:
 
 def waits_of(result: RunResult, setup: Setup) -> tuple[Wait, ...]:
     """All waits of a run, by stock and time; those of one stock cover the run without gap or overlap."""
-    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
-    drawn = draw_up(setup.line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    drawn = drawn_up(setup, setup.line)
     entries: dict[str, list[Entry]] = defaultdict(list)
     history = History(_by_unit(result.journal.entries, entries))
     where = Whereabouts(result)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -10,7 +9,7 @@ from typing import Final
 
 from matplotlib.axes import Axes
 
-from study.report.style import INK, PALE, RED, RULE, TimeBand, TimeGrid, clock, draw_clock_axis, spread
+from study.report.style import INK, PALE, RED, RULE, TimeBand, TimeGrid, draw_clock_axis, spread
 
 ROW_IN: Final = 0.17
 MET: Final = "#2e7d4f"
@@ -143,19 +142,3 @@ def _draw_expectation(axes: Axes, row: int, mark: Mark, band: TimeBand) -> None:
 def shortened(text: str) -> str:
     """At most so many characters that stations' names beside the graph keep their room."""
     return text if len(text) <= _TEXT_MAX else text[: _TEXT_MAX - 1].rstrip() + "…"
-
-
-def item_rows(marks: Sequence[Mark]) -> tuple[tuple[str, ...], ...]:
-    """Faults and acts: number, what, begun, over."""
-    return tuple(
-        (m.label, m.text, _time(m.from_s), "–" if m.kind is MarkKind.ACT else m.happened) for m in marks
-    )
-
-
-def expectation_rows(marks: Sequence[Mark]) -> tuple[tuple[str, ...], ...]:
-    """Expectations: number, text, verdict, what happened."""
-    return tuple((m.label, m.text, "met" if m.passed else "NOT MET", m.happened) for m in marks)
-
-
-def _time(time_s: float) -> str:
-    return clock(time_s, seconds=True) if math.isfinite(time_s) else "–"

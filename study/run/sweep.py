@@ -17,7 +17,7 @@ from typing import Final
 from simulation.faults.script import DEFAULTS, Act, Failure, Script, Trigger
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
-from simulation.world.roster import draw_up
+from simulation.world.roster import drawn_up
 from study.run.forks import Died, Forks
 from study.run.outcome_class import SweptRun, swept_run_of, swept_run_of_death
 from study.run.run import simulated
@@ -170,8 +170,7 @@ def _key(item: tuple[tuple[str, int], object]) -> tuple[str, int]:
 
 def _planned(setup: Setup, variation: Variation, window: Window) -> range:
     """The instants of a variation if its trains run to plan."""
-    lengths = {stock: float(train.row[0]["length_m"]) for stock, train in setup.trains.items()}
-    drawn = draw_up(setup.line, setup.timetable, lengths, setup.operation.portal_lead_s)
+    drawn = drawn_up(setup, setup.line)
     duties = [duty for stock in variation.stocks for duty in drawn[stock]]
     first_s = min(duty.enter_s for duty in duties) - LEAD_S if window.from_s is None else window.from_s
     ends_s = [duty.train.calls[-1].last_s for duty in duties]

@@ -24,9 +24,18 @@ from network.errors import InputError
 from network.exchange.gtfs.columns import BEGINS, CALL, ENDS, NO_PASSENGERS, REVENUE, TIMES, TIMETABLE, TRACK
 from network.exchange.gtfs.days import WEEKDAYS
 from network.exchange.gtfs.exact import head_written
-from network.exchange.timetable_writer import begins_text, ends_text, file_of_timetable
+from network.exchange.timetable_writer import file_of_timetable
 from network.model import Direction, Line, Station
-from network.timetable import Call, CallKind, Timetable, TimetableTrain, clock, platform_of
+from network.timetable import (
+    Call,
+    CallKind,
+    Timetable,
+    TimetableTrain,
+    begins_text,
+    clock,
+    ends_text,
+    platform_of,
+)
 
 AGENCY_URL: Final = "https://example.com/"  # no operator's: a reserved name
 TIMEZONE: Final = "Asia/Tokyo"
