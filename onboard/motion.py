@@ -99,7 +99,7 @@ class Motion:
         self.load_share = 0.0
         self.vehicle = IN_ORDER
         self.notes: list[notes.Note] = []
-        row.due_s = math.inf
+        row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
         self._line: Final = line
         self._parameters: Final = parameters

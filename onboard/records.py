@@ -19,6 +19,7 @@ EVENT_MOVING: Final = 16  # the train began to move
 EVENT_POSITION: Final = 32  # the position passed `position_trigger_m`
 EVENT_TACHOMETER: Final = 64  # the tachometer shows what cannot be
 EVENT_VERDICT: Final = 128  # the stop at the mark has turned out impossible: `stop_verdict`
+EVENT_OFF_PLAN: Final = 512  # the train is off its plan by more than `replan_s`
 EVENT_FIX: Final = 256  # what came of a sensor's reading is another than before: `readers.outcome`
 
 # unit.mode
@@ -63,6 +64,7 @@ class UnitRow(Protocol):
     target_stop_m: Annotated[float, "where the front is to stop"]
     due_s: Annotated[float, "when it should be there, since midnight; +inf: no matter when"]
     cruise_mps: float
+    replan_s: Annotated[float, "off its plan by more than this a train asks for another; +inf: it has asked"]
     target_mps: float
     braking_to_stop: Annotated[int, "latched: the stop pattern has taken over"]
     fix_correction_m: Annotated[float, "by which the last fix moved the position; taken up by the next tick"]

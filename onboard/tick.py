@@ -14,6 +14,7 @@ from onboard.localisation.tachometer import locate
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_MOVING,
+    EVENT_OFF_PLAN,
     EVENT_POSITION,
     EVENT_STOPPED,
     EVENT_TACHOMETER,
@@ -45,6 +46,9 @@ def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void], plan: NDArr
     cue.now_s, cue.due_s = sensed.now_s, unit.due_s
     cue.load_share, cue.own_mps2 = sensed.load_share, own_mps2
     drive(board, path, plan)
+    if moves and abs(cue.late_s) > unit.replan_s:
+        unit.replan_s = np.inf
+        events |= EVENT_OFF_PLAN
     if moves:
         events |= issued(unit, train, tasc, board.design, board.wave, own_mps2)
     else:

@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.unit import UnitConfig
+from network.files.toml_input import Record
 from network.model import Line
 from network.timetable import Timetable
+from onboard.driving.laws.settings import LawTables
 from onboard.driving.tuning import Learned
 from onboard.records import BEHAVIOUR
 from onboard.unit_records import UnitParameters
@@ -67,6 +69,7 @@ class Setup:
     driving: Driving = field(default_factory=Driving)
     # Driving law by stock id; the others hold their speed.
     laws: Mapping[str, str] = field(default_factory=dict[str, str])
+    law_settings: Record = field(default_factory=LawTables)
     sensors: Sensors = field(default_factory=Sensors)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING

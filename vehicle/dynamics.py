@@ -23,6 +23,7 @@ from vehicle.records import COMMAND_DELAY_STEPS_MAX, PlantRow, TrainRow
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
 from vehicle.response import approach, dead_time_steps
 from vehicle.traction import full_force_n, motored_grip_n, traction_target_n
+from vehicle.wire import wire_power_w
 
 __all__ = ["equivalent_mass_kg", "step"]
 
@@ -165,6 +166,7 @@ def step(
     plant.acceleration_mps2 = (speed_after - speed) / dt_s
     plant.speed_mps = speed_after
 
-    plant.energy_traction_j += plant.traction_force_n * distance / train.efficiency_traction
-    plant.energy_regenerated_j += plant.regenerative_force_n * distance * train.efficiency_regeneration
+    mean_mps, share = distance / dt_s, plant.motors_share
+    plant.energy_traction_j += wire_power_w(train, share, plant.traction_force_n, mean_mps) * dt_s
+    plant.energy_regenerated_j -= wire_power_w(train, share, -plant.regenerative_force_n, mean_mps) * dt_s
     plant.energy_auxiliary_j += train.auxiliary_power_w * dt_s

@@ -115,7 +115,7 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     unit, train, behaviour, cue = board.unit, board.kind, board.behaviour, board.cue
     cue.limit_mps = limit_mps(unit, behaviour, path)
     cue.reaction_s = train.brake_dead_time_s + train.brake_lag_s
-    cue.ceiling_mps = np.inf
+    cue.ceiling_mps, cue.late_s = np.inf, 0.0
     asked = ask(board.laws, cue, unit, train, behaviour, path, plan)
     if asked > 0.0 and unit.notch <= 0.0 and is_near_stop(unit, train, board.design):
         asked = 0.0
@@ -123,6 +123,8 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     over_mps = overspeed_mps(unit, unit.target_mps, cue.reaction_s)
     demand_mps2 = -curve_demand_mps2(unit, behaviour, path, cue.ceiling_mps, over_mps)
     stop_mps2 = stop_command_mps2(unit, board.tasc, board.design, cue.own_mps2)
+    if board.laws.stops == 1:
+        stop_mps2 = 0.0  # TASC only watches: its model of the brake and its verdict are kept
     if unit.braking_to_stop == 1 and unit.speed_mps == 0.0:
         return -behaviour.standing_brake_notch
     if over_mps > BRAKE_OVERSPEED_MPS:
@@ -131,6 +133,12 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     if demand_mps2 > 0.0 or unit.braking_to_stop == 1:
         notch = min(service_notch(train, max(demand_mps2 - cue.own_mps2, stop_mps2, 0.0)), asked)
     keeps = unit.notch > 0.0 and unit.notch_held_s < behaviour.notch_hold_s
-    if keeps and notch >= 0.0 and over_mps < BRAKE_OVERSPEED_MPS and unit.braking_to_stop == 0:
+    if (
+        board.laws.stops == 0
+        and keeps
+        and notch >= 0.0
+        and over_mps < BRAKE_OVERSPEED_MPS
+        and unit.braking_to_stop == 0
+    ):
         return float(unit.notch)
     return float(notch)

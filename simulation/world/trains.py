@@ -13,7 +13,8 @@ from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
 from onboard.authority.coverage import covered_at
-from onboard.driving.laws.table import LAW_NAMES, law_number
+from onboard.driving.laws.settings import fit_law
+from onboard.driving.laws.table import LAW_NAMES, LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
 from onboard.localisation.table import ReadersRow
@@ -76,6 +77,7 @@ class Trains:
         self.tag_readers: Sequence[TagReaderRow] = self.sensors["tag_reader"]
         self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
         self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
+        self.laws: Sequence[LawsRow] = _rows(board["laws"])
         self.units: Sequence[UnitRow] = _rows(board["unit"])
         self.readers: Sequence[ReadersRow] = _rows(board["readers"])
         self.behaviours: Sequence[BehaviourRow] = _rows(board["behaviour"])
@@ -105,7 +107,9 @@ class Trains:
         """Fill one stock's row, and give it its unit."""
         setup, stock_id, row = self.setup, self.stock_ids[slot], self.stock[slot]
         row["board"]["kind"] = setup.believed_train(stock_id).row[0]
-        row["board"]["laws"]["number"] = law_number(setup.laws.get(stock_id, LAW_NAMES[0]))
+        law = setup.laws.get(stock_id, LAW_NAMES[0])
+        chance = generator(setup.seed, "driver", stock_id)
+        fit_law(self.laws[slot], law, setup.law_settings, lambda _law, _field: float(chance.normal()))
         body, self._brake_factors[slot] = setup.scatter.body(setup.seed, stock_id, setup.trains[stock_id].row)
         row["body"] = body[0]
         for sensor in SENSORS:

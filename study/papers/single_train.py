@@ -11,9 +11,10 @@ from typing import Final
 
 import numpy as np
 
+from network.files.toml_input import Record
 from network.profile import PROFILE
 from onboard.driving.laws.cue import PLAN, PLAN_COAST
-from onboard.driving.laws.table import law_number
+from onboard.driving.laws.settings import fit_law
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tasc import DesignRow
 from onboard.driving.tuning import Learned
@@ -34,15 +35,21 @@ STOCK_ID: Final = "train"
 
 
 def prepared_row(
-    body: Rows, believed: Rows, driving: Driving, unit: UnitParameters, learned: Learned, pulses: bool
+    body: Rows,
+    believed: Rows,
+    driving: Driving,
+    unit: UnitParameters,
+    learned: Learned,
+    pulses: bool,
+    law_settings: Record | None = None,
 ) -> Rows:
     """A STOCK row, shape (1,), of a train that drives at rest at path coordinate 0 and knows it, nothing ahead."""
     stock = np.zeros(1, dtype=STOCK)
     stock["plant"] = new_plant(1, 1.0)  # coasting: no brake applied
     stock["body"], stock["board"]["kind"] = body, believed
     stock["board"]["behaviour"] = behaviour_row(driving, believed[0])
-    stock["board"]["laws"]["number"] = law_number(driving.law)
     row = stock.view(np.recarray)[0]
+    fit_law(row.board.laws, driving.law, law_settings)
     row.truth.active = row.truth.powered = 1
     for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m", "track_end_m"):
         row.truth[name] = np.inf
@@ -56,7 +63,7 @@ def prepared_row(
     own.bound_ahead_m = own.bound_behind_m = unit.tag_accuracy_m + own.pulse_m
     own.bound_growth = unit.wheel_error_share
     own.expected_tag_m = own.rear_trigger_m = own.position_trigger_m = np.inf
-    own.restricted_mps = own.cruise_mps = own.due_s = np.inf
+    own.restricted_mps = own.cruise_mps = own.due_s = own.replan_s = np.inf
     kind: TrainRow = row.board.kind
     behaviour: BehaviourRow = row.board.behaviour
     fill_design(row.board.design, kind, behaviour, learned)

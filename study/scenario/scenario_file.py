@@ -13,6 +13,7 @@ from network.files.patch import LineWords
 from network.files.quantities import Seed
 from network.files.timetable_patch import TimetableWords
 from network.files.toml_input import Record
+from onboard.driving.laws.settings import LawTables
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.settings import (
@@ -70,6 +71,7 @@ class PatchTable(Record):
     air: Annotated[TableWords | None, about("on [air]")] = None
     unit: Annotated[TableWords | None, about("on [unit]")] = None
     driving: Annotated[TableWords | None, about("on [driving]")] = None
+    law: Annotated[TableWords | None, about("on [law]")] = None
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
@@ -103,6 +105,7 @@ class ScenarioFile(Record):
     air: AirParameters = Field(default_factory=AirParameters)
     unit: UnitParameters = Field(default_factory=UnitParameters)
     driving: Driving = Field(default_factory=Driving)
+    law: LawTables = Field(default_factory=LawTables)
     sensors: Sensors = Field(default_factory=Sensors)
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING

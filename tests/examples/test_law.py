@@ -27,10 +27,10 @@ def test_a_law_that_holds_half_the_limit(clone: Callable[[], Any]) -> None:
     made.write(
         TABLE,
         (
-            "from onboard.driving.laws.follow_plan import FollowPlanRow, follow_plan\n",
+            "from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan\n",
             "from onboard.driving.laws.half_limit import HalfLimitRow, half_limit\n",
         ),
-        ("Law(follow_plan, FollowPlanRow)", ", Law(half_limit, HalfLimitRow)"),
+        ("Law(hold_speed, HoldSpeedRow)", ", Law(half_limit, HalfLimitRow)"),
     )
     assert made.is_what_is_told("driving law")
     figures = made.run(HERE / "slow_day.toml")

@@ -13,7 +13,7 @@ PLAN_COAST: Final = 2  # neither power nor brake
 
 
 class CueRow(Protocol):
-    """What is so in this tick. A law writes `ceiling_mps` and nothing else of it."""
+    """What is so in this tick. A law writes `ceiling_mps`, and `late_s` if it follows a plan; nothing else of it."""
 
     now_s: Annotated[float, "simulated time since midnight"]
     due_s: Annotated[float, "when the front should be at `unit.target_stop_m`; +inf: no matter when"]
@@ -24,6 +24,7 @@ class CueRow(Protocol):
         float, "driving stays under this: limits here and ahead, permitted speed, operating mode"
     ]
     ceiling_mps: Annotated[float, "the law's own: it means to run no faster than this"]
+    late_s: Annotated[float, "the law's own: behind its plan by this; negative: ahead of it"]
 
 
 class PlanRow(Protocol):

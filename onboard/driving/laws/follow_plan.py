@@ -5,11 +5,14 @@ A train that is later than the plan gives up coasting until it has caught up; on
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from network.files.kinds import about
+from network.files.quantities import Wait
+from network.files.toml_input import Record
 from onboard.driving.laws.cue import PLAN_COAST, PLAN_NONE, CueRow
 from onboard.driving.laws.hold_speed import holding_notch
 from onboard.driving.laws.power import overspeed_mps
@@ -17,13 +20,23 @@ from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 
-LATE_S: Final = 3.0  # assumed: later than the plan by this, a train no longer coasts
-PUNCTUAL_S: Final = 1.0
+
+class FollowPlan(Record):
+    """`[law.follow_plan]`: when a train that is late gives up coasting."""
+
+    coasts_until_late_s: Annotated[
+        Wait, about("later than the plan by this, a train no longer coasts", "assumed: what a driver notices")
+    ] = 3.0
+    coasts_again_late_s: Annotated[
+        Wait, about("no later than this, it coasts again", "assumed: so that it does not swing")
+    ] = 1.0
 
 
 class FollowPlanRow(Protocol):
     """What this law keeps."""
 
+    coasts_until_late_s: float
+    coasts_again_late_s: float
     late_s: Annotated[float, "behind the plan; negative: ahead of it"]
     catching_up: Annotated[int, "1: too late to coast"]
 
@@ -46,9 +59,10 @@ def follow_plan(
         if mode != PLAN_NONE:
             speed_mps = here.speed_mps
     own.late_s = cue.now_s + left_s - cue.due_s if mode != PLAN_NONE and np.isfinite(cue.due_s) else 0.0
-    if own.late_s > LATE_S:
+    cue.late_s = own.late_s
+    if own.late_s > own.coasts_until_late_s:
         own.catching_up = 1
-    elif own.late_s < PUNCTUAL_S:
+    elif own.late_s < own.coasts_again_late_s:
         own.catching_up = 0
     if own.catching_up == 1:
         speed_mps = np.inf

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol, cast
+from typing import Annotated, Final, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
-from onboard.driving.laws.follow_plan import FollowPlanRow, follow_plan
+from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled_lines
@@ -25,10 +26,19 @@ from vehicle.records import TrainRow
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """One law: its compiled function, named as scenarios name it, and the class of its own row."""
+    """One law: its compiled function, named as scenarios name it, and the class of its own row.
+
+    `settings`: the table of a scenario with its figures, whose keys are fields of the row too. `drawn`: fields of the
+    row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
+    departure. `stops`: it brings the train to the mark by itself, without TASC.
+    """
 
     function: Callable[..., float]
     row: type
+    settings: type[Record] | None = None
+    drawn: tuple[str, ...] = ()
+    plans: bool = False
+    stops: bool = False
 
     @property
     def name(self) -> str:
@@ -36,7 +46,10 @@ class Law:
         return self.function.__name__
 
 
-LAWS: Final = (Law(hold_speed, HoldSpeedRow), Law(follow_plan, FollowPlanRow))
+LAWS: Final = (
+    Law(hold_speed, HoldSpeedRow),
+    Law(follow_plan, FollowPlanRow, FollowPlan, plans=True),
+)
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 
 
@@ -44,6 +57,7 @@ class LawsRow(Protocol):
     """Which law drives, and a row for each of them under its name."""
 
     number: int
+    stops: Annotated[int, "1: this law brings the train to the mark by itself"]
 
 
 LawsRow.__annotations__.update({law.name: law.row for law in LAWS})
@@ -51,11 +65,6 @@ LAWS_ROW: Final = dtype_of(LawsRow)
 
 Rows = NDArray[np.void]
 Ask = Callable[[LawsRow, CueRow, UnitRow, TrainRow, BehaviourRow, Rows, Rows], float]
-
-
-def law_number(name: str) -> int:
-    """Number of a law in its row. ValueError for one that there is not."""
-    return LAW_NAMES.index(name)
 
 
 def _ask() -> Ask:

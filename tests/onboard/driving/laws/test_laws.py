@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from onboard.board import BOARD, SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
-from onboard.driving.laws.table import LAW_NAMES, LAWS, law_number
+from onboard.driving.laws.settings import fit_law
+from onboard.driving.laws.table import LAW_NAMES, LAWS
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.records import BehaviourRow, UnitRow
 from onboard.tick import tick
@@ -65,8 +66,8 @@ def ride(
         for name, part in (("unit", unit), ("kind", train), ("behaviour", behaviour)):
             rows[name][0] = part
         rows["tasc"][0], rows["design"][0], rows["wave"][0] = kept.tasc, kept.design, kept.wave
-        rows["laws"]["number"] = law_number(law)
-        rows["unit"]["due_s"] = np.inf
+        fit_law(rows.view(np.recarray)[0].laws, law)
+        rows["unit"]["due_s"] = rows["unit"]["replan_s"] = np.inf
         return Ride(rows.view(np.recarray)[0], track(np.zeros(TRACK_M), limit_mps), **of_ride)
 
     return make
