@@ -21,7 +21,7 @@ from onboard import notes
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.driving.laws.table import LawsRow
 from onboard.driving.pace import Pace
-from onboard.driving.planner import Laid
+from onboard.driving.planner.plan import Laid
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge

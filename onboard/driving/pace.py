@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.driving.laws.table import LAWS, LawsRow
-from onboard.driving.planner import Ahead, Laid, planned
+from onboard.driving.planner.plan import Ahead, Laid, planned
 from onboard.duty.mission import Passing, Target
 from onboard.duty.timekeeping import cruise_for
 from onboard.records import BehaviourRow, UnitRow

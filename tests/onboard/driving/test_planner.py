@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from onboard.driving.laws.cue import PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD, PLAN_NONE
-from onboard.driving.planner import lay
+from onboard.driving.planner.plan import lay
 from vehicle.optimum import Profile
 
 RIM_MPS2 = np.array([1.0, 0.1, 0.0, -0.4])
