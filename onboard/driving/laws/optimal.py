@@ -1,8 +1,8 @@
 """Drive the optimal profile with whole notches: power, hold, coast and brake as the plan has them (省エネ運転).
 
 The plan is laid by the unit at each departure (`onboard.driving.planner`), and anew whenever the train is off it by
-more than `replan_after_s`; within that the law lets time be, since haste costs more than a few seconds are worth. The stop
-at the mark is TASC's, whose pattern the plan ends in.
+more than `replan_after_s`; within that the law lets time be, since haste costs more than a few seconds are worth. The
+stop at the mark is TASC's, whose pattern the plan ends in.
 """
 
 from __future__ import annotations
