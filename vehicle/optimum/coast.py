@@ -36,7 +36,10 @@ GOLDEN: Final = (math.sqrt(5.0) - 1.0) / 2.0
 
 @dataclass(frozen=True, slots=True)
 class CoastRun:
-    """A run and the two figures that it is told by. `rim_mps2`: what motors and brakes give on each stretch."""
+    """A run and the two figures that it is told by: the greatest speed under power, and where it shuts off.
+
+    `rim_mps2`: what motors and brakes give on each stretch.
+    """
 
     profile: Profile
     rim_mps2: Floats
@@ -160,7 +163,7 @@ def _told(found: Laid, cruise: float, shut_off: int) -> CoastRun:
         profile,
         rim,
         float(energy[-1]) + auxiliary_w * float(profile.time_s[-1]),
-        math.sqrt(2.0 * cruise),
+        math.sqrt(2.0 * min(cruise, float(z[: shut_off + 1].max()))),
         float(way.at_m[shut_off]),
     )
 

@@ -170,15 +170,20 @@ def _journey(stops: Sequence[JourneyStop], times_s: list[float], prices_w: list[
     )
 
 
-def earliest_times(running_s: Sequence[float], stops: Sequence[JourneyStop]) -> Journey:
+def earliest_times(
+    running_s: Sequence[float], least_s: Sequence[float], stops: Sequence[JourneyStop]
+) -> Journey:
     """The journey that runs each hop in the time given and stands no longer than it must: reserve is kept to the end.
 
-    `WindowMissed` where a latest time is passed. Prices are 0: nothing is weighed.
+    A hop is faster than that, down to its least time, only where a latest time asks for it; `WindowMissed` where that
+    is not enough. Prices are 0: nothing is weighed.
     """
+    latest_s = _latest_arrivals_s(least_s, stops)
     time_s = stops[0].departure.earliest_s
     times = [StopTimes(stops[0].name, None, time_s)]
-    for hop_s, stop in zip(running_s, stops[1:], strict=True):
-        arrival_s = max(time_s + hop_s, stop.arrival.earliest_s)
+    for hop_s, fastest_s, due_s, stop in zip(running_s, least_s, latest_s, stops[1:], strict=True):
+        arrival_s = time_s + max(fastest_s, min(hop_s, due_s - time_s))
+        arrival_s = max(arrival_s, stop.arrival.earliest_s)
         _in_time(stop, "arrival", arrival_s, stop.arrival)
         if stop is stops[-1]:
             times.append(StopTimes(stop.name, arrival_s, None))
@@ -188,6 +193,16 @@ def earliest_times(running_s: Sequence[float], stops: Sequence[JourneyStop]) -> 
         _in_time(stop, "departure", time_s, stop.departure)
         times.append(StopTimes(stop.name, arrival_s if stop.stands else time_s, time_s))
     return Journey(tuple(times), tuple(0.0 for _ in running_s))
+
+
+def _latest_arrivals_s(least_s: Sequence[float], stops: Sequence[JourneyStop]) -> list[float]:
+    """Latest arrival at each stop but the first from which all later windows can still be kept."""
+    found: list[float] = []
+    for stop, onward_s in zip(reversed(stops[1:]), [math.inf, *reversed(least_s)], strict=False):
+        leave_by_s = math.inf if stop is stops[-1] else min(stop.departure.latest_s, found[-1] - onward_s)
+        dwell_s = stop.dwell_min_s if stop.stands else 0.0
+        found.append(min(stop.arrival.latest_s, leave_by_s - dwell_s))
+    return found[::-1]
 
 
 def _in_time(stop: JourneyStop, event: str, time_s: float, window: Window) -> None:

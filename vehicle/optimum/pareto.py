@@ -23,7 +23,7 @@ SAME_TIME_S: Final = 1e-6  # solutions nearer than this count as one
 
 @dataclass(frozen=True, slots=True)
 class ParetoPoint:
-    """One solution of a hop. `price_w`: what one more second would save, W.
+    """One solution of a hop. `price_w`: what one more second would save, W; nan: as its neighbours tell.
 
     `bound_j`: no run in `time_s` needs less, proven, such that `bound_j - price_w * (T - time_s)` is a bound for any
     other time T too; minus infinity: nothing is proven.
@@ -111,10 +111,17 @@ def curve_of(points: Iterable[ParetoPoint], *, may_wait: bool = True) -> HopCurv
     chords = [_saving_w(*pair) for pair in pairwise(hull)]
     above, below = [math.inf, *chords], [*chords, 0.0]
     made = (
-        ParetoPoint(p.time_s, p.energy_j, min(max(p.price_w, low), high, PRICE_MAX_W), p.bound_j)
+        ParetoPoint(p.time_s, p.energy_j, _price_w(p.price_w, high, low), p.bound_j)
         for p, high, low in zip(hull, above, below, strict=True)
     )
     return HopCurve(tuple(made), may_wait)
+
+
+def _price_w(price_w: float, high_w: float, low_w: float) -> float:
+    """A price between its chords; the mean of those where none is known, and at the least time the chord's."""
+    if math.isnan(price_w):
+        price_w = low_w if math.isinf(high_w) else 0.5 * (high_w + low_w)
+    return min(max(price_w, low_w), high_w, PRICE_MAX_W)
 
 
 def proportional_curve(least_s: float, stretch_max: float = 20.0, *, may_wait: bool = True) -> HopCurve:

@@ -254,7 +254,7 @@ def test_a_window_that_cannot_be_kept_is_named_with_its_seconds() -> None:
     assert (missed.value.stop, missed.value.event) == ("c", "arrival")
     assert missed.value.late_s == pytest.approx(7.5)
     with pytest.raises(WindowMissed, match=r"arrival at c 7\.5 s after its latest time"):
-        earliest_times([100.0, 100.0], stops)
+        earliest_times([105.0, 105.0], [100.0, 100.0], stops)
     passing = [
         stops[0],
         JourneyStop("b", Window(300.0, 400.0), stands=False),
@@ -273,13 +273,12 @@ def test_reserve_at_the_end_runs_as_fast_as_told_and_waits_for_the_timetable() -
         JourneyStop("c", Window(latest_s=400.0), Window(), 20.0),
         JourneyStop("d", Window(latest_s=700.0)),
     ]
-    journey = earliest_times([100.0, 100.0, 100.0], stops)
-    assert [(s.arrival_s, s.departure_s) for s in journey.stops] == [
-        (None, 0.0),
-        (100.0, 180.0),
-        (280.0, 300.0),
-        (400.0, None),
-    ]
+    wanted, least = [100.0, 100.0, 100.0], [90.0, 90.0, 90.0]
+    times = [(stop.arrival_s, stop.departure_s) for stop in earliest_times(wanted, least, stops).stops]
+    assert times == [(None, 0.0), (100.0, 180.0), (280.0, 300.0), (400.0, None)]
+    stops[-1] = JourneyStop("d", Window(latest_s=385.0))
+    times = [(stop.arrival_s, stop.departure_s) for stop in earliest_times(wanted, least, stops).stops]
+    assert times == [(None, 0.0), (100.0, 180.0), (275.0, 295.0), (385.0, None)]
 
 
 def test_of_times_that_cost_the_same_the_earliest() -> None:
