@@ -73,7 +73,8 @@ class Pace:
         if due_s is not None and there.departure_s is not None:
             dwell_s = parameters.dwell_min_s if there.passengers else 0.0
             due_s = min(due_s, there.departure_s - dwell_s)
-        row.cruise_mps = math.inf
+        row.cruise_mps = row.replan_s = math.inf
+        row.plan_rows = 0
         row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
         self.timed = passing = self.next_passing(there)
         until_m = math.inf if passing is None else passing.position_m
