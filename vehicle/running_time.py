@@ -19,7 +19,7 @@ from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.records import TrainRow
 from vehicle.resistance import gradient_force_n, resistance_n
 from vehicle.traction import full_force_n, motored_grip_n
-from vehicle.wire import wire_power_w
+from vehicle.wire import power_at_grip_w
 
 STEPS_MAX: Final = 200_000
 ALL_MOTORS: Final = 1.0
@@ -144,7 +144,7 @@ def predicted_run(
         force_n = inertia * (after - speed) / dt_s + resist_n
         energy_j += train.auxiliary_power_w * dt_s
         motors_n = force_n if force_n > 0.0 else -electric_brake_n(train, ALL_MOTORS, -force_n, grip_n, speed)
-        energy_j += wire_power_w(train, ALL_MOTORS, motors_n, distance / dt_s) * dt_s
+        energy_j += power_at_grip_w(train, ALL_MOTORS, motors_n, distance / dt_s, grip_n) * dt_s
         if distance >= min(left, until_m - position):
             share = min(left, until_m - position) / distance
             return time_s + share * dt_s, energy_j
