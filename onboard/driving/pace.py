@@ -41,15 +41,15 @@ class Pace:
         self._replan_after_s: Final = (
             float(getattr(laws, law.name).replan_after_s) if law is not None and law.plans else None
         )
-        self._climb_m: NDArray[np.float64] = np.zeros(1)
-        self._driving_mps: NDArray[np.float64] = np.zeros(1)
+        self.climb_m: NDArray[np.float64] = np.zeros(1)
+        self.driving_mps: NDArray[np.float64] = np.zeros(1)
         self._laid: Laid | None = None
 
     def take_up(self, rows: NDArray[np.void]) -> None:
         """Another path: its rows of PATTERN."""
         self.timed = self._laid = None
-        self._climb_m = np.ascontiguousarray(rows["climb_m"])
-        self._driving_mps = np.ascontiguousarray(rows["driving_mps"])
+        self.climb_m = np.ascontiguousarray(rows["climb_m"])
+        self.driving_mps = np.ascontiguousarray(rows["driving_mps"])
         self._row.plan_rows = 0  # a plan is of the path it was made for
         self._row.cruise_mps = self._row.replan_s = math.inf
 
@@ -88,8 +88,8 @@ class Pace:
         row.cruise_mps = cruise_for(
             self._train,
             load_share,
-            self._climb_m,
-            self._driving_mps,
+            self.climb_m,
+            self.driving_mps,
             row.position_m,
             there.mark_m,
             available_s,
@@ -106,8 +106,8 @@ class Pace:
         ahead = Ahead(
             self._train,
             load_share,
-            self._climb_m,
-            self._driving_mps,
+            self.climb_m,
+            self.driving_mps,
             row.position_m,
             mark_m,
             float(row.speed_mps),
