@@ -35,7 +35,7 @@ NONE_S: Final = np.inf  # running time of a train that never came to rest
 
 Floats = NDArray[np.float64]
 # Rows of PLAN on the grid of the way's path for an ordered running time, s, and a load
-Planner = Callable[["Course", float, float], Rows]
+Planner = Callable[["HopBench", float, float], Rows]
 
 
 class HopRow(Protocol):
@@ -253,7 +253,7 @@ class Timed:
         return int(self.outcome["power_changes"] + self.outcome["brake_changes"])
 
 
-class Course:
+class HopBench:
     """A bench's train on one way: makes as many hops as are asked for, in one compiled call."""
 
     def __init__(self, bench: Bench, way: Way, planner: Planner | None = None) -> None:

@@ -7,7 +7,7 @@ from typing import Final
 
 from network.files.toml_input import Record
 from study.papers.parameter_sets import TABLE_1
-from study.papers.single_hop import Course, Planner, Way, one_gradient
+from study.papers.single_hop import HopBench, Planner, Way, one_gradient
 from study.papers.single_train import Bench
 from vehicle.train_file import TrainType, load_train, shipped_train
 
@@ -32,13 +32,13 @@ def paper_bench(
     return Bench(paper_train(), driving, TABLE_1.unit, law_settings=law_settings, drawn=drawn)
 
 
-def paper_course(
+def paper_hops(
     law: str,
     gradient_permille: float = 0.0,
     law_settings: Record | None = None,
     planner: Planner | None = None,
     way: Way | None = None,
-) -> Course:
+) -> HopBench:
     """The paper's hop on one gradient, or another way, under a law."""
     over = one_gradient(HOP_M, gradient_permille) if way is None else way
-    return Course(paper_bench(law, law_settings), over, planner)
+    return HopBench(paper_bench(law, law_settings), over, planner)
