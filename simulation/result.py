@@ -18,6 +18,7 @@ from simulation.judge.checkers import Violation
 from simulation.judge.rail import Slippery
 from simulation.motion_digest import motion_digest
 from simulation.world.records import TRACE_EVERY_STEPS
+from simulation.world.ride import Ride
 
 
 class Ending(StrEnum):
@@ -60,7 +61,7 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class EnergyRecord:
-    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m.
+    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m; how a run was driven.
 
     `from_id` and `to_id` are stations, or portal sections, where the train was to stop; alike where it stood at one.
     """
@@ -77,6 +78,7 @@ class EnergyRecord:
     traction_j: float
     regenerated_j: float
     auxiliary_j: float
+    ride: Ride = Ride()
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,14 +2,83 @@
 
 from __future__ import annotations
 
-from vehicle.optimum.course import Course, Optimum, Profile
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.mass import mass_kg
+from vehicle.optimum.course import Course, Optimum, Profile, TooShort
+from vehicle.optimum.laws import law_value, ELECTRIC, RESIST
+from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
+from vehicle.optimum.newton import Mesh, follow
+from vehicle.optimum.way import times_s
+from vehicle.wire import wire_power_w
+
+Floats = NDArray[np.float64]
+
+WEIGHT_FIRST: Final = 0.02
+WEIGHT_WARM: Final = 1e-4
 
 
 def least_time(course: Course) -> Profile:
     """The fastest run; ValueError where the train cannot get there."""
-    raise NotImplementedError
+    found = laid(course)
+    return Profile(found.way.at_m, np.sqrt(2.0 * found.fastest), times_s(found.way.at_m, found.fastest))
 
 
 def least_energy(course: Course, time_s: float, points: int = 300, warm: Optimum | None = None) -> Optimum:
-    """The run of least energy in at most `time_s`; TooShort, with the least time, where there is none."""
-    raise NotImplementedError
+    """The run of least energy in at most `time_s`; TooShort, with the least time, where there is none.
+
+    `warm` is the optimum of a course much like this one; it saves some of the steps.
+    """
+    found = laid(course)
+    return solved(found, time_s, places_m(found, points), warm)
+
+
+def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None) -> Optimum:
+    """The optimum of a course laid out, on these points."""
+    if time_s <= found.least_s:
+        raise TooShort(time_s, found.least_s)
+    mesh, fast = mesh_of(found, at_m, time_s)
+    if warm is None:
+        z, weight = _slower(at_m, fast, time_s), WEIGHT_FIRST
+    else:
+        z = np.interp(at_m, warm.position_m, 0.5 * warm.speed_mps**2)
+        z[1:-1] = np.clip(z[1:-1], 1e-3 * fast[1:-1], fast[1:-1])
+        z[0], z[-1] = fast[0], fast[-1]
+        weight = WEIGHT_WARM
+    rounds, costate, price, _ = follow(mesh, found.table, z, weight)
+    return _told(found, mesh, at_m, z, costate, price, rounds)
+
+
+def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
+    """The fastest run with all speeds between the ends lowered alike, so that it takes about the time."""
+    least_s = times_s(at_m, fast)[-1]
+    share = min(least_s / time_s, 1.0)
+    z = fast * (share * share * 1.02 if share < 0.99 else share * share)
+    z[0], z[-1] = fast[0], fast[-1]
+    return np.minimum(z, fast)
+
+
+def _told(
+    found: Laid, mesh: Mesh, at_m: Floats, z: Floats, costate: Floats, price: float, rounds: int
+) -> Optimum:
+    """The mesh's solution in forces and joules."""
+    train = found.course.train
+    inertia = found.inertia_kg
+    mean = 0.5 * (z[:-1] + z[1:])
+    speed = np.sqrt(2.0 * mean)
+    motors, air = np.empty(len(mean)), np.empty(len(mean))
+    energy_j = 0.0
+    for i, v in enumerate(speed):
+        resist = law_value(found.table, RESIST, v) + mesh.drag[i] * v * v
+        force = (z[i + 1] - z[i]) / mesh.h_m[i] + resist + mesh.grade[i]
+        electric = law_value(found.table, ELECTRIC, v)
+        motors[i] = inertia * max(force, -electric)
+        air[i] = inertia * max(-electric - force, 0.0)
+        power_w = wire_power_w(train, 1.0, motors[i], v)
+        energy_j += mesh.h_m[i] / v * (power_w if power_w > 0.0 else found.course.regeneration * power_w)
+    time_s = times_s(at_m, z)
+    energy_j += mesh.auxiliary * inertia * time_s[-1]
+    return Optimum(at_m, np.sqrt(2.0 * z), time_s, motors, air, energy_j, price * inertia, costate, rounds)
