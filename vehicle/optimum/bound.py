@@ -49,6 +49,7 @@ BAND_MPS: Final = STARTING_BAND_KMH / KMH_PER_MPS
 
 
 GRADES: Final = 12  # halvings of the stretch at a stand
+STANDS_MPS: Final = 1e-4
 
 
 class Prices(NamedTuple):
@@ -198,7 +199,7 @@ def slope_of(mesh: Mesh, table: Floats, i: int, low: float, high: float, a: floa
     x = local(mesh, table, i, a, 0.5 * (low + high))
     v, w = math.sqrt(2.0 * low), math.sqrt(2.0 * high)
     slope = mu * x.f_z
-    if v > 0.0 and w > 0.0:
+    if v > STANDS_MPS and w > STANDS_MPS:
         slope -= (second + mesh.auxiliary) * 2.0 / (v * w * (v + w))
     over, under = mu - mesh.inverse_traction, mesh.regenerated - mu
     held = mesh.deceleration - (x.f - a)
