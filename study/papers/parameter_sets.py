@@ -59,7 +59,7 @@ LINE: Final = ParameterSet(
     "line",
     Driving(),
     UnitParameters(),
-    ("line-stops", "oda-tuning", "stop-statistics", "stop-window", "sugiyama-table5"),
+    ("line-stops", "oda-tuning", "stop-statistics", "stop-window", "sugiyama-table5", "trainruns"),
     "the defaults of every line run",
 )
 TENTH_SCALE: Final = ParameterSet(
