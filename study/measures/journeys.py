@@ -10,12 +10,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from vehicle.optimum import Course, least_energy, least_time
-from vehicle.optimum.bound import lower_bound_j
+from vehicle.optimum import Course, least_time
 from vehicle.optimum.coast import cruise_run
 from vehicle.optimum.journey import Journey, JourneyStop, earliest_times, journey_bound_j, journey_times
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of, proportional_curve
 from vehicle.optimum.samples import STRETCHES
+from vehicle.optimum.proof import proven
 from vehicle.running_time import laid_down_s
 
 ROUNDS: Final = 6  # of solving at the times found and sharing anew; the bound says whether they suffice
@@ -44,9 +44,9 @@ class SampledHop:
         if time_s < JUST_POSSIBLE * self.least_s:
             return self._fastest_j
         if time_s not in self.points:
-            found = least_energy(self.course, time_s)
-            bound_j = float(lower_bound_j(self.course, found, time_s))
-            self.points[time_s] = ParetoPoint(time_s, float(found.energy_j), float(found.price_w), bound_j)
+            found = proven(self.course, time_s)
+            price_w = max(float(found.optimum.price_w), 0.0)  # the one of the bound's line, too
+            self.points[time_s] = ParetoPoint(time_s, float(found.energy_j), price_w, float(found.bound_j))
         return self.points[time_s].energy_j
 
     def curve(self) -> HopCurve:

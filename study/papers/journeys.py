@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
+from network.model import Direction
 from onboard.driving.planner.windows import journey_stops
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
@@ -23,11 +25,20 @@ from study.measures.least_energy import Allowed, course_of
 from study.measures.running_times import planned_hops
 from study.papers.journeys_chart import write_seconds
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reference_data import reference_folder
+from study.papers.ttobench_files import course_of as bench_course
+from study.papers.ttobench_files import read_track, read_train
 from study.scenario.scenario import load_scenario
 from vehicle.optimum.journey import ANY_TIME, JourneyStop, Window, WindowMissed
 
 SCENARIO: Final = "karasuyama_weekday"
 HIDDEN_S: Final = 59.0
+TRACKS: Final = (
+    ("CH_Stadelhofen_Altstetten", "CH_Stadler_KISS_SBB"),
+    ("CN_Songjiazhuang_Yizhuang", "CN_Beijing_Subway"),
+    ("00_reference", "NL_Intercity_VIRM6"),
+)
+FACTORS: Final = (1.05, 1.1, 1.2)
 GAP_MAX_PERCENT: Final = 1.0
 ROUNDING: Final = 1e-6
 CRITERION: Final = f"windows kept; within {GAP_MAX_PERCENT:g} % of the bound; no dearer than in proportion"
@@ -69,16 +80,11 @@ def missed_by_s(stops: Sequence[JourneyStop], shared: Shared) -> float:
 
 def line_cases(setup: Setup, *, quick: bool) -> Iterator[Case]:
     """The first train of the day in each direction: windows free, as published, and published to the minute."""
-    seen = set[object]()
-    for duties in drawn_up(setup, setup.line).values():
-        for duty in duties:
-            mission = duty.mission
-            if mission.direction in seen or not mission.revenue:
-                continue
-            seen.add(mission.direction)
-            yield from _train_cases(setup, mission)
-            if quick:
-                return
+    duties = sorted((d for of in drawn_up(setup, setup.line).values() for d in of), key=lambda duty: duty.enter_s)
+    missions = [duty.mission for duty in duties if duty.mission.revenue]
+    first = {mission.direction: mission for mission in reversed(missions)}
+    for direction in (Direction.DOWN,) if quick else (Direction.DOWN, Direction.UP):
+        yield from _train_cases(setup, first[direction])
 
 
 def _train_cases(setup: Setup, mission: Mission) -> Iterator[Case]:
@@ -105,6 +111,29 @@ def freed(stops: Sequence[JourneyStop]) -> tuple[JourneyStop, ...]:
     """The same journey with the windows of its ends alone."""
     inner = (replace(stop, arrival=ANY_TIME, departure=ANY_TIME) for stop in stops[1:-1])
     return (stops[0], *inner, stops[-1])
+
+
+# tracks of TTOBench -------------------------------------------------------------------------------------------------
+
+
+def track_cases(folder: Path) -> Iterator[Case]:
+    """Tracks with several stops, each with a train of its own kind, at several times the least time in all."""
+    for track_id, train_id in TRACKS:
+        track = read_track(folder / "tracks" / f"{track_id}.json")
+        train = read_train(folder / "trains" / f"{train_id}.json")
+        hops = [
+            SampledHop(
+                f"{begin / 1e3:.1f}-{end / 1e3:.1f} km",
+                bench_course(track, train, perfect=False, from_m=begin, to_m=end),
+            )
+            for begin, end in pairwise(track.stops_m)
+        ]
+        least_s = sum(hop.least_s for hop in hops)
+        middle = [JourneyStop(f"{at / 1e3:.1f} km") for at in track.stops_m[1:-1]]
+        for factor in FACTORS:
+            end = JourneyStop("end", Window(latest_s=factor * least_s))
+            stops = (JourneyStop("start", departure=Window(0.0, 0.0)), *middle, end)
+            yield solved(f"{track_id}, {train_id}, {factor:g} of {least_s:.0f} s", hops, stops)
 
 
 # what is shown ------------------------------------------------------------------------------------------------------
@@ -174,6 +203,8 @@ def parameters(setup: Setup) -> tuple[Parameter, ...]:
         Parameter("below the limits", setup.driving.driving_margin_mps, "m/s", "as units drive"),
         Parameter("braking", setup.driving.stop_deceleration_mps2, "m/s^2", "as units brake"),
         Parameter("dwell", setup.timetable.dwell_min_s, "s", "the timetable's least"),
+        Parameter("tracks", "release 1.5, with their files' efficiencies", "", "TTOBench; dwell apart, as windows are free"),
+        Parameter("time on tracks", ", ".join(f"{factor:g}" for factor in FACTORS), "of the least", "as its single runs"),
         Parameter("hidden by whole minutes", HIDDEN_S, "s", "assumed: times are cut to the minute, not rounded"),
     )
 
@@ -192,7 +223,9 @@ def reproduce(options: Options) -> Reproduction:
     cases = list(line_cases(setup, quick=options.quick))
     remarks = list(REMARKS)
     if options.quick:
-        remarks.append("A short slice: one train of the line.")
+        remarks.append("A short slice: one train of the line, and no track of TTOBench.")
+    else:
+        cases += track_cases(reference_folder(options, "ttobench"))
     if options.out is not None:
         written = write_seconds(cases, Path(options.out))
         remarks.append(f"Wrote {', '.join(path.name for path in written)}.")
