@@ -14,8 +14,8 @@ from vehicle.optimum import Course, least_time
 from vehicle.optimum.coast import cruise_run
 from vehicle.optimum.journey import Journey, JourneyStop, earliest_times, journey_bound_j, journey_times
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of, proportional_curve
-from vehicle.optimum.samples import STRETCHES
 from vehicle.optimum.proof import proven
+from vehicle.optimum.samples import STRETCHES
 from vehicle.running_time import laid_down_s
 
 ROUNDS: Final = 6  # of solving at the times found and sharing anew; the bound says whether they suffice
@@ -92,7 +92,7 @@ class JourneyEnergies:
 
 
 def journey_energies(hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -> JourneyEnergies:
-    """All three ways to share a journey's time. `vehicle.optimum.journey.WindowMissed` where no journey keeps the windows."""
+    """All three ways to share a journey's time. `WindowMissed` where no journey keeps the windows."""
     least_s = [hop.least_s for hop in hops]
     standard_s = [float(laid_down_s(time_s)) for time_s in least_s]
     standard = _costed(hops, earliest_times(standard_s, least_s, stops))

@@ -1,9 +1,10 @@
 """`branchline reproduce journeys`: whole runs of several hops, their time shared in proportion and where it saves most.
 
 Trains of the Karasuyama line, from end to end, with windows free (the ends and the least dwell alone bind), as
-published, and as published to the minute (a time in whole minutes hides up to 59 s; none where trains can meet); and the
-tracks of TTOBench that have several stops. There is no published result to compare with: what is judged is that windows
-are kept, that the plan lies within 1 % of a bound proven for all journeys, and that it is no dearer than in proportion.
+published, and as published to the minute (a time in whole minutes hides up to 59 s; none where trains can meet); and
+the tracks of TTOBench that have several stops. There is no published result to compare with: what is judged is that
+windows are kept, that the plan lies within 1 % of a bound proven for all journeys, and that it is no dearer than in
+proportion.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from network.model import Direction
 from onboard.driving.planner.windows import journey_stops
@@ -24,8 +25,8 @@ from study.measures.journeys import GAP_ENOUGH, JourneyEnergies, SampledHop, Sha
 from study.measures.least_energy import Allowed, course_of
 from study.measures.running_times import planned_hops
 from study.papers.journeys_chart import write_seconds
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 from study.papers.reference_data import reference_folder
+from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 from study.papers.ttobench_files import course_of as bench_course
 from study.papers.ttobench_files import read_track, read_train
 from study.scenario.scenario import load_scenario
@@ -80,7 +81,9 @@ def missed_by_s(stops: Sequence[JourneyStop], shared: Shared) -> float:
 
 def line_cases(setup: Setup, *, quick: bool) -> Iterator[Case]:
     """The first train of the day in each direction: windows free, as published, and published to the minute."""
-    duties = sorted((d for of in drawn_up(setup, setup.line).values() for d in of), key=lambda duty: duty.enter_s)
+    duties = sorted(
+        (d for of in drawn_up(setup, setup.line).values() for d in of), key=lambda duty: duty.enter_s
+    )
     missions = [duty.mission for duty in duties if duty.mission.revenue]
     first = {mission.direction: mission for mission in reversed(missions)}
     for direction in (Direction.DOWN,) if quick else (Direction.DOWN, Direction.UP):
@@ -97,7 +100,9 @@ def _train_cases(setup: Setup, mission: Mission) -> Iterator[Case]:
     published = published_stops(setup, mission, 0.0)
     yield solved(f"{mission.number}, windows free", hops, freed(published))
     yield solved(f"{mission.number}, as published", hops, published)
-    yield solved(f"{mission.number}, published to the minute", hops, published_stops(setup, mission, HIDDEN_S))
+    yield solved(
+        f"{mission.number}, published to the minute", hops, published_stops(setup, mission, HIDDEN_S)
+    )
 
 
 def published_stops(setup: Setup, mission: Mission, tolerance_s: float) -> tuple[JourneyStop, ...]:
@@ -145,7 +150,8 @@ def row_of(case: Case) -> Row:
     if found is None:
         return Row(case.name, None, f"not possible: {case.why}", passed=False, criterion=CRITERION)
     kept = all(
-        missed_by_s(case.stops, shared) <= ROUNDING for shared in (found.standard, found.proportional, found.optimal)
+        missed_by_s(case.stops, shared) <= ROUNDING
+        for shared in (found.standard, found.proportional, found.optimal)
     )
     dearer_j = found.optimal.energy_j - found.proportional.energy_j
     ours = {
@@ -203,9 +209,21 @@ def parameters(setup: Setup) -> tuple[Parameter, ...]:
         Parameter("below the limits", setup.driving.driving_margin_mps, "m/s", "as units drive"),
         Parameter("braking", setup.driving.stop_deceleration_mps2, "m/s^2", "as units brake"),
         Parameter("dwell", setup.timetable.dwell_min_s, "s", "the timetable's least"),
-        Parameter("tracks", "release 1.5, with their files' efficiencies", "", "TTOBench; dwell apart, as windows are free"),
-        Parameter("time on tracks", ", ".join(f"{factor:g}" for factor in FACTORS), "of the least", "as its single runs"),
-        Parameter("hidden by whole minutes", HIDDEN_S, "s", "assumed: times are cut to the minute, not rounded"),
+        Parameter(
+            "tracks",
+            "release 1.5, with their files' efficiencies",
+            "",
+            "TTOBench; dwell apart, as windows are free",
+        ),
+        Parameter(
+            "time on tracks",
+            ", ".join(f"{factor:g}" for factor in FACTORS),
+            "of the least",
+            "as its single runs",
+        ),
+        Parameter(
+            "hidden by whole minutes", HIDDEN_S, "s", "assumed: times are cut to the minute, not rounded"
+        ),
     )
 
 

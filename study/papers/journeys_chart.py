@@ -43,17 +43,23 @@ def _panel(axes: Axes, name: str, hops: Sequence[str], found: JourneyEnergies) -
         axes.bar(at + offset * WIDTH, running - least, WIDTH, bottom=least, color=color, label=label)
     tops = np.maximum(*shares)
     for x, top, kwh in zip(at, tops, saved, strict=True):
-        axes.annotate(f"{kwh:+.2f}", (x, top), ha="center", va="bottom", fontsize=7, color=INK if kwh >= 0 else RED)
+        axes.annotate(
+            f"{kwh:+.2f}", (x, top), ha="center", va="bottom", fontsize=7, color=INK if kwh >= 0 else RED
+        )
     axes.set_xticks(at, hops, fontsize=7.5)
     axes.set_ylim(0.0, float(tops.max()) * 1.15)
     axes.set_ylabel("running time, s")
-    axes.set_title(f"{name}: {found.saving_percent:.2f} % saved; figures are kWh saved", fontsize=8.5, loc="left")
+    axes.set_title(
+        f"{name}: {found.saving_percent:.2f} % saved; figures are kWh saved", fontsize=8.5, loc="left"
+    )
 
 
 def write_seconds(cases: Sequence[Case], folder: Path) -> tuple[Path, ...]:
-    """Write the figure of all cases that are possible as SVG and PNG below `folder`, which is made; the files written."""
+    """Write the figure of all possible cases as SVG and PNG below `folder`, which is made; the files written."""
     shown = [
-        (case.name, [hop.name for hop in case.hops], case.energies) for case in cases if case.energies is not None
+        (case.name, [hop.name for hop in case.hops], case.energies)
+        for case in cases
+        if case.energies is not None
     ]
     folder.mkdir(parents=True, exist_ok=True)
     with drawing():
