@@ -10,15 +10,24 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from vehicle.optimum import Course, least_time
+from vehicle.optimum import Course, TooShort, least_time
 from vehicle.optimum.coast import cruise_run
-from vehicle.optimum.journey import Journey, JourneyStop, earliest_times, journey_bound_j, journey_times
+from vehicle.optimum.journey import (
+    Journey,
+    JourneyStop,
+    ProvenHop,
+    earliest_times,
+    journey_bound_j,
+    journey_times,
+)
+from vehicle.optimum.least import least_time_bound_s
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of, proportional_curve
 from vehicle.optimum.proof import proven
 from vehicle.optimum.samples import STRETCHES
 from vehicle.running_time import laid_down_s
 
 ROUNDS: Final = 6  # of solving at the times found and sharing anew; the bound says whether they suffice
+NEAR_LEAST: Final = (1.002, 1.005)  # multiples of the least time that are solved beside STRETCHES
 GAP_ENOUGH: Final = 1e-4
 JUST_POSSIBLE: Final = 1.001  # of the least time: a hop that gets less is run as fast as it can be
 
@@ -36,18 +45,25 @@ class SampledHop:
     def __post_init__(self) -> None:
         self.least_s = float(least_time(self.course).time_s[-1])
         self._fastest_j = float(cruise_run(self.course, self.least_s).energy_j)
-        for stretch in STRETCHES:
+        for stretch in (*NEAR_LEAST, *STRETCHES):
             self.energy_j(stretch * self.least_s)
 
     def energy_j(self, time_s: float) -> float:
-        """Least energy in a running time, solved once, J."""
+        """Energy of the best run known in a running time, solved once, J: near the least time, of the fastest."""
         if time_s < JUST_POSSIBLE * self.least_s:
             return self._fastest_j
         if time_s not in self.points:
-            found = proven(self.course, time_s)
+            try:
+                found = proven(self.course, time_s)
+            except TooShort:
+                return self._fastest_j
             price_w = max(float(found.optimum.price_w), 0.0)  # the one of the bound's line, too
             self.points[time_s] = ParetoPoint(time_s, float(found.energy_j), price_w, float(found.bound_j))
         return self.points[time_s].energy_j
+
+    def proven(self) -> ProvenHop:
+        """What is proven of it so far."""
+        return ProvenHop(tuple(self.points.values()), least_time_bound_s(self.course))
 
     def curve(self) -> HopCurve:
         """The curve through all that was solved."""
@@ -103,7 +119,7 @@ def journey_energies(hops: Sequence[SampledHop], stops: Sequence[JourneyStop]) -
         found = _costed(hops, journey_times([hop.curve() for hop in hops], stops))
         best = found if best is None or found.energy_j < best.energy_j else best
         prices = [max(price, 0.0) for price in found.journey.prices_w]
-        bound_j = max(bound_j, journey_bound_j([tuple(hop.points.values()) for hop in hops], stops, prices))
+        bound_j = max(bound_j, journey_bound_j([hop.proven() for hop in hops], stops, prices))
         if best.energy_j - bound_j <= GAP_ENOUGH * abs(bound_j):
             break
     return JourneyEnergies(tuple(least_s), standard, proportional, best or proportional, bound_j)

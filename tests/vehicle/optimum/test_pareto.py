@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vehicle.optimum.journey import dual_j
+from vehicle.optimum.journey import ProvenHop, dual_j
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
 
 POINTS = st.lists(
@@ -76,10 +76,10 @@ def test_the_dual_of_lines_is_below_every_run_above_them(
     lines = [ParetoPoint(p.time_s, p.energy_j, p.price_w, p.energy_j) for p in points]
     least_j = max(p.energy_j - p.price_w * (time_s - p.time_s) for p in points)
     assert (
-        dual_j(lines, price_w, 600.0)
+        dual_j(ProvenHop(tuple(lines)), price_w, 600.0)
         <= least_j + price_w * time_s + 1e-6 * (abs(least_j) + price_w * time_s) + 1.0
     )
 
 
 def test_without_a_bound_nothing_is_proven() -> None:
-    assert dual_j([ParetoPoint(100.0, 5.0, 1.0)], 1.0, 600.0) == -math.inf
+    assert dual_j(ProvenHop((ParetoPoint(100.0, 5.0, 1.0),)), 1.0, 600.0) == -math.inf
