@@ -131,9 +131,13 @@ def proven(course: Course, time_s: float, points: int = 300) -> Proof:
     held = np.stack(
         (np.diff(np.interp(fine, way.at_m, way.lift)) / h, np.diff(np.interp(fine, way.at_m, carried)) / h), axis=1
     )
+    # The mesh's force is held through each stretch, so the speed follows the gradients within.
+    bowed = np.interp(fine, way.at_m, way.lift) - np.interp(fine, at_m, np.interp(at_m, way.at_m, way.lift))
+    metre = np.clip(np.searchsorted(way.at_m, fine, side="right") - 1, 0, len(way.limit) - 1)
+    ceiling = np.minimum(way.limit[metre], way.limit[np.maximum(metre - (fine <= way.at_m[metre]), 0)])
     for _ in range(TRIES):
         optimum = solved(found, asked_s, at_m)
-        line = np.interp(fine, at_m, 0.5 * optimum.speed_mps**2)
+        line = np.minimum(np.interp(fine, at_m, 0.5 * optimum.speed_mps**2) - bowed, ceiling)
         z = possible(train, course.load_share, inertia, fine, held, limits, line)
         took_s = float(times_s(fine, z)[-1])
         if time_s * (1.0 - EARLY) <= took_s <= time_s:
