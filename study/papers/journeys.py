@@ -17,6 +17,7 @@ from typing import Final
 
 from network.model import Direction
 from onboard.driving.planner.windows import journey_stops
+from onboard.driving.planner.wish import Style
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
@@ -30,6 +31,7 @@ from study.papers.reproduction import Figure, Options, Parameter, Reproduction, 
 from study.papers.ttobench_files import course_of as bench_course
 from study.papers.ttobench_files import read_track, read_train
 from study.scenario.scenario import load_scenario
+from vehicle.optimum.coast import coast_run, cruise_run
 from vehicle.optimum.journey import ANY_TIME, JourneyStop, Window, WindowMissed
 
 SCENARIO: Final = "karasuyama_weekday"
@@ -128,7 +130,7 @@ def track_cases(folder: Path) -> Iterator[Case]:
         train = read_train(folder / "trains" / f"{train_id}.json")
         hops = [
             SampledHop(
-                f"{begin / 1e3:.1f}-{end / 1e3:.1f} km",
+                f"{begin / 1e3:.1f}-{end / 1e3:.1f}",
                 bench_course(track, train, perfect=False, from_m=begin, to_m=end),
             )
             for begin, end in pairwise(track.stops_m)
@@ -176,6 +178,11 @@ def figures_of(case: Case) -> Iterator[Figure]:
         {"kwh": _kwh(standard.energy_j), "early_s": round(_end_s(found.optimal) - _end_s(standard), 1)},
         "every hop in its standard time: the energy, and how much sooner the train is there",
     )
+    yield Figure(
+        f"{case.name}: styles",
+        {f"{style.value}_kwh": _kwh(styled_j(case, found.optimal, style)) for style in Style},
+        "the same times, each hop at one speed, at one speed with one place to shut off, and by the optimum",
+    )
     ways = (found.proportional, found.optimal)
     for i, hop in enumerate(case.hops):
         proportional_s, allocated_s = (shared.journey.running_s[i] for shared in ways)
@@ -191,6 +198,15 @@ def figures_of(case: Case) -> Iterator[Figure]:
             },
             "where the seconds go; the price is what one more would save",
         )
+
+
+def styled_j(case: Case, shared: Shared, style: Style) -> float:
+    """Energy of a journey's times when every hop is run in a style, J."""
+    if style is Style.OPTIMAL:
+        return shared.energy_j
+    run = cruise_run if style is Style.HOLD else coast_run
+    times = zip(case.hops, shared.journey.running_s, strict=True)
+    return sum(run(hop.course, max(time_s, hop.least_s)).energy_j for hop, time_s in times)
 
 
 def _end_s(shared: Shared) -> float:
@@ -239,7 +255,7 @@ def reproduce(options: Options) -> Reproduction:
     """All cases; `options.quick`: the first train of the line alone. Draws the seconds below `options.out`."""
     setup = load_scenario(SCENARIO, options.seed).setup
     cases = list(line_cases(setup, quick=options.quick))
-    remarks = list(REMARKS)
+    remarks: list[str] = [*REMARKS]
     if options.quick:
         remarks.append("A short slice: one train of the line, and no track of TTOBench.")
     else:
