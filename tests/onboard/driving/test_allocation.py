@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from network.model import Direction
+from network.profile import profile_of
+from onboard.driving.pattern import limit_for_train, lowered_by
 from onboard.driving.planner.allocation import allocated
+from onboard.driving.planner.arrivals import OnMap, Times, arrivals_s
 from onboard.driving.planner.windows import journey_stops, made_possible
-from onboard.driving.planner.wish import Margin
+from onboard.driving.planner.wish import Margin, Planning
 from onboard.duty.mission import Mission, Target
 from simulation.world.roster import drawn_up
 from study.scenario.scenario import load_scenario
+from vehicle.optimum import least_time
 from vehicle.optimum.journey import JourneyStop, Window, WindowMissed, journey_times
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
+from vehicle.resistance import climb_m
+from vehicle.running_time import laid_down_s
 
 
 def hop(least_s: float, scale_j: float) -> HopCurve:
@@ -121,3 +128,56 @@ def test_directions_do_not_matter_to_where_trains_can_meet() -> None:
         crossing = {target.station_id for target in mission.targets if target.crossing}
         assert "OGN" in crossing and "TAK" not in crossing
     assert math.isfinite(mission.targets[-1].mark_m)
+
+
+def on_map_of(mission: Mission) -> OnMap:
+    setup = load_scenario("karasuyama_weekday").setup
+    kind = next(iter(setup.trains.values()))
+    train = kind.row.view(np.recarray)[0]
+    profile = profile_of(setup.line, mission.path)
+    driving_mps = lowered_by(limit_for_train(profile["limit_mps"], train), setup.driving.driving_margin_mps)
+    climbs_m = np.ascontiguousarray(climb_m(train, profile["elevation_m"], profile["turn_rad"]))
+    return OnMap(kind.row[0], 0.2, climbs_m, driving_mps, setup.driving.stop_deceleration_mps2)
+
+
+@pytest.mark.parametrize("margin", [Margin.SPREAD, Margin.SAVING])
+def test_with_fixed_departures_every_arrival_is_the_latest(margin: Margin) -> None:
+    mission, dwell_s = mission_of("321M")
+    on_map, times = on_map_of(mission), Times(dwell_s, 10.0)
+    for at, target in enumerate(mission.targets[1:-1], 1):
+        latest_s = mission.targets[at + 1].latest_arrival_s(dwell_s)
+        if target.departure_s is not None and latest_s is not None:
+            due_s = arrivals_s(Planning(margin=margin), on_map, mission, at, 0.0, times)
+            assert due_s == (latest_s - 10.0,)
+
+
+def test_a_tolerance_gives_time_to_the_hop_that_has_too_little_up_to_where_trains_meet() -> None:
+    mission, dwell_s = mission_of("321M")
+    on_map, times = on_map_of(mission), Times(dwell_s, 10.0)
+    names = [target.station_id for target in mission.targets]
+    at, meets = names.index("SHN"), names.index("OGN")
+    planning = Planning(plan_tolerance_s=40.0)
+    due_s = arrivals_s(planning, on_map, mission, at, 0.0, times)
+    assert len(due_s) == meets - at
+    latest_s = [target.latest_arrival_s(dwell_s) or 0.0 for target in mission.targets[at + 1 : meets + 1]]
+    assert latest_s[0] - 10.0 < due_s[0] <= latest_s[0] + 30.0
+    assert due_s[-1] == pytest.approx(latest_s[-1] - 10.0)
+
+
+def test_margin_at_the_end_arrives_after_the_standard_time() -> None:
+    mission, dwell_s = mission_of("321M")
+    on_map, times = on_map_of(mission), Times(dwell_s, 10.0)
+    at = [target.station_id for target in mission.targets].index("NIT")
+    departure_s = mission.targets[at].departure_s
+    assert departure_s is not None
+    (due_s,) = arrivals_s(Planning(margin=Margin.END), on_map, mission, at, 0.0, times)
+    course = on_map.course(mission.targets[at].mark_m, mission.targets[at + 1].mark_m)
+    assert due_s - departure_s == laid_down_s(float(least_time(course).time_s[-1]))
+
+
+def test_where_there_is_no_time_there_is_no_arrival_to_mean() -> None:
+    mission, dwell_s = mission_of("322M")
+    at = len(mission.targets) - 2
+    assert mission.targets[at + 1].station_id is None
+    due_s = arrivals_s(Planning(), on_map_of(mission), mission, at, 0.0, Times(dwell_s, 10.0))
+    assert due_s == (math.inf,)
