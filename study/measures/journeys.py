@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from vehicle.optimum import Course, TooShort, least_time
-from vehicle.optimum.coast import cruise_run
+from vehicle.optimum import Course, TooShort
+from vehicle.optimum.coast import fastest_j
 from vehicle.optimum.journey import (
     Journey,
     JourneyStop,
@@ -21,6 +21,7 @@ from vehicle.optimum.journey import (
     journey_times,
 )
 from vehicle.optimum.least import least_time_bound_s
+from vehicle.optimum.mesh import laid
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of, proportional_curve
 from vehicle.optimum.proof import proven
 from vehicle.optimum.samples import STRETCHES
@@ -43,8 +44,8 @@ class SampledHop:
     _fastest_j: float = field(init=False)
 
     def __post_init__(self) -> None:
-        self.least_s = float(least_time(self.course).time_s[-1])
-        self._fastest_j = float(cruise_run(self.course, self.least_s).energy_j)
+        found = laid(self.course)
+        self.least_s, self._fastest_j = found.least_s, fastest_j(found)
         for stretch in (*NEAR_LEAST, *STRETCHES):
             self.energy_j(stretch * self.least_s)
 

@@ -1,16 +1,17 @@
-"""A hop's energy over its running time from a few runs of each style, and from optima with their bounds."""
+"""A hop's energy over its running time from a few runs of a style."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import Final
 
-from vehicle.optimum.bound import lower_bound_j
-from vehicle.optimum.coast import coast_run, cruise_run
-from vehicle.optimum.course import Course, Optimum, Profile
+from vehicle.optimum.coast import coast_on, cruise_on, fastest_j
+from vehicle.optimum.course import Course, TooShort
+from vehicle.optimum.mesh import Laid, laid, places_m
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
-from vehicle.optimum.solve import least_energy
+from vehicle.optimum.solve import solved
 
 STRETCHES: Final = (
     1.01,
@@ -22,48 +23,35 @@ STRETCHES: Final = (
     1.4,
     1.7,
 )  # of the least time: denser where prices fall fast
+FEW: Final = (1.02, 1.06, 1.14, 1.3, 1.7)  # as many as a unit has time for
+POINTS: Final = 150
 
 
-def optimal_points(
-    course: Course,
-    least_s: float,
-    stretches: Iterable[float] = STRETCHES,
-    *,
-    proven: bool = False,
-    points: int = 300,
-) -> tuple[ParetoPoint, ...]:
-    """Runs of least energy at these multiples of the least time; `proven`: each with its bound, which takes longer."""
-    found: list[ParetoPoint] = []
-    warm: Optimum | None = None
+def optimal_curve(course: Course, stretches: Iterable[float] = FEW) -> HopCurve:
+    """The optimum's energies at these multiples of the least time; at that itself, the fastest run's."""
+    found = laid(course)
+    at_m = places_m(found, POINTS)
+    points = [_fastest(found)]
     for stretch in stretches:
-        time_s = stretch * least_s
-        warm = least_energy(course, time_s, points, warm)
-        bound_j = lower_bound_j(course, warm, time_s) if proven else -math.inf
-        found.append(ParetoPoint(time_s, warm.energy_j, warm.price_w, bound_j))
-    return tuple(found)
+        with suppress(TooShort):  # so near to the least time that the mesh has no run
+            best = solved(found, stretch * found.least_s, at_m)
+            points.append(ParetoPoint(stretch * found.least_s, best.energy_j, best.price_w))
+    return curve_of(points)
 
 
-def optimal_curve(course: Course, fastest: Profile, points: int = 150) -> HopCurve:
-    """The curve of the optimum, its least time that of the `fastest` run, from as many solutions as STRETCHES has."""
-    least_s = float(fastest.time_s[-1])
-    found = optimal_points(course, least_s, points=points)
-    return curve_of((*found, _at_least_time(course, least_s)))
-
-
-def coast_curve(course: Course, fastest: Profile) -> HopCurve:
+def coast_curve(course: Course, stretches: Iterable[float] = FEW) -> HopCurve:
     """The same for runs that shut off once."""
-    least_s = float(fastest.time_s[-1])
-    runs = (coast_run(course, stretch * least_s) for stretch in (1.0, *STRETCHES))
-    return curve_of(ParetoPoint(run.time_s, run.energy_j, math.nan) for run in runs)
+    found = laid(course)
+    runs = (coast_on(found, stretch * found.least_s) for stretch in stretches)
+    return curve_of([_fastest(found), *(ParetoPoint(run.time_s, run.energy_j, math.nan) for run in runs)])
 
 
-def cruise_curve(course: Course, fastest: Profile) -> HopCurve:
+def cruise_curve(course: Course, stretches: Iterable[float] = FEW) -> HopCurve:
     """The same for runs that hold one speed."""
-    least_s = float(fastest.time_s[-1])
-    runs = (cruise_run(course, stretch * least_s) for stretch in (1.0, *STRETCHES))
-    return curve_of(ParetoPoint(run.time_s, run.energy_j, math.nan) for run in runs)
+    found = laid(course)
+    runs = (cruise_on(found, stretch * found.least_s) for stretch in stretches)
+    return curve_of([_fastest(found), *(ParetoPoint(run.time_s, run.energy_j, math.nan) for run in runs)])
 
 
-def _at_least_time(course: Course, least_s: float) -> ParetoPoint:
-    run = cruise_run(course, least_s)
-    return ParetoPoint(run.time_s, run.energy_j, math.nan)
+def _fastest(found: Laid) -> ParetoPoint:
+    return ParetoPoint(found.least_s, fastest_j(found), math.nan)

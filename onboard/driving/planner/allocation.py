@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from onboard.driving.planner.windows import made_possible
 from onboard.driving.planner.wish import Margin, Style
-from vehicle.optimum import Course, Profile
+from vehicle.optimum import Course
 from vehicle.optimum.journey import Journey, JourneyStop, earliest_times, journey_times
 from vehicle.optimum.pareto import HopCurve, proportional_curve
 from vehicle.optimum.samples import coast_curve, cruise_curve, optimal_curve
@@ -22,15 +22,15 @@ class Allocated:
     late_s: float
 
 
-def hop_curve(course: Course, fastest: Profile, style: Style) -> HopCurve:
-    """Energy of a hop over its running time for trains of a style; `fastest` is its run of least time."""
+def hop_curve(course: Course, style: Style) -> HopCurve:
+    """Energy of a hop over its running time for trains of a style."""
     match style:
         case Style.HOLD:
-            return cruise_curve(course, fastest)
+            return cruise_curve(course)
         case Style.COAST:
-            return coast_curve(course, fastest)
+            return coast_curve(course)
         case Style.OPTIMAL:
-            return optimal_curve(course, fastest)
+            return optimal_curve(course)
 
 
 def allocated(hops: Sequence[HopCurve], stops: Sequence[JourneyStop], margin: Margin) -> Allocated:

@@ -86,7 +86,6 @@ def up_to_fixed(stops: Sequence[JourneyStop]) -> tuple[JourneyStop, ...]:
 
 def _curve(course: Course, planning: Planning) -> HopCurve:
     """What the wish needs to know of a hop: its energies where they are weighed, else its least time alone."""
-    fastest = least_time(course)
     if planning.margin is Margin.SAVING:
-        return hop_curve(course, fastest, planning.style)
-    return proportional_curve(float(fastest.time_s[-1]))
+        return hop_curve(course, planning.style)
+    return proportional_curve(float(least_time(course).time_s[-1]))
