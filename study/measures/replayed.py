@@ -26,6 +26,7 @@ Resistance: TypeAlias = Callable[[TrainType, float, Floats], Floats]  # (train, 
 
 STANDARD_GRAVITY_MPS2: Final = 9.80665
 KMH_PER_MPS: Final = 3.6
+LEAST_RUN_M: Final = 0.01  # between two samples: work over less of a way tells no force
 
 
 def jr_resistance_n(kind: TrainType, mass_kg: float, speed_mps: Floats) -> Floats:
@@ -85,7 +86,9 @@ def _traction_of_span_j(
     middle_mps = 0.5 * (speed_mps[1:] + speed_mps[:-1])
     work_j = kinetic_j + weight_n * climb_m + curve_j + resistance(kind, mass, middle_mps) * run_m
     if row["losses_given"] > 0.0:
-        pulls = (run_m > 0.0) & (work_j > 0.0) & ((rows["notch"][1:] > 0.0) | (rows["notch"][:-1] > 0.0))
+        pulls = (
+            (run_m > LEAST_RUN_M) & (work_j > 0.0) & ((rows["notch"][1:] > 0.0) | (rows["notch"][:-1] > 0.0))
+        )
         force_n, time_s = work_j[pulls] / run_m[pulls], run_m[pulls] / middle_mps[pulls]
         power_w = [wire_power_w(row, 1.0, *pair) for pair in zip(force_n, middle_mps[pulls], strict=True)]
         return float(np.dot(power_w, time_s))
