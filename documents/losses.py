@@ -37,8 +37,9 @@ HALVINGS: Final = 30
 HEAD: Final = """\
 # What motors and inverters lose
 
-Made by `make docs` from `vehicle/losses.py` and `vehicle/trains/ev_e301_losses.toml`; do not edit. The law stands in that
-module, why it has this form in [decision 024](decisions/024-losses-and-motors.md); the figures of the train are assumed.
+Made by `make docs` from `vehicle/losses.py` and `vehicle/trains/ev_e301_losses.toml`; do not edit. The law stands
+in that module, why it has this form in [decision 024](decisions/024-losses-and-motors.md); the figures of the train
+are assumed.
 
 Efficiency from the battery to the rim, in percent, by speed and by share of the full force there. First with all four
 motors; behind it with as many as lose least, and how many those are.
@@ -48,8 +49,8 @@ The electric brake, from the rim to the battery, all motors. At little force and
 """
 HOPS: Final = """
 On a hop: the energy of one train down and one up, run from stand to stand in the time of the timetable of
-`karasuyama_weekday` at one cruising speed, without coasting ({share:.0%} of a full load, auxiliaries apart; below 0 more
-came back than was drawn). Cutting motors out saves where a speed is held at light load, pulling or braking.
+`karasuyama_weekday` at one cruising speed, without coasting ({share:.0%} of a full load, auxiliaries apart; below 0
+more came back than was drawn). Cutting motors out saves where a speed is held at light load, pulling or braking.
 
 | hop | km | time, s | all motors, kWh | cut out, kWh | saved, kWh |
 |---|---|---|---|---|---|

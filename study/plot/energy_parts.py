@@ -49,8 +49,8 @@ def draw_energy_parts(run: Seen) -> Figure | None:
         return None
     figure = Figure(figsize=(WIDTH_IN, 3.6 * len(panels)), layout="constrained")
     rows = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
-    for axes, (direction, means) in zip(rows, panels, strict=True):
-        _draw_stack(axes, run, direction, means)
+    for axes, (direction, stacks) in zip(rows, panels, strict=True):
+        _draw_stack(axes, run, direction, stacks)
     rows[0].legend(loc="lower right", ncols=8, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     return figure
 
