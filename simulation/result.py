@@ -20,6 +20,7 @@ from simulation.judge.checkers import Violation
 from simulation.judge.rail import Slippery
 from simulation.motion_digest import motion_digest
 from simulation.world.records import TRACE_EVERY_STEPS
+from simulation.world.ride import Ride
 
 
 class Ending(StrEnum):
@@ -87,7 +88,7 @@ PARTS: Final = tuple(part.name for part in fields(EnergyParts))
 
 @dataclass(frozen=True, slots=True)
 class EnergyRecord:
-    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m.
+    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m; how a run was driven.
 
     `parts` says where it went, the auxiliaries apart. `rejected_j` could have been given back, but the source did not
     take it, so that it is in the friction. `from_id` and `to_id` are stations, or portal sections, where the train was
@@ -108,6 +109,7 @@ class EnergyRecord:
     auxiliary_j: float
     parts: EnergyParts = EnergyParts()
     rejected_j: float = 0.0
+    ride: Ride = Ride()
 
     @property
     def residual_j(self) -> float:

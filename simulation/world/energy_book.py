@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from onboard.duty.mission import Target
 from simulation.result import PARTS, EnergyParts, EnergyRecord, Phase
 from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.world.ride import Ride, taken
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -57,6 +58,7 @@ class EnergyBook:
         """A stock has taken up a train and stands at its first target."""
         phase = Phase.HELD if duty.mission.targets[0].station_id is None else Phase.LAYOVER
         self._accounts[slot] = Account(duty, phase, 0, step, self._counters(slot))
+        taken(self._trains.rides[slot])  # whatever was before it is of no run
 
     def moves(self, slot: int, step: int) -> None:
         """A stock has moved in this step."""
@@ -123,6 +125,7 @@ class EnergyBook:
             now.auxiliary_j - since.auxiliary_j,
             now.parts.since(since.parts),
             now.rejected_j - since.rejected_j,
+            taken(self._trains.rides[slot]) if account.phase is Phase.RUNNING else Ride(),
         )
         (account.leg if on_leg else self.records).append(record)
         account.since_step, account.since = step, now
