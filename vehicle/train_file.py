@@ -339,6 +339,7 @@ def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
     plants["brake_factor"] = 1.0
     plants["emergency_factor"] = 1.0
     plants["motors_share"] = 1.0
+    plants["source_gives_w"] = plants["source_takes_w"] = np.inf
     plants["speed_mps"] = speed_mps
     plants["wheel_speed_mps"] = plants["last_wheel_speed_mps"] = speed_mps
     if speed_mps <= 0.0:
