@@ -37,6 +37,7 @@ from onboard.duty.records import (
     VehicleChecked,
 )
 from onboard.duty.timekeeping import cruise_for
+from onboard.duty.unable import Unable
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
 from onboard.localisation.sighting import sign
 from onboard.localisation.table import READER_NAMES, READERS_ROW, ReadersRow
@@ -98,6 +99,7 @@ class Motion:
         self.command = Command()
         self.load_share = 0.0
         self.vehicle = IN_ORDER
+        self.charge: Unable | None = None  # why its battery does not let it leave
         self.notes: list[notes.Note] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)

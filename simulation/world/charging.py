@@ -1,0 +1,279 @@
+"""Where sets charge, whether their charge takes them on, what they do off the line, and the record of all that.
+
+The world knows which chargers work and tells all crews at once of one that does not; it connects a set to the charger
+at which it truly stands. The rest follows in the compiled step (`simulation.world.charge_control`). What a set needs
+is its unit's own prediction (`simulation.ways`), what it has is what its battery shows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from network.model import Charger
+from onboard.duty.records import Command
+from onboard.duty.unable import NoCharge, Unable
+from onboard.reach import Reach, charger_at, to_next_charge
+from simulation.battery_settings import BatterySettings, Beyond, Departure
+from simulation.result import BatteryEvent, BatteryRecord
+from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.ways import ways_of
+from simulation.world.books import Books
+from simulation.world.charge_control import DOWN, UP, ChargingRow, fits
+from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
+from simulation.world.roster import Duty
+from simulation.world.trains import Trains
+from vehicle.battery import BatteryRow, available_j, soc_of, stand, stored_j
+from vehicle.record import cells_of
+
+SAMPLES_EVERY_S: Final = 30.0
+BEYOND_STEP_S: Final = 1.0
+KWH_J: Final = 3.6e6
+
+
+@dataclass(slots=True)
+class _Off:
+    """A set that has left the line: after which train, and when."""
+
+    number: str
+    since_s: float
+
+
+class Charging:
+    """The batteries of a run; made only where the scenario has them."""
+
+    def __init__(
+        self, setup: Setup, settings: BatterySettings, trains: Trains, books: Books, drawn: Mapping[str, Sequence[Duty]]
+    ) -> None:
+        self.records: list[BatteryRecord] = []
+        self._setup: Final = setup
+        self._settings: Final = settings
+        self._trains: Final = trains
+        self._books: Final = books
+        self._ways: Final = ways_of(setup, drawn)
+        self._rows: Final[list[Any]] = list(trains.stock["battery"])
+        self._batteries: Final[list[BatteryRow]] = [cells_of(BatteryRow, row) for row in self._rows]
+        self._control: Final[list[ChargingRow]] = [
+            cells_of(ChargingRow, row) for row in trains.stock["charging"]
+        ]
+        self._dead: set[str] = set()
+        self._off: dict[int, _Off] = {}
+        self._pantograph = [DOWN] * len(self._batteries)
+        self._asked: dict[int, tuple[str, int]] = {}  # slot: train and stop for which what is needed was worked out
+        self._reach: dict[int, Reach] = {}
+        self._sampled_s = [-math.inf] * len(self._batteries)
+        self._number = [""] * len(self._batteries)
+        for slot, stock_id in enumerate(trains.stock_ids):
+            self._begin_day(slot, stock_id)
+
+    def _begin_day(self, slot: int, stock_id: str) -> None:
+        kind = self._setup.trains[stock_id]
+        if kind.battery is None:
+            return
+        row = self._rows[slot]
+        for name in kind.battery.dtype.names or ():
+            row[name] = kind.battery[name][0]
+        share = self._settings.start_of.get(stock_id, self._settings.start_share)
+        row["charge_c"] = row["full_c"] * (row["soc_low"] + share * (row["soc_high"] - row["soc_low"]))
+        fits(row, self._trains.stock["charging"][slot])
+
+    def has(self, slot: int) -> bool:
+        """Whether a set runs on a battery."""
+        return bool(self._batteries[slot].fitted)
+
+    # chargers -------------------------------------------------------------------------------------------------
+
+    def charger_is(self, station_id: str, *, works: bool, step: int) -> None:
+        """A charger fails or is mended: sets that stand there see it, all crews are told."""
+        (self._dead.discard if works else self._dead.add)(station_id)
+        self._asked.clear()
+        for slot in self._trains.active():
+            self.stands(slot, step)
+
+    def stands(self, slot: int, step: int) -> None:
+        """A set has come to a stand, or takes up a train where it stands: is there a charger?"""
+        if not self.has(slot):
+            return
+        charger, control = self._charger(slot), self._control[slot]
+        works = charger is not None and charger.station_id not in self._dead
+        control.power_w = charger.power_w if charger is not None and works else 0.0
+        if charger is not None:
+            control.connect_s, control.disconnect_s = charger.connect_s, charger.disconnect_s
+        self._write(slot, step, BatteryEvent.STANDS)
+
+    def _charger(self, slot: int) -> Charger | None:
+        """The charger at which a set truly stands."""
+        duty, at = self._trains.duties[slot], self._books.stands_at(slot)
+        if duty is None or at is None:
+            return None
+        line = self._setup.line
+        return line.chargers.get(charger_at(line, duty.mission.targets[at]))
+
+    # the way on ------------------------------------------------------------------------------------------------
+
+    def why_not(self, slot: int, command: Command, now_s: float) -> Unable | None:
+        """Why the charge does not let a set leave the stop where it stands; None where it does."""
+        duty = self._trains.duties[slot]
+        if not self.has(slot) or duty is None:
+            return None
+        self._work_out(slot, duty, command.at)
+        control = self._control[slot]
+        has_j, reach = available_j(self._rows[slot]), self._reach.get(slot)
+        if reach is None or self._settings.departure is Departure.LEAVE:
+            return None
+        if control.pantograph == UP and now_s < control.leaves_s:
+            has_j += self._charges_until_j(slot, control.leaves_s - control.disconnect_s - now_s)
+        connected = control.pantograph != DOWN and now_s >= control.leaves_s
+        if has_j >= control.needed_j and not connected:
+            return None
+        return NoCharge(
+            station=reach.place or "",
+            has_j=round(has_j, -4),
+            needed_j=round(control.needed_j, -4),
+            charges=control.power_w > 0.0,
+            connected=has_j >= control.needed_j,
+        )
+
+    def _charges_until_j(self, slot: int, time_s: float) -> float:
+        """What the battery will gain at its charger in a time, J."""
+        row = self._rows[slot].copy()
+        before_j = available_j(row)
+        drawn_w = float(self._trains.bodies[slot].auxiliary_power_w)
+        stand(row, drawn_w, self._control[slot].power_w, max(time_s, 0.0), BEYOND_STEP_S)
+        return float(available_j(row) - before_j)
+
+    def _work_out(self, slot: int, duty: Duty, at: int) -> None:
+        """What the set needs from a stop on; worked out when it comes there, and when chargers fail or are mended."""
+        asked = (duty.mission.number, at)
+        if self._asked.get(slot) == asked:
+            return
+        self._asked[slot] = asked
+        control, targets = self._control[slot], duty.mission.targets
+        ahead = self._ways[self._trains.stock_ids[slot]].ahead(*asked)
+        departs_s = targets[at].departure_s
+        last = at + 1 >= len(targets)
+        control.leaves_s = math.inf if last or departs_s is None else departs_s
+        if last or not ahead:
+            self._reach.pop(slot, None)
+            control.needed_j = 0.0
+            return
+        reach = self._reach[slot] = to_next_charge(ahead, self._dead)
+        commits = at == 0 or bool(charger_at(self._setup.line, targets[at]))
+        control.needed_j = self.needed_j(slot, reach, reserve=commits)
+        if self._settings.departure is Departure.LEAVE:
+            control.needed_j = 0.0
+
+    def needed_j(self, slot: int, reach: Reach, *, reserve: bool) -> float:
+        """What must be in the battery for a way, J."""
+        row = self._rows[slot]
+        kept_j = 0.0
+        if reserve:
+            window_j = stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"])
+            kept_j = self._settings.reserve_share * window_j
+        return float((1.0 + self._settings.prediction_share) * reach.needed_j + kept_j)
+
+    def empty(self, slot: int) -> bool:
+        """Whether a battery has nothing left above its window."""
+        return self.has(slot) and available_j(self._rows[slot]) <= 0.0
+
+    # off the line ----------------------------------------------------------------------------------------------
+
+    def leaves(self, slot: int, step: int) -> None:
+        """A set leaves the line after its train."""
+        if self.has(slot):
+            self._write(slot, step, BatteryEvent.LEAVES)
+            self._off[slot] = _Off(self._number[slot], step / STEPS_PER_S)
+            self._asked.pop(slot, None)
+            self._control[slot].power_w = 0.0
+            self._control[slot].pantograph = DOWN
+
+    def enters(self, slot: int, step: int) -> None:
+        """A set comes onto the line, after what it did off it, if it was here before."""
+        if not self.has(slot):
+            return
+        off = self._off.pop(slot, None)
+        if off is not None:
+            self._go_beyond(slot, self._settings.beyond_of(off.number), off.since_s, step / STEPS_PER_S)
+        self._write(slot, step, BatteryEvent.ENTERS)
+
+    def _go_beyond(self, slot: int, beyond: Beyond, left_s: float, back_s: float) -> None:
+        """Run, charge, wait: the battery carries nothing but what it is asked for there."""
+        row = self._rows[slot]
+        runs_s = min(beyond.distance_km / beyond.speed_kmh * 3600.0, back_s - left_s)
+        takes_j = beyond.distance_km * beyond.consumption_kwh_per_km * KWH_J
+        if takes_j > 0.0 and runs_s > 0.0:
+            stand(row, takes_j / runs_s, 0.0, runs_s, BEYOND_STEP_S)
+            self._write(slot, round((left_s + runs_s) * STEPS_PER_S), BatteryEvent.RAN_BEYOND)
+        # Under a wire it charges while it runs; from its battery only once it has run.
+        since_s = left_s + (runs_s if takes_j > 0.0 else 0.0)
+        charges_s = min(beyond.charge_min * 60.0, back_s - since_s)
+        if charges_s > 0.0:
+            begins = round((back_s - charges_s) * STEPS_PER_S)
+            self._write(slot, begins, BatteryEvent.CONNECTED)
+            stand(row, 0.0, beyond.charge_kw * 1e3, charges_s, BEYOND_STEP_S)
+            self._write(slot, round(back_s * STEPS_PER_S), BatteryEvent.DISCONNECTED)
+
+    # the record ------------------------------------------------------------------------------------------------
+
+    def begins(self, slot: int, duty: Duty, step: int) -> None:
+        """A set takes up a train where it stands."""
+        self._number[slot] = duty.train.number
+        self._asked.pop(slot, None)
+        self.stands(slot, step)
+
+    def passed(self, slot: int, passed: int, step: int) -> None:
+        """What a set passed in the last step: it may have come to a stand, or begun to move."""
+        if self.has(slot) and passed & PASSED_FROM_A_STAND:
+            self._write(slot, step, BatteryEvent.DEPARTS)
+        elif passed & PASSED_TO_A_STAND:
+            self.stands(slot, step)
+
+    def look(self, step: int) -> None:
+        """Write down how batteries are: now and then, and where a pantograph has gone up or down."""
+        now_s = step / STEPS_PER_S
+        for slot in self._trains.active():
+            if not self.has(slot):
+                continue
+            before, state = self._pantograph[slot], self._control[slot].pantograph
+            self._pantograph[slot] = state
+            if state == UP and before != UP:
+                self._write(slot, step, BatteryEvent.CONNECTED)
+            elif before == UP and state != UP:
+                self._write(slot, step, BatteryEvent.DISCONNECTED)
+            elif now_s - self._sampled_s[slot] >= SAMPLES_EVERY_S:
+                self._write(slot, step, BatteryEvent.NONE)
+
+    def close(self, step: int) -> None:
+        """The run is over."""
+        for slot in self._trains.active():
+            if self.has(slot):
+                self._write(slot, step, BatteryEvent.NONE)
+
+    def _write(self, slot: int, step: int, event: BatteryEvent) -> None:
+        battery, row = self._batteries[slot], self._rows[slot]
+        duty, at = self._trains.duties[slot], None
+        if self._trains.truths[slot].active:
+            at = self._books.stands_at(slot)
+        on_line = slot not in self._off
+        place = "" if duty is None or at is None or not on_line else duty.mission.targets[at].station_id or ""
+        self._sampled_s[slot] = step / STEPS_PER_S
+        self.records.append(
+            BatteryRecord(
+                self._trains.stock_ids[slot],
+                self._number[slot],
+                step * STEP_S,
+                event,
+                place,
+                float(soc_of(row)),
+                float(stored_j(row, soc_of(row))),
+                battery.supply_w,
+                battery.given_j,
+                battery.taken_j,
+                battery.lost_j,
+                battery.supplied_j,
+                battery.missing_j,
+                battery.spilled_j,
+            )
+        )
