@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from network.model import Line
 from onboard import notes
+from onboard.ability import Ability, Means, Way
 from onboard.authority.coverage import covered_at, next_coverage_m
+from onboard.charge import ChargeWatch
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
@@ -99,7 +101,7 @@ class Motion:
         self.command = Command()
         self.load_share = 0.0
         self.vehicle = IN_ORDER
-        self.charge: Unable | None = None  # why its battery does not let it leave
+        self.charge: ChargeWatch | None = None  # of a set that runs on a battery
         self.notes: list[notes.Note] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
@@ -113,6 +115,7 @@ class Motion:
         self._ends_m: list[float] = []
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters)
+        self._ability: Final = Ability()
         self._climb_m: NDArray[np.float64] = np.zeros(1)
         self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
@@ -203,7 +206,8 @@ class Motion:
         marks_m = [target.mark_m for target in mission.targets]
         # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
         within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
-        near = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
+        nearest = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
+        near = nearest if abs(marks_m[nearest] - position_m) < ARRIVED_WITHIN_M else -1
         return Place(
             known=True,
             covered=covered_at(self._line, mission.path, position_m),
@@ -215,16 +219,25 @@ class Motion:
             clear=bisect_right(self._ends_m, rear_m - self._doubt.release_margin_m(standing=False)),
             clear_at_mark=bisect_right(self._ends_m, rear_m),
             reach=bisect_right(joints_m, position_m + 2.0 * self._parameters.standoff_m),
-            near=near if abs(marks_m[near] - position_m) < ARRIVED_WITHIN_M else -1,
+            near=near,
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
             unfit=self.vehicle.unfit,
+            unable=self._unable(mission, near) if stands and near >= 0 else None,
         )
+
+    def _unable(self, mission: Mission, at: int) -> Unable | None:
+        """Why the train could not reach the next stop if it left the one where it stands now."""
+        way = Way(mission, at, float(self.row.position_m), self._climb_m, self._driving_mps)
+        means = Means(self._train, self._behaviour, self.load_share, self.vehicle)
+        too_weak = self._ability.why_not(way, means)
+        return too_weak if too_weak is not None or self.charge is None else self.charge.why_not(mission, at)
 
     def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
         """What the vehicle shows of itself now."""
-        changed = vehicle.unfit != self.vehicle.unfit
-        self.vehicle = vehicle
-        return [VehicleChecked()] if changed else []
+        before, self.vehicle = self.vehicle, vehicle
+        if vehicle.unfit != before.unfit:
+            return [VehicleChecked()]
+        return [Looked()] if vehicle != before else []
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""

@@ -7,7 +7,7 @@ else a prediction leaves out, are a share on top. A charger that is known to be 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -166,3 +166,15 @@ def stretches(hops: Sequence[Hop], dead: Collection[str]) -> Iterator[tuple[int,
         reach = to_next_charge(hops[at:], dead)
         yield at, reach
         at += reach.hops
+
+
+@dataclass(frozen=True, slots=True)
+class SetWays:
+    """One set's hops from the beginning of its day to its end; `first` is the index of each train's first hop."""
+
+    hops: tuple[Hop, ...]
+    first: Mapping[str, int]
+
+    def ahead(self, number: str, at: int) -> tuple[Hop, ...]:
+        """The hops ahead of the set at a stop of one of its trains."""
+        return self.hops[self.first[number] + at :]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from itertools import zip_longest
 
 import numpy as np
@@ -13,23 +12,11 @@ from network.path import Path
 from network.profile import profile_of
 from onboard.driving.pattern import pattern_of
 from onboard.duty.mission import Mission
-from onboard.reach import Ground, Hop, hops_of, run_j
+from onboard.reach import Ground, Hop, SetWays, hops_of, run_j
 from onboard.records import BehaviourRow
 from simulation.setup import Setup, behaviour_row
 from simulation.world.roster import Duty
 from vehicle.records import TrainRow
-
-
-@dataclass(frozen=True, slots=True)
-class SetWays:
-    """One set's hops from the beginning of its day to its end; `first` is the index of each train's first hop."""
-
-    hops: tuple[Hop, ...]
-    first: Mapping[str, int]
-
-    def ahead(self, number: str, at: int) -> tuple[Hop, ...]:
-        """The hops ahead of the set at a stop of one of its trains."""
-        return self.hops[self.first[number] + at :]
 
 
 def ways_of(setup: Setup, drawn: Mapping[str, Iterable[Duty]]) -> dict[str, SetWays]:

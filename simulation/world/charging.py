@@ -13,15 +13,14 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from network.model import Charger
-from onboard.duty.records import Command
-from onboard.duty.unable import NoCharge, Unable
-from onboard.reach import Reach, charger_at, to_next_charge
+from onboard.charge import ChargeRules, ChargeWatch
+from onboard.reach import charger_at
 from simulation.battery_settings import BatterySettings, Beyond, Departure
 from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.ways import ways_of
 from simulation.world.books import Books
-from simulation.world.charge_control import DOWN, UP, ChargingRow, fits
+from simulation.world.charge_control import DOWN, READY_S, UP, ChargingRow, fits
 from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -39,6 +38,39 @@ class _Off:
 
     number: str
     since_s: float
+
+
+class BatteryGauge:
+    """What one set's battery shows its unit."""
+
+    def __init__(self, battery: Any, control: ChargingRow, auxiliary_w: float) -> None:  # noqa: ANN401
+        self._battery: Final = battery
+        self._control: Final = control
+        self._auxiliary_w: Final = auxiliary_w
+        self.now_s = 0.0
+
+    @property
+    def charges(self) -> bool:
+        """Whether the set stands at a charger that works."""
+        return self._control.power_w > 0.0
+
+    @property
+    def connected(self) -> bool:
+        """Whether the pantograph is not down."""
+        return self._control.pantograph != DOWN
+
+    def has_j(self, at_s: float) -> float:
+        """What will be available at a time, J."""
+        until_s = at_s - self._control.disconnect_s - READY_S
+        if self._control.pantograph != UP or not self.now_s < until_s < math.inf:
+            return float(available_j(self._battery))
+        later = self._battery.copy()
+        stand(later, self._auxiliary_w, self._control.power_w, until_s - self.now_s, BEYOND_STEP_S)
+        return float(available_j(later))
+
+    def ask(self, needed_j: float, leaves_s: float) -> None:
+        """The set is to leave at a time, with so much."""
+        self._control.needed_j, self._control.leaves_s = needed_j, leaves_s
 
 
 class Charging:
@@ -61,8 +93,8 @@ class Charging:
         self._dead: set[str] = set()
         self._off: dict[int, _Off] = {}
         self._pantograph = [DOWN] * len(self._batteries)
-        self._asked: dict[int, tuple[str, int]] = {}  # slot: train and stop for which what is needed was worked out
-        self._reach: dict[int, Reach] = {}
+        self._gauges: dict[int, BatteryGauge] = {}
+        self._watches: dict[int, ChargeWatch] = {}
         self._sampled_s = [-math.inf] * len(self._batteries)
         self._number = [""] * len(self._batteries)
         for slot, stock_id in enumerate(trains.stock_ids):
@@ -78,6 +110,14 @@ class Charging:
         share = self._settings.start_of.get(stock_id, self._settings.start_share)
         row["charge_c"] = row["full_c"] * (row["soc_low"] + share * (row["soc_high"] - row["soc_low"]))
         fits(row, self._trains.stock["charging"][slot])
+        auxiliary_w = float(self._setup.believed_train(stock_id).row[0]["auxiliary_power_w"])
+        window_j = float(stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"]))
+        settings = self._settings
+        rules = ChargeRules(
+            settings.departure is Departure.WAIT, settings.reserve_share * window_j, settings.prediction_share
+        )
+        gauge = self._gauges[slot] = BatteryGauge(row, self._control[slot], auxiliary_w)
+        self._watches[slot] = ChargeWatch(self._setup.believed_line, self._ways[stock_id], rules, gauge)
 
     def has(self, slot: int) -> bool:
         """Whether a set runs on a battery."""
@@ -88,7 +128,8 @@ class Charging:
     def charger_is(self, station_id: str, *, works: bool, step: int) -> None:
         """A charger fails or is mended: sets that stand there see it, all crews are told."""
         (self._dead.discard if works else self._dead.add)(station_id)
-        self._asked.clear()
+        for watch in self._watches.values():
+            watch.told(self._dead)
         for slot in self._trains.active():
             self.stands(slot, step)
 
@@ -111,68 +152,14 @@ class Charging:
         line = self._setup.line
         return line.chargers.get(charger_at(line, duty.mission.targets[at]))
 
-    # the way on ------------------------------------------------------------------------------------------------
+    def watch_of(self, slot: int) -> ChargeWatch | None:
+        """What a set's unit watches its charge by; None where it runs from a wire."""
+        return self._watches.get(slot)
 
-    def why_not(self, slot: int, command: Command, now_s: float) -> Unable | None:
-        """Why the charge does not let a set leave the stop where it stands; None where it does."""
-        duty = self._trains.duties[slot]
-        if not self.has(slot) or duty is None:
-            return None
-        self._work_out(slot, duty, command.at)
-        control = self._control[slot]
-        has_j, reach = available_j(self._rows[slot]), self._reach.get(slot)
-        if reach is None or self._settings.departure is Departure.LEAVE:
-            return None
-        if control.pantograph == UP and now_s < control.leaves_s:
-            has_j += self._charges_until_j(slot, control.leaves_s - control.disconnect_s - now_s)
-        connected = control.pantograph != DOWN and now_s >= control.leaves_s
-        if has_j >= control.needed_j and not connected:
-            return None
-        return NoCharge(
-            station=reach.place or "",
-            has_j=round(has_j, -4),
-            needed_j=round(control.needed_j, -4),
-            charges=control.power_w > 0.0,
-            connected=has_j >= control.needed_j,
-        )
-
-    def _charges_until_j(self, slot: int, time_s: float) -> float:
-        """What the battery will gain at its charger in a time, J."""
-        row = self._rows[slot].copy()
-        before_j = available_j(row)
-        drawn_w = float(self._trains.bodies[slot].auxiliary_power_w)
-        stand(row, drawn_w, self._control[slot].power_w, max(time_s, 0.0), BEYOND_STEP_S)
-        return float(available_j(row) - before_j)
-
-    def _work_out(self, slot: int, duty: Duty, at: int) -> None:
-        """What the set needs from a stop on; worked out when it comes there, and when chargers fail or are mended."""
-        asked = (duty.mission.number, at)
-        if self._asked.get(slot) == asked:
-            return
-        self._asked[slot] = asked
-        control, targets = self._control[slot], duty.mission.targets
-        ahead = self._ways[self._trains.stock_ids[slot]].ahead(*asked)
-        departs_s = targets[at].departure_s
-        last = at + 1 >= len(targets)
-        control.leaves_s = math.inf if last or departs_s is None else departs_s
-        if last or not ahead:
-            self._reach.pop(slot, None)
-            control.needed_j = 0.0
-            return
-        reach = self._reach[slot] = to_next_charge(ahead, self._dead)
-        commits = at == 0 or bool(charger_at(self._setup.line, targets[at]))
-        control.needed_j = self.needed_j(slot, reach, reserve=commits)
-        if self._settings.departure is Departure.LEAVE:
-            control.needed_j = 0.0
-
-    def needed_j(self, slot: int, reach: Reach, *, reserve: bool) -> float:
-        """What must be in the battery for a way, J."""
-        row = self._rows[slot]
-        kept_j = 0.0
-        if reserve:
-            window_j = stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"])
-            kept_j = self._settings.reserve_share * window_j
-        return float((1.0 + self._settings.prediction_share) * reach.needed_j + kept_j)
+    def now(self, slot: int, now_s: float) -> None:
+        """A set's unit is about to look."""
+        if slot in self._watches:
+            self._watches[slot].now_s = self._gauges[slot].now_s = now_s
 
     def empty(self, slot: int) -> bool:
         """Whether a battery has nothing left above its window."""
@@ -185,7 +172,6 @@ class Charging:
         if self.has(slot):
             self._write(slot, step, BatteryEvent.LEAVES)
             self._off[slot] = _Off(self._number[slot], step / STEPS_PER_S)
-            self._asked.pop(slot, None)
             self._control[slot].power_w = 0.0
             self._control[slot].pantograph = DOWN
 
@@ -220,7 +206,6 @@ class Charging:
     def begins(self, slot: int, duty: Duty, step: int) -> None:
         """A set takes up a train where it stands."""
         self._number[slot] = duty.train.number
-        self._asked.pop(slot, None)
         self.stands(slot, step)
 
     def passed(self, slot: int, passed: int, step: int) -> None:
