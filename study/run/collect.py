@@ -79,6 +79,8 @@ def tables_of(
         margins=margins_of(legs, stops),
         comparisons=make_table("comparisons"),
         waits=make_table("waits"),
+        battery=make_table("battery"),
+        charges=make_table("charges"),
         events=_events(result),
     )
 
