@@ -29,6 +29,7 @@ from vehicle.record import cells_of
 
 SAMPLES_EVERY_S: Final = 30.0
 BEYOND_STEP_S: Final = 1.0
+BEYOND_SAMPLES_S: Final = 120.0
 KWH_J: Final = 3.6e6
 
 
@@ -198,8 +199,13 @@ class Charging:
         if charges_s > 0.0:
             begins = round((back_s - charges_s) * STEPS_PER_S)
             self._write(slot, begins, BatteryEvent.CONNECTED)
-            stand(row, 0.0, beyond.charge_kw * 1e3, charges_s, BEYOND_STEP_S)
-            self._write(slot, round(back_s * STEPS_PER_S), BatteryEvent.DISCONNECTED)
+            left_s = charges_s
+            while left_s > 0.0:
+                this_s = min(BEYOND_SAMPLES_S, left_s)
+                stand(row, 0.0, beyond.charge_kw * 1e3, this_s, BEYOND_STEP_S)
+                left_s -= this_s
+                event = BatteryEvent.NONE if left_s > 0.0 else BatteryEvent.DISCONNECTED
+                self._write(slot, round((back_s - left_s) * STEPS_PER_S), event)
 
     # the record ------------------------------------------------------------------------------------------------
 
