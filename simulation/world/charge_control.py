@@ -22,6 +22,7 @@ UP: Final = 2
 FALLING: Final = 3
 
 WORTH_S: Final = 30.0  # assumed: nobody raises a pantograph for less charging than this
+FULL_SHARE: Final = 0.999
 READY_S: Final = 1.0  # it is down this long before the set leaves
 
 
@@ -33,6 +34,7 @@ class ChargingRow(Protocol):
     disconnect_s: float
     leaves_s: Annotated[float, "when the set is to leave, by its plan; +inf: not yet known"]
     needed_j: Annotated[float, "what must be available before it leaves"]
+    spare_j: Annotated[float, "and so much more before the pantograph comes down: it takes that to leave"]
     pantograph: Annotated[int, "DOWN, RISING, UP, FALLING"]
     moves_until_s: Annotated[float, "when it is up, or down"]
 
@@ -44,15 +46,16 @@ CHARGING: Final = dtype_of(ChargingRow)
 def fits(battery: BatteryRow, charging: ChargingRow) -> None:
     """A set that begins its day: nothing connected, nothing asked for."""
     charging.leaves_s = math.inf
-    charging.needed_j = 0.0
+    charging.needed_j = charging.spare_j = 0.0
     charging.pantograph = DOWN
     battery.supply_w = 0.0
 
 
 @compiled
-def enough(battery: BatteryRow, charging: ChargingRow) -> bool:
-    """Whether the battery has what its unit asks for."""
-    return available_j(battery) >= charging.needed_j
+def enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
+    """Whether the battery has what its unit asks for, and so much more, unless it takes no more."""
+    full = battery.charge_c >= FULL_SHARE * battery.soc_high * battery.full_c
+    return available_j(battery) >= charging.needed_j + (0.0 if full else spare_j)
 
 
 @compiled
@@ -64,11 +67,13 @@ def steer(battery: BatteryRow, charging: ChargingRow, speed_mps: float, now_s: f
     lowers_s = charging.leaves_s - charging.disconnect_s - READY_S
     if state == DOWN and charging.power_w > 0.0 and speed_mps == 0.0:
         worth = now_s + charging.connect_s + WORTH_S <= lowers_s
-        if worth or not enough(battery, charging):
+        if worth or not enough(battery, charging, 0.0):
             state, charging.moves_until_s = RISING, now_s + charging.connect_s
     elif state == RISING and now_s >= charging.moves_until_s:
         state = UP
-    elif state == UP and ((now_s >= lowers_s and enough(battery, charging)) or charging.power_w <= 0.0):
+    elif state == UP and (
+        (now_s >= lowers_s and enough(battery, charging, charging.spare_j)) or charging.power_w <= 0.0
+    ):
         state, charging.moves_until_s = FALLING, now_s + charging.disconnect_s
     elif state == FALLING and now_s >= charging.moves_until_s:
         state = DOWN

@@ -29,6 +29,7 @@ from vehicle.record import cells_of
 
 SAMPLES_EVERY_S: Final = 30.0
 BEYOND_STEP_S: Final = 1.0
+SPARE_S: Final = 120.0  # assumed: for the pantograph, the route, and until the train moves
 BEYOND_SAMPLES_S: Final = 120.0
 KWH_J: Final = 3.6e6
 
@@ -72,6 +73,7 @@ class BatteryGauge:
     def ask(self, needed_j: float, leaves_s: float) -> None:
         """The set is to leave at a time, with so much."""
         self._control.needed_j, self._control.leaves_s = needed_j, leaves_s
+        self._control.spare_j = self._auxiliary_w * SPARE_S if needed_j > 0.0 else 0.0
 
 
 class Charging:

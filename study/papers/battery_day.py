@@ -101,9 +101,10 @@ def _rows(day: Run) -> Iterator[Row]:
 def _home(day: Run) -> Row:
     """Ten minutes at Karasuyama against what the way home takes, at this day's energy a kilometre up the line."""
     charges = day.tables.charges.filter(pl.col("station") == "KRS")
-    kwh_per_km = _up_kwh(day) / LINE_KM
-    needs_kwh = kwh_per_km * LINE_KM  # the rest of the way lies under the wire
-    first = charges.filter(pl.col("minutes") > TOLD_MIN).row(0, named=True)
+    needs_kwh = _up_kwh(day)
+    kwh_per_km = needs_kwh / LINE_KM
+    longer = charges.filter(pl.col("minutes") > TOLD_MIN, pl.col("soc_from") < pl.col("soc_to") - 0.05)
+    first = longer.sort("from_s").row(0, named=True)
     before_kwh = float(
         day.tables.battery.filter(pl.col("unit") == first["unit"], pl.col("t_s") <= first["from_s"])[
             "above_low_kwh"
@@ -111,8 +112,9 @@ def _home(day: Run) -> Row:
     )
     ten_kwh = _gain_kwh(day, first["unit"], first["from_s"])
     ours = (
-        f"{ten_kwh:.0f} kWh in ten minutes on {before_kwh:.0f} kWh above the low end; up the line takes"
-        f" {needs_kwh:.0f} kWh, {kwh_per_km:.2f} kWh/km ({kwh_per_km * HOME_KM:.0f} kWh for all {HOME_KM} km)"
+        f"{ten_kwh:.0f} kWh in ten minutes on {before_kwh:.0f} kWh above the low end, as {first['train']}'s set had;"
+        f" the line takes {needs_kwh:.0f} kWh, {kwh_per_km:.2f} kWh/km ({kwh_per_km * HOME_KM:.0f} kWh for all"
+        f" {HOME_KM} km)"
     )
     return Row(
         "ten minutes' charging takes a set home",
