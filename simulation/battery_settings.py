@@ -35,14 +35,20 @@ class Beyond(Record):
 
     distance_km: Annotated[
         OwnWay,
-        about("run off the line, there and back", "published: 11.7 km to Utsunomiya; assumed: every set goes there"),
+        about(
+            "run off the line, there and back",
+            "published: 11.7 km to Utsunomiya; assumed: every set goes there",
+        ),
     ] = 23.4
     speed_kmh: Annotated[
         SpeedKmh, about("mean speed there, stops among it", "assumed: the local trains of the main line")
     ] = 60.0
     consumption_kwh_per_km: Annotated[
         Consumption,
-        about("taken from the battery there", "published: the main line has a wire of 1500 V, from which sets run"),
+        about(
+            "taken from the battery there",
+            "published: the main line has a wire of 1500 V, from which sets run",
+        ),
     ] = 0.0
     charge_min: Annotated[
         ChargeTime, about("minutes of charging there, at most", "assumed: under the wire of the main line")

@@ -1,9 +1,9 @@
-"""A traction battery (蓄電池): what it can give and take now, and what it keeps of it. SI units, discharging counts as > 0.
+"""A traction battery (蓄電池): what it can give and take now, and what it keeps. SI units, discharging counts as > 0.
 
 One open-circuit voltage over the state of charge and one resistance: V = U(s) - R I, and I^2 R is lost as heat. A
-charge falls off by itself, first at the limits of current and power, then linearly over the state of charge (CC), and at
-the last where V would pass its maximum (CV). Outside of its window a battery neither gives nor takes. No temperature is
-kept; what cold costs stands in the resistance and in the auxiliaries.
+charge falls off by itself, first at the limits of current and power, then linearly over the state of charge (CC), and
+at the last where V would pass its maximum (CV). Outside of its window a battery neither gives nor takes. No
+temperature is kept; what cold costs stands in the resistance and in the auxiliaries.
 """
 
 from __future__ import annotations

@@ -29,9 +29,7 @@ class BatteryTable(Record):
     """`[battery]`: the traction battery as one pack; a scenario's `[battery]` lets trains run on it."""
 
     capacity_j: Annotated[BatteryEnergyJ, about("from empty to full when new")]
-    capacity_share: Annotated[
-        ShareAbove0, about("of that which is left, by age", "assumed: new")
-    ] = 1.0
+    capacity_share: Annotated[ShareAbove0, about("of that which is left, by age", "assumed: new")] = 1.0
     open_circuit_soc: Annotated[
         list[Share],
         Field(min_length=2, max_length=OCV_POINTS_MAX),

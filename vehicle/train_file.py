@@ -76,7 +76,15 @@ UNITS: Final = (
     ("_kwh", "_j", 3.6e6, 1.0),
     ("_t", "_kg", 1e3, 1.0),
 )
-WRITTEN: Final = {"_kmhps": "km/h/s", "_kmh": "km/h", "_kn": "kN", "_kw": "kW", "_mm": "mm", "_t": "t", "_kwh": "kWh"}
+WRITTEN: Final = {
+    "_kmhps": "km/h/s",
+    "_kmh": "km/h",
+    "_kn": "kN",
+    "_kw": "kW",
+    "_mm": "mm",
+    "_t": "t",
+    "_kwh": "kWh",
+}
 
 
 class _Body(Record):
@@ -268,8 +276,8 @@ class TrainFile(Record):
 class TrainType:
     """A kind of train; `row` is one TRAIN record, shape (1,), read-only: hand `row[0]` to the compiled laws.
 
-    `regenerated_to` is what takes regenerated energy; `battery` one BATTERY record, if it has one. `sources` and `assumed` hold "key: text" of the file's
-    provenance, for reports.
+    `regenerated_to` is what takes regenerated energy; `battery` one BATTERY record, if it has one. `sources` and
+    `assumed` hold "key: text" of the file's provenance, for reports.
     """
 
     id: str

@@ -22,7 +22,9 @@ def chargers_of(
                 file, f"{key}.station", table.station, f"a station id, {one_of(stations, table.station)}"
             )
         if table.station in chargers:
-            raise InputError(file, f"{key}.station", table.station, "one charger a station: give it more tracks")
+            raise InputError(
+                file, f"{key}.station", table.station, "one charger a station: give it more tracks"
+            )
         known = [track.name for track in stations[table.station].tracks]
         for j, track in enumerate(table.tracks or ()):
             if track not in known:
@@ -32,9 +34,7 @@ def chargers_of(
         power_w = table.power_kw * 1e3
         if table.current_max_a is not None:
             power_w = min(power_w, table.current_max_a * table.voltage_v)
-        chargers[table.station] = Charger(
-            table.station, tracks, power_w, table.connect_s, table.disconnect_s
-        )
+        chargers[table.station] = Charger(table.station, tracks, power_w, table.connect_s, table.disconnect_s)
     return chargers
 
 

@@ -191,7 +191,9 @@ class ChargerTable(Record):
         CurrentA | None, about("greatest current to a train that stands; left out: as the power asks for")
     ] = None
     connect_s: Annotated[Wait, about("from a stand to the first current", "assumed: pantograph up")] = 20.0
-    disconnect_s: Annotated[Wait, about("from the last current to a start", "assumed: pantograph down")] = 15.0
+    disconnect_s: Annotated[Wait, about("from the last current to a start", "assumed: pantograph down")] = (
+        15.0
+    )
     origin: Annotated[Prose, Field(min_length=1), about('source of its figures, or "assumed: why"')]
 
 

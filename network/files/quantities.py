@@ -202,9 +202,7 @@ LINK_RATE: Final = Quantity(
 )
 FRAME_RATE: Final = Quantity("rate of frames", "Hz", ((0.1, 10.0),), "the camera's own, 10 Hz")
 GAIN: Final = Quantity("control gain", "1/s", ((0.01, 10.0),), "greatest: a step of 0.1 s; least assumed")
-OWN_WAY: Final = Quantity(
-    "way beyond a portal", "km", ((0.0, 1000.0),), "assumed: a day of a local set"
-)
+OWN_WAY: Final = Quantity("way beyond a portal", "km", ((0.0, 1000.0),), "assumed: a day of a local set")
 CHARGE_TIME: Final = Quantity("time of charging", "min", ((0.0, 1440.0),), "a day")
 DISTANCE: Final = Quantity(
     "distance to a place", "m", ((0.0, 10_000.0),), "assumed: beyond any section of a branch line"

@@ -90,7 +90,12 @@ def offer(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
 
 @compiled
 def drain(
-    battery: BatteryRow, plant: PlantRow, train: TrainRow, traction_j: float, regenerated_j: float, dt_s: float
+    battery: BatteryRow,
+    plant: PlantRow,
+    train: TrainRow,
+    traction_j: float,
+    regenerated_j: float,
+    dt_s: float,
 ) -> None:
     """Charge or discharge by what the plant drew since its counters stood at these, J."""
     drawn_w = (plant.energy_traction_j - traction_j) / dt_s + train.auxiliary_power_w

@@ -80,7 +80,12 @@ class Charging:
     """The batteries of a run; made only where the scenario has them."""
 
     def __init__(
-        self, setup: Setup, settings: BatterySettings, trains: Trains, books: Books, drawn: Mapping[str, Sequence[Duty]]
+        self,
+        setup: Setup,
+        settings: BatterySettings,
+        trains: Trains,
+        books: Books,
+        drawn: Mapping[str, Sequence[Duty]],
     ) -> None:
         self.records: list[BatteryRecord] = []
         self._setup: Final = setup

@@ -1,4 +1,4 @@
-"""Whether the batteries of the sets last by the plan: predicted hop by hop, charged where and as long as the plan has it.
+"""Whether the batteries of the sets last by the plan: predicted hop by hop, charged where and as long as it has it.
 
 The prediction is that of the units (`simulation.ways`), the battery is that of the run (`vehicle.battery`), and what
 must be there before a set leaves is what its unit will ask for (`onboard.charge`). Faults are not looked at.
@@ -108,7 +108,9 @@ def _train(one: _Set, duty: Duty, following: Duty | None) -> Iterator[Finding]:
         one.draw(hops[at].run_j)
         there = targets[at + 1]
         last = at + 2 == len(targets)
-        next_first = following.mission.targets[0] if last and following is not None and not duty.leaves else None
+        next_first = (
+            following.mission.targets[0] if last and following is not None and not duty.leaves else None
+        )
         _stands(one, charger_at(line, there), stands_s(there, next_first, dwell_s))
         if available_j(one.battery) <= 0.0:
             text = f"{duty.train.number} would have an empty battery at {hops[at].to_place}"
@@ -159,7 +161,9 @@ def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[Hop]) -> Finding | Non
         return Finding(Kind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
     text = f"{text}: it charges there for {lasting(waits_s)} longer"
     severity = severity_of(waits_s, target.departure_s)
-    return Finding(Kind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s)
+    return Finding(
+        Kind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s
+    )
 
 
 def _waits_s(one: _Set, power_w: float, needed_j: float) -> float | None:

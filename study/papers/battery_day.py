@@ -1,7 +1,7 @@
 """The Karasuyama weekday on batteries: does every set come home, and which assumption decides it?
 
-What is public of the EV-E301's battery is its voltage and energy, that it charges by a rigid bar at Karasuyama, normally
-at Hoshakuji and under the wire of the main line, and one visitor's ten minutes of charging that took a set home. All
+What is public of the EV-E301's battery is its voltage and energy, that it charges by a rigid bar at Karasuyama,
+normally at Hoshakuji and under the wire of the main line, and one visitor's ten minutes of charging that took a set home. All
 else is assumed, and each assumption is tried here at both ends of what could be, one at a time.
 """
 
@@ -71,9 +71,7 @@ def reproduce(options: Options) -> Reproduction:
 
 
 def _run(scenario: Scenario, change: Change) -> Run:
-    return execute(
-        replace(scenario, setup=change(scenario.setup)), Link.SIMULATED, carrier=CarrierKind.PLAIN
-    )
+    return execute(replace(scenario, setup=change(scenario.setup)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
 # what is judged ---------------------------------------------------------------------------------------------
@@ -167,9 +165,7 @@ def _tried(base: Setup) -> Iterator[Tried]:
         assumed = f"{base.line.chargers[station].power_w / 1e3:g} kW"
         yield Tried(f"charger of {station}", assumed, f"{power_kw:g} kW", _charger(station, power_kw))
     beyond = settings.beyond
-    yield Tried(
-        "charging off the line", f"{beyond.charge_min:g} min", "0 min", _beyond({"charge_min": 0.0})
-    )
+    yield Tried("charging off the line", f"{beyond.charge_min:g} min", "0 min", _beyond({"charge_min": 0.0}))
     yield Tried(
         "off the line", "from the wire", "2 kWh/km from the battery", _beyond({"consumption_kwh_per_km": 2.0})
     )
@@ -283,7 +279,10 @@ def _parameters(setup: Setup) -> Iterator[Parameter]:
         ("discharge_max_w", "kW", 1e-3),
     ):
         yield Parameter(
-            key.removesuffix("_w"), float(battery[key][0]) * scale, unit, "assumed: vehicle/trains/ev_e301.toml"
+            key.removesuffix("_w"),
+            float(battery[key][0]) * scale,
+            unit,
+            "assumed: vehicle/trains/ev_e301.toml",
         )
     for charger in setup.line.chargers.values():
         name = f"charger of {charger.station_id}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -96,7 +97,7 @@ def _off_line(rows: pl.DataFrame) -> list[tuple[float, float]]:
     events = rows.filter(pl.col("event").is_in(["leaves", "enters"])).select("t_s", "event").rows()
     return [
         (left_s, came_s)
-        for (left_s, left), (came_s, came) in zip(events, events[1:], strict=False)
+        for (left_s, left), (came_s, came) in pairwise(events)
         if left == "leaves" and came == "enters"
     ]
 

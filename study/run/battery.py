@@ -71,7 +71,9 @@ def battery_tables(records: Sequence[BatteryRecord], setup: Setup) -> dict[str, 
 
 
 def _frame(name: str, rows: Sequence[Mapping[str, Any]]) -> pl.DataFrame:
-    return make_table(name, {key: [row[key] for row in rows] for key in rows[0]}) if rows else make_table(name)
+    return (
+        make_table(name, {key: [row[key] for row in rows] for key in rows[0]}) if rows else make_table(name)
+    )
 
 
 def _rows(records: Sequence[BatteryRecord], window: Window) -> list[dict[str, Any]]:
@@ -95,10 +97,7 @@ def _rows(records: Sequence[BatteryRecord], window: Window) -> list[dict[str, An
                 "above_low_kwh": (record.stored_j - window.low_j) / JOULE_PER_KWH,
                 "power_kw": out_j / since_s / 1e3 if since_s > 0.0 else 0.0,
                 "supply_kw": record.supply_w / 1e3,
-                **{
-                    f"{name}_kwh": getattr(record, f"{name}_j") / JOULE_PER_KWH
-                    for name in FLOWS
-                },
+                **{f"{name}_kwh": getattr(record, f"{name}_j") / JOULE_PER_KWH for name in FLOWS},
             }
         )
     return found
@@ -203,4 +202,3 @@ def _set_summary(rows: pl.DataFrame, window: Window) -> dict[str, Any]:
         "change_kwh": change,
         "unbalanced_percent": 100.0 * lacks / through if through > 0.0 else 0.0,
     }
-

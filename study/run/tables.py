@@ -170,7 +170,7 @@ WAITS: Final[Schema] = {
     "until_s": pl.Float64,
     "reason": pl.String,
 }
-# One row a moment of a set that runs on a battery: each half minute and at each of its events; sums since the day began.
+# One row a moment of a set that runs on a battery: each half minute and at each of its events; sums are of the day.
 BATTERY: Final[Schema] = {
     "t_s": pl.Float64,
     "unit": pl.String,
