@@ -36,7 +36,7 @@ def _ways(
     grounds: dict[tuple[object, ...], Ground],
 ) -> SetWays:
     kind = setup.believed_train(stock_id)
-    behaviour = behaviour_row(setup.driving, kind.row[0]).view(np.recarray)[()]
+    behaviour = behaviour_row(setup.driving, kind.row[0]).reshape(1).view(np.recarray)[0]
     train = kind.row.view(np.recarray)[0]
     dwell_s = setup.unit.duty.dwell_min_s
     hops: list[Hop] = []

@@ -1,8 +1,8 @@
 """The Karasuyama weekday on batteries: does every set come home, and which assumption decides it?
 
 What is public of the EV-E301's battery is its voltage and energy, that it charges by a rigid bar at Karasuyama,
-normally at Hoshakuji and under the wire of the main line, and one visitor's ten minutes of charging that took a set home. All
-else is assumed, and each assumption is tried here at both ends of what could be, one at a time.
+normally at Hoshakuji and under the wire of the main line, and one visitor's ten minutes of charging that took a set
+home. All else is assumed, and each assumption is tried here at both ends of what could be, one at a time.
 """
 
 from __future__ import annotations

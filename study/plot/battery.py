@@ -43,7 +43,7 @@ def draw_battery(run: Seen) -> Figure | None:
     bottom: Axes = panels[-1]
     bottom.set_xlim(from_s, max(to_s, from_s + 60.0))
     bottom.xaxis.set_major_locator(MultipleLocator(HOUR_S if to_s - from_s > 2 * HOUR_S else HOUR_S / 6))
-    bottom.xaxis.set_major_formatter(FuncFormatter(lambda time_s, _place: clock(time_s)))
+    bottom.xaxis.set_major_formatter(FuncFormatter(_clock))
     bottom.set_xlabel("time")
     figure.legend(
         handles=[
@@ -57,6 +57,10 @@ def draw_battery(run: Seen) -> Figure | None:
         ncols=5,
     )
     return figure
+
+
+def _clock(time_s: float, _place: int | None) -> str:
+    return clock(time_s)
 
 
 def _panel(axes: Axes, run: Seen, unit: str, rows: pl.DataFrame, colour: str) -> None:

@@ -11,10 +11,10 @@ from study.report.tabular import Kind, Table, table_of
 
 def battery_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     """A row a set, from the summary, and a row a charge."""
-    sets = facts.get("battery") or {}
+    sets: Mapping[str, Mapping[str, Any]] = facts.get("battery") or {}
     if not sets or run.tables.battery.is_empty():
         return ()
-    rows = [
+    rows: list[dict[str, Any]] = [
         {
             "unit": unit,
             **figures,

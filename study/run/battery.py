@@ -37,7 +37,7 @@ class Window:
     soc_kept: float
 
     @classmethod
-    def of(cls, row: np.void, settings: BatterySettings) -> Window:
+    def of(cls, row: Any, settings: BatterySettings) -> Window:  # noqa: ANN401
         """That of a BATTERY record."""
         low_j, high_j = (float(stored_j(row, row[name])) for name in ("soc_low", "soc_high"))
         kept_j = low_j + settings.reserve_share * (high_j - low_j)
