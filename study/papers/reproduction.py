@@ -13,6 +13,7 @@ from network.errors import InputError
 REPRODUCTIONS: Final[Mapping[str, str]] = {
     "journeys": "study.papers.journeys",
     "line-driving": "study.papers.line_driving",
+    "battery-day": "study.papers.battery_day",
     "line-stops": "study.papers.line_stops",
     "oda-scale-track": "study.papers.oda_scale_track",
     "oda-table4": "study.papers.oda_table4",
