@@ -57,7 +57,7 @@ class CoastRun:
 def coast_run(course: Course, time_s: float) -> CoastRun:
     """The run of least energy of its kind in at most `time_s`; TooShort, with the least time, where there is none.
 
-    ValueError where the train cannot get to the stop. The speed is looked for on fewer points, so a percent may be left;
+    ValueError where the train cannot get to the stop. The speed is looked for on fewer points: a percent may be left;
     the place of shutting off is a metre of the grid, so the running time is short of `time_s` by what one metre makes.
     """
     return coast_on(laid(course), time_s)
