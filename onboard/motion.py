@@ -24,6 +24,7 @@ from onboard.charge import ChargeWatch
 from onboard.driving.laws.table import LawsRow
 from onboard.driving.pace import Pace
 from onboard.driving.planner.plan import Laid
+from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
@@ -96,6 +97,7 @@ class Motion:
         keeper: StopKeeper,
         readers: ReadersRow | None = None,
         laws: LawsRow | None = None,
+        planning: Planning = PLAIN,
     ) -> None:
         self.row: Final = cells_of(UnitRow, row)
         self._record: Final = row  # the same memory, as compiled code takes it
@@ -123,7 +125,7 @@ class Motion:
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
         self._off_plan = False
-        self._pace: Final = Pace(parameters, row, train, behaviour, laws)
+        self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
         self._stood_m: float | None = (
             None  # what the tachometer showed when it last came to a stand, if it stands
         )
@@ -443,7 +445,7 @@ class Motion:
             there = mission.targets[command.target]
             anew = self._found or self._off_plan or self._pace.passed_by(there)
             if moved or command.orders or anew:
-                self._pace.choose(there, now_s, self.load_share)
+                self._pace.choose(mission, command.target, now_s, self.load_share)
                 self._off_plan = False
             self._aim(there.mark_m, limit_m)
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]

@@ -15,6 +15,7 @@ from network.files.toml_input import Record
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.laws.settings import LawTables
+from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.driving.tuning import Learned
 from onboard.records import BEHAVIOUR
 from onboard.unit_records import UnitParameters
@@ -71,6 +72,7 @@ class Setup:
     # Driving law by stock id; the others hold their speed.
     laws: Mapping[str, str] = field(default_factory=dict[str, str])
     law_settings: Record = field(default_factory=LawTables)
+    planning: Planning = PLAIN
     sensors: Sensors = field(default_factory=Sensors)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING

@@ -7,18 +7,23 @@ a plan whenever the train is off it.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from onboard.driving.laws.table import LAWS, LawsRow
+from onboard.driving.planner.arrivals import OnMap, Times, arrivals_s
 from onboard.driving.planner.plan import Ahead, Laid, planned
-from onboard.duty.mission import Passing, Target
+from onboard.driving.planner.wish import PLAIN, Planning
+from onboard.duty.mission import Mission, Passing, Target
 from onboard.duty.timekeeping import cruise_for
 from onboard.records import BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.records import TrainRow
+
+AT_MARK_M: Final = 5.0  # so near the mark it has called at, a train that stands is about to leave it
 
 
 class Pace:
@@ -31,6 +36,7 @@ class Pace:
         train: TrainRow,
         behaviour: BehaviourRow,
         laws: LawsRow | None = None,
+        planning: Planning = PLAIN,
     ) -> None:
         self.timed: Passing | None = None  # where the speed is to bring the train, if not to its stop
         self._parameters: Final = parameters
@@ -38,7 +44,9 @@ class Pace:
         self._train: Final = train
         self._behaviour: Final = behaviour
         law = None if laws is None else LAWS[int(laws.number)]
-        self._planning: Final = getattr(laws, law.name) if law is not None and law.plans else None
+        self._law: Final = getattr(laws, law.name) if law is not None and law.plans else None
+        self._planning: Final = planning
+        self._meant: tuple[str, int, float] | None = None  # train, target, and when it means to be there
         self.climb_m: NDArray[np.float64] = np.zeros(1)
         self.driving_mps: NDArray[np.float64] = np.zeros(1)
         self._laid: Laid | None = None
@@ -64,9 +72,9 @@ class Pace:
         """Whether the pace was chosen for a station that the train has run through since."""
         return self.timed is not None and self.timed is not self.next_passing(there)
 
-    def choose(self, there: Target, now_s: float, load_share: float) -> None:
-        """Choose the pace for what is left of the way to the next station where there is a time, and of that time."""
-        row, parameters = self._row, self._parameters
+    def choose(self, mission: Mission, at: int, now_s: float, load_share: float) -> None:
+        """Choose the pace for what is left of the way to target `at`, or to the next station before it with a time."""
+        row, parameters, there = self._row, self._parameters, mission.targets[at]
         due_s = there.arrival_s
         if due_s is not None and there.departure_s is not None:
             dwell_s = parameters.dwell_min_s if there.passengers else 0.0
@@ -82,11 +90,11 @@ class Pace:
             )  # that keeps a stop's arrival, not a moment in passing
         if there.mark_m <= row.position_m:
             return
-        available_s = math.inf if due_s is None else due_s - now_s - parameters.time_margin_s
-        if passing is None and self._plan(there.mark_m, now_s, available_s, load_share):
+        if passing is None and self._plan(mission, at, now_s, load_share):
             return
         if due_s is None:
             return
+        available_s = due_s - now_s - parameters.time_margin_s
         row.cruise_mps = cruise_for(
             self._train,
             load_share,
@@ -100,11 +108,12 @@ class Pace:
             until_m,
         )
 
-    def _plan(self, mark_m: float, now_s: float, available_s: float, load_share: float) -> bool:
-        """Have a plan laid for the way to the mark, if the law follows one; False where there is none."""
-        if self._planning is None:
+    def _plan(self, mission: Mission, at: int, now_s: float, load_share: float) -> bool:
+        """Have a plan laid for the way to a target, if the law follows one; False where there is none."""
+        if self._law is None:
             return False
-        row = self._row
+        row, mark_m = self._row, mission.targets[at].mark_m
+        row.due_s = self._aimed_s(mission, at, now_s, load_share)
         ahead = Ahead(
             self._train,
             load_share,
@@ -114,12 +123,33 @@ class Pace:
             mark_m,
             float(row.speed_mps),
             self._behaviour.stop_deceleration_mps2,
-            available_s,
-            float(self._planning.regeneration_share),
+            row.due_s - now_s,
+            float(self._law.regeneration_share),
         )
-        self._laid = found = planned(ahead)
+        self._laid = found = planned(ahead, self._planning.style)
         if found is None:
             return False
         row.plan_due_s = now_s + found.takes_s
-        row.replan_s = self._planning.replan_after_s
+        row.replan_s = self._law.replan_after_s
         return True
+
+    def _aimed_s(self, mission: Mission, at: int, now_s: float, load_share: float) -> float:
+        """When it means to be at target `at`, as decided at its departure for it; infinite where nobody says when."""
+        row, parameters = self._row, self._parameters
+        leaves = row.speed_mps == 0.0 and abs(mission.targets[at - 1].mark_m - row.position_m) < AT_MARK_M
+        if leaves:
+            on_map = OnMap(
+                self._train,
+                load_share,
+                self.climb_m,
+                self.driving_mps,
+                self._behaviour.stop_deceleration_mps2,
+            )
+            times = Times(parameters.dwell_min_s, parameters.time_margin_s)
+            with suppress(ValueError):
+                aimed_s = arrivals_s(self._planning, on_map, mission, at - 1, now_s, times)[0]
+                self._meant = (mission.number, at, aimed_s)
+        if self._meant is not None and self._meant[:2] == (mission.number, at):
+            return self._meant[2]
+        latest_s = mission.targets[at].latest_arrival_s(parameters.dwell_min_s)
+        return math.inf if latest_s is None else latest_s - parameters.time_margin_s

@@ -62,6 +62,7 @@ class OnBoard:
             self._keepers[slot],
             trains.readers[slot],
             trains.laws[slot],
+            setup.planning,
         )
 
     # what people and sensors tell it ------------------------------------------------------------------------------

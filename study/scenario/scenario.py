@@ -100,6 +100,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         driving=model.driving,
         laws=laws_of(str(path), model.driving, sorted(trains)),
         law_settings=model.law,
+        planning=model.planning,
         belief=belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains),
         sensors=model.sensors,
         scatter=model.scatter,

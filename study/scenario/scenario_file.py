@@ -14,6 +14,7 @@ from network.files.quantities import Seed
 from network.files.timetable_patch import TimetableWords
 from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
+from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
@@ -73,6 +74,7 @@ class PatchTable(Record):
     unit: Annotated[TableWords | None, about("on [unit]")] = None
     driving: Annotated[TableWords | None, about("on [driving]")] = None
     law: Annotated[TableWords | None, about("on [law]")] = None
+    planning: Annotated[TableWords | None, about("on [planning]")] = None
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
@@ -108,6 +110,7 @@ class ScenarioFile(Record):
     unit: UnitParameters = Field(default_factory=UnitParameters)
     driving: Driving = Field(default_factory=Driving)
     law: LawTables = Field(default_factory=LawTables)
+    planning: Planning = PLAIN
     sensors: Sensors = Field(default_factory=Sensors)
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING

@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from onboard.driving.notches import LOOK_AHEAD_S
+from onboard.driving.planner.wish import Style
 from vehicle.optimum import Course, Optimum, Profile
+from vehicle.optimum.coast import coast_on, cruise_on
+from vehicle.optimum.mesh import Laid as CourseLaid
 from vehicle.optimum.mesh import laid, places_m
 from vehicle.optimum.solve import solved
 from vehicle.records import TrainRow
@@ -84,11 +87,11 @@ class Ahead:
     regeneration_share: float = 1.0  # of what comes back that counts
 
 
-def planned(ahead: Ahead) -> Laid | None:
-    """The plan of least energy for the time that is left, or for little more than the least where that is too short.
+def planned(ahead: Ahead, style: Style = Style.OPTIMAL) -> Laid | None:
+    """The plan for the time that is left, or for little more than the least where that is too short.
 
     The last second costs more than all others: a train that is late plans to take HASTE_SHARE of the way's least time,
-    not to spend any energy on being less late. None where the train cannot get there, or no optimum is found.
+    not to spend any energy on being less late. None where the train cannot get there, or no run is found.
     """
     course = Course(
         ahead.train,
@@ -107,11 +110,24 @@ def planned(ahead: Ahead) -> Laid | None:
         ordered_s = (
             FREE_SHARE * found.least_s if math.isinf(ahead.available_s) else ahead.available_s - idle_s
         )
-        best = solved(found, max(ordered_s, HASTE_SHARE * found.least_s), places_m(found, POINTS))
+        profile, rim_mps2 = _run(found, max(ordered_s, HASTE_SHARE * found.least_s), style)
     except ValueError:
         return None
-    rim_mps2 = (best.force_n - best.brake_n) / found.inertia_kg
-    return lay(best, rim_mps2, ahead.climb_m.size, idle_s)
+    return lay(profile, rim_mps2, ahead.climb_m.size, idle_s)
+
+
+def _run(found: CourseLaid, time_s: float, style: Style) -> tuple[Profile | Optimum, Floats]:
+    """The run of a style in a time, and what motors and brakes give on each of its stretches."""
+    match style:
+        case Style.HOLD:
+            held = cruise_on(found, time_s)
+            return held.profile, held.rim_mps2
+        case Style.COAST:
+            coasted = coast_on(found, time_s)
+            return coasted.profile, coasted.rim_mps2
+        case Style.OPTIMAL:
+            best = solved(found, time_s, places_m(found, POINTS))
+            return best, (best.force_n - best.brake_n) / found.inertia_kg
 
 
 def answers_s(train: TrainRow) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import Field
 
@@ -52,3 +52,6 @@ class Planning(Record):
             "assumed: none; a timetable in whole minutes hides up to 59 s",
         ),
     ] = 0.0
+
+
+PLAIN: Final = Planning()  # what nobody wishes otherwise
