@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from vehicle.compiled import compiled
 from vehicle.optimum.cells import Cells, cells_of, corners_mps
 from vehicle.optimum.course import Course, Optimum
-from vehicle.optimum.interior import Mesh, local
+from vehicle.optimum.interior import Mesh, costs_at, local
 from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
 from vehicle.optimum.mesh import Laid, laid, mesh_of
 from vehicle.optimum.way import Way
@@ -71,59 +71,119 @@ class Stretch(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What electricity costs: by N m of pull and of electric brake, and W/kg for the time itself."""
+    """What else counts: W/kg for the time itself, the friction brake (m/s^2), the share of what comes back."""
 
-    pull: float
-    brake: float
     auxiliary: float
-    friction: float  # m/s^2
+    friction: float
+    regeneration: float
+
+
+class Ends(NamedTuple):
+    """A quantity at both ends of a cell."""
+
+    low: float
+    high: float
 
 
 @compiled
-def least_integrand(
-    cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float
+def spent(over: float, bend: float, curve: float, most: float) -> float:
+    """Least of curve max(p - bend, 0)^2 - over p for p up to `most`; `most` may be below 0."""
+    p = most
+    if curve > 0.0:
+        p = min(p, bend + 0.5 * over / curve)
+    beyond = max(p - bend, 0.0)
+    return curve * beyond * beyond - over * p
+
+
+@compiled
+def capped(
+    width: float, bend: float, over: float, knee: float, curve: float, rest: Ends, most: Ends, bowed: float
 ) -> float:
+    """Least on a cell of `rest` and what a force up to `most` saves; both are given at its ends.
+
+    `bend` bounds the second derivative of the rest, `bowed` that of -most; most is else straight. What is saved falls
+    with most, at a rate of at most `over`, and bends by twice the curve times the slope of most squared.
+    """
+    slope = abs(most.high - most.low) / width + abs(bowed) * width
+    more = bend + over * max(bowed, 0.0) + 2.0 * curve * slope * slope
+    low = min(
+        rest.low + spent(over, knee, curve, most.low),
+        rest.high + spent(over, knee, curve, most.high),
+    )
+    return low - max(more, 0.0) * width * width / 8.0
+
+
+@compiled
+def least_pulling(cells: Cells, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float) -> float:
+    """Least on cell `j` where a force is worth more than it costs; the greatest is that of motors, or a held one."""
+    v, w = cells.speed[j], cells.speed[j + 1]
+    over, knee, curve = mu - cells.cost[j, 0], cells.cost[j, 2], cells.cost[j, 3]
+    resist = Ends(
+        cells.resist[j] + stretch.drag_most * v * v, cells.resist[j + 1] + stretch.drag_most * w * w
+    )
+    motors = Ends(cells.pull[j, 0], cells.pull[j, 1])
+    held = Ends(stretch.held_down + resist.low, stretch.held_down + resist.high)
+    return max(
+        capped(w - v, bend, over, knee, curve, rest, motors, 0.0),
+        capped(w - v, bend, over, knee, curve, rest, held, -bend_r),
+    )
+
+
+@compiled
+def least_braking(
+    cells: Cells, costs: Costs, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float
+) -> float:
+    """Least on cell `j` where braking gives back more than speed is worth; below mu = 0 also by friction."""
+    v, w = cells.speed[j], cells.speed[j + 1]
+    gain, knee = costs.regeneration * cells.cost[j, 1], cells.cost[j, 2]
+    curve = costs.regeneration * cells.cost[j, 3]
+    motors = Ends(cells.electric[j, 0], cells.electric[j, 1])
+    held = Ends(
+        stretch.held_back - cells.resist[j] - stretch.drag_least * v * v,
+        stretch.held_back - cells.resist[j + 1] - stretch.drag_least * w * w,
+    )
+    if mu >= 0.0:
+        return max(
+            capped(w - v, bend, gain - mu, knee, curve, rest, motors, 0.0),
+            capped(w - v, bend, gain - mu, knee, curve, rest, held, bend_r),
+        )
+    best = -math.inf
+    for whole in range(2):
+        low, high = (held.low, held.high) if whole else (motors.low + costs.friction, motors.high + costs.friction)
+        both = Ends(rest.low + mu * low, rest.high + mu * high)
+        more = bend - mu * bend_r * whole
+        best = max(best, capped(w - v, more, gain, knee, curve, both, motors, 0.0))
+        best = max(best, capped(w - v, more, gain, knee, curve, both, held, bend_r))
+    return best
+
+
+@compiled
+def least_integrand(cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float) -> float:
     """H of one end of a stretch: a lower bound of the integrand over all speeds and forces."""
     speed, resist = cells.speed, cells.resist
     drag = stretch.drag_least if mu >= 0.0 else stretch.drag_most
     worth = second + costs.auxiliary
-    over, under = mu - costs.pull, costs.brake - mu
     bend_r = cells.curving + 2.0 * stretch.drag_most
     best = math.inf
     for j in range(len(speed) - 1):
         if speed[j] >= stretch.top:
             break
         v, w = speed[j], speed[j + 1]
-        gap = (w - v) * (w - v) / 8.0
         bend = max(mu, 0.0) * bend_r - slope
-        free_v = mu * (resist[j] + drag * v * v) - slope * 0.5 * v * v + worth / (v if j > 0 else w)
-        free_w = mu * (resist[j + 1] + drag * w * w) - slope * 0.5 * w * w + worth / w
+        rest = Ends(
+            mu * (resist[j] + drag * v * v) - slope * 0.5 * v * v + worth / (v if j > 0 else w),
+            mu * (resist[j + 1] + drag * w * w) - slope * 0.5 * w * w + worth / w,
+        )
         if j > 0:
             bend += 2.0 * worth / (v * v * v)
-        if over > 0.0:
-            most_v = stretch.held_down + resist[j] + stretch.drag_most * v * v
-            most_w = stretch.held_down + resist[j + 1] + stretch.drag_most * w * w
-            by_motors = min(free_v - over * cells.pull[j, 0], free_w - over * cells.pull[j, 1])
-            by_limit = min(free_v - over * most_v, free_w - over * most_w)
-            found = max(by_motors, by_limit) - max(bend, 0.0) * gap
-        elif under > 0.0:
-            held_v = stretch.held_back - resist[j] - stretch.drag_least * v * v
-            held_w = stretch.held_back - resist[j + 1] - stretch.drag_least * w * w
-            found = -math.inf
-            for motors in range(2):
-                a_v, a_w = (held_v, held_w) if motors else (cells.electric[j, 0], cells.electric[j, 1])
-                if mu >= 0.0:
-                    low = min(free_v - under * a_v, free_w - under * a_w)
-                    found = max(found, low - max(bend + under * bend_r * motors, 0.0) * gap)
-                    continue
-                for whole in range(2):
-                    b_v = held_v if whole else cells.electric[j, 0] + costs.friction
-                    b_w = held_w if whole else cells.electric[j, 1] + costs.friction
-                    low = min(free_v - costs.brake * a_v + mu * b_v, free_w - costs.brake * a_w + mu * b_w)
-                    more = (costs.brake * motors - mu * whole) * bend_r
-                    found = max(found, low - max(bend + more, 0.0) * gap)
-        else:
-            found = min(free_v, free_w) - max(bend, 0.0) * gap
+        idle = cells.cost[j, 4]
+        found = min(rest.low, rest.high) - max(bend, 0.0) * (w - v) * (w - v) / 8.0 + idle
+        if mu > cells.cost[j, 0]:
+            found = min(found, least_pulling(cells, j, stretch, mu, rest, bend, bend_r) + idle)
+        if mu < costs.regeneration * cells.cost[j, 1]:
+            # Instead of nothing: no force at all is among what it looks at, unless one is needed.
+            least = least_braking(cells, costs, j, stretch, mu, rest, bend, bend_r)
+            found = min(found, least + costs.regeneration * idle)
         best = min(best, found)
     return best
 
@@ -205,17 +265,28 @@ def slope_of(
     slope = mu * x.f_z
     if v > STANDS_MPS and w > STANDS_MPS:
         slope -= (second + mesh.auxiliary) * 2.0 / (v * w * (v + w))
-    over, under = mu - mesh.inverse_traction, mesh.regenerated - mu
+    paid = costs_at(table, 0.5 * (low + high))
+    over, under = mu - paid.kink.value - paid.gain.value, paid.gain.value - mu
     held = mesh.deceleration - (x.f - a)
+    slope += paid.idle.by_z
     if over > 0.0:
-        slope -= over * x.pull_z
+        pull = max(x.f, 0.0)
+        beyond = max(pull - paid.bend.value, 0.0)
+        slope += (paid.kink.by_z + paid.gain.by_z) * pull + paid.curve.by_z * beyond * beyond
+        slope -= 2.0 * paid.curve.value * beyond * paid.bend.by_z
+        slope -= max(over - 2.0 * paid.curve.value * beyond, 0.0) * x.pull_z
     elif under > 0.0:
+        curve, curve_z = mesh.regeneration * paid.curve.value, mesh.regeneration * paid.curve.by_z
+        brake = min(max(-x.f, 0.0), x.elec)
+        beyond = max(brake - paid.bend.value, 0.0)
+        slope += curve_z * beyond * beyond - paid.gain.by_z * brake - 2.0 * curve * beyond * paid.bend.by_z
+        worth = paid.gain.value - 2.0 * curve * beyond
         motors_z = -x.f_z if held < x.elec else x.elec_z
         if mu >= 0.0:
-            slope -= under * motors_z
+            slope -= max(worth - mu, 0.0) * motors_z
         else:
             whole_z = -x.f_z if held < x.elec + mesh.brake_extra else x.elec_z
-            slope -= mesh.regenerated * motors_z - mu * whole_z
+            slope -= max(worth, 0.0) * motors_z - mu * whole_z
     return slope
 
 
@@ -345,7 +416,7 @@ def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
         way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m
     )
     joined(prices, stretches[:, 5])
-    costs = Costs(mesh.inverse_traction, mesh.regenerated, mesh.auxiliary, way.brake_extra)
+    costs = Costs(mesh.auxiliary, way.brake_extra, course.regeneration)
     ends = np.array([way.first, way.last])
     bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s)
     return bound * found.inertia_kg

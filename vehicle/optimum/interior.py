@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
-from vehicle.optimum.laws import ALL_MOTORS, ELECTRIC, PULL, RESIST, law_slopes
+from vehicle.optimum.laws import ALL_MOTORS, BEND, CURVE, ELECTRIC, GAIN, IDLE, PULL, RESIST, SLOPE, law_slopes
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
 
@@ -51,8 +51,9 @@ class Mesh(NamedTuple):
     grade: Floats
     drag: Floats
     top: Floats  # of z, at the points
-    inverse_traction: float  # 1 / efficiency
-    regenerated: float  # efficiency times the share that counts
+    regeneration: float  # share of what comes back that counts
+    kinked: bool  # pulling costs more than braking gives back
+    regenerates: bool
     brake_extra: float
     deceleration: float
     acceleration: float
@@ -68,6 +69,25 @@ class Inner(NamedTuple):
     top_slack: Floats  # points
     top_price: Floats
     ends: Floats
+    costate: Floats  # stretches: what z is worth
+
+
+class Cost(NamedTuple):
+    """A quantity of the costs with two derivatives by z."""
+
+    value: float
+    by_z: float
+    by_zz: float
+
+
+class Costs(NamedTuple):
+    """The costs of forces on a stretch: of traction above what braking gives back, that itself, and the rest."""
+
+    kink: Cost
+    gain: Cost
+    bend: Cost
+    curve: Cost
+    idle: Cost
 
 
 class Local(NamedTuple):
@@ -97,16 +117,32 @@ def local(mesh: Mesh, table: Floats, i: int, a: float, z: float) -> Local:
 
 
 @compiled
+def cost(table: Floats, law: int, speed: float) -> Cost:
+    """One quantity at a speed."""
+    value, by_z, by_zz = law_slopes(table, law, speed)
+    return Cost(value, by_z, by_zz)
+
+
+@compiled
+def costs_at(table: Floats, z: float) -> Costs:
+    """The costs at a mean z."""
+    speed = math.sqrt(2.0 * z)
+    slope, gain = cost(table, SLOPE, speed), cost(table, GAIN, speed)
+    kink = Cost(slope.value - gain.value, slope.by_z - gain.by_z, slope.by_zz - gain.by_zz)
+    return Costs(kink, gain, cost(table, BEND, speed), cost(table, CURVE, speed), cost(table, IDLE, speed))
+
+
+@compiled
 def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
     """Slacks at a start, off their edges, with the prices that the weight asks for."""
     n = len(mesh.h_m)
     slack, price = np.ones((n, LIMITS)), np.zeros((n, LIMITS))
-    kink = mesh.inverse_traction - mesh.regenerated
     time_s = 0.0
     for i in range(n):
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
+        paid = costs_at(table, 0.5 * (z[i] + z[i + 1]))
         time_s += 2.0 * h / (math.sqrt(2.0 * z[i]) + math.sqrt(2.0 * z[i + 1]))
         slack[i, TRACTION] = max(x.f, 0.0) + SLACK_FIRST
         slack[i, TRACTION + 1] = slack[i, TRACTION] - x.f
@@ -117,8 +153,8 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
         slack[i, SLOWING] = max(a + mesh.deceleration, SLACK_FIRST)
         slack[i, SPEEDING] = max(mesh.acceleration - a, SLACK_FIRST)
         for k in range(2):
-            price[i, TRACTION + k] = 0.5 * kink
-            price[i, AIR + k] = 0.5 * mesh.regenerated
+            price[i, TRACTION + k] = 0.5 * paid.kink.value if mesh.kinked else 0.0
+            price[i, AIR + k] = 0.5 * paid.gain.value if mesh.regenerates else 0.0
         for k in range(STRONG, LIMITS):
             price[i, k] = weight / slack[i, k]
         if mesh.brake_extra == math.inf:
@@ -132,7 +168,7 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
     ends[0] = max(mesh.time_s - time_s, 0.01 * mesh.time_s)
     ends[1] = 5.0 * weight * length / ends[0]
     ends[2] = weight
-    return Inner(slack, price, top_slack, top_price, ends)
+    return Inner(slack, price, top_slack, top_price, ends, np.zeros(n))
 
 
 class System(NamedTuple):
@@ -145,17 +181,88 @@ class System(NamedTuple):
     residual: float
 
 
+class Reduced(NamedTuple):
+    """What a stretch's own unknown leaves when it is eliminated, by f and z, and how it follows them."""
+
+    by_f: float
+    by_z: float
+    ff: float
+    fz: float
+    zz: float
+    own: float  # its step without any of f and z
+    with_f: float
+    with_z: float
+    paid_f: float  # slopes by f and z at the prices themselves
+    paid_z: float
+    paid_zz: float
+
+
+NOTHING: Final = Reduced(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 @compiled
-def kink_terms(
-    s0: float, s1: float, y0: float, y1: float, cost: float, x: float, weight: float
-) -> tuple[float, float]:
-    """Slope and curvature by x that cost * max(x, 0) leaves when its own unknown is eliminated."""
-    if cost <= 0.0:
-        return 0.0, 0.0
+def traction(x: Local, paid: Costs, s0: float, s1: float, y0: float, y1: float, weight: float) -> Reduced:
+    """kink p + curve max(p - bend, 0)^2 with p = s0 >= 0 and p >= f."""
+    k, bend, curve = paid.kink, paid.bend, paid.curve
+    w = max(s0 - bend.value, 0.0)
+    on = 1.0 if w > 0.0 else 0.0
     d0, d1 = y0 / s0, y1 / s1
-    t1 = (weight - y1 * (s0 - x - s1)) / s1
-    both = d0 + d1
-    return t1 + d1 * (cost - weight / s0 - t1) / both, d0 * d1 / both
+    t0, t1 = weight / s0, (weight - y1 * (s0 - x.f - s1)) / s1
+    g_p = k.value + 2.0 * curve.value * w - t0 - t1
+    pp = d0 + d1 + 2.0 * curve.value * on
+    pz = k.by_z + 2.0 * curve.by_z * w - 2.0 * curve.value * bend.by_z * on
+    g_z = k.by_z * s0 + curve.by_z * w * w - 2.0 * curve.value * w * bend.by_z
+    zz = k.by_zz * s0 + curve.by_zz * w * w - 4.0 * curve.by_z * w * bend.by_z
+    zz += -2.0 * curve.value * w * bend.by_zz + 2.0 * curve.value * bend.by_z * bend.by_z * on
+    return Reduced(
+        t1 + d1 * g_p / pp,
+        g_z - pz * g_p / pp,
+        d1 - d1 * d1 / pp,
+        d1 * pz / pp,
+        zz - pz * pz / pp,
+        -g_p / pp,
+        d1 / pp,
+        -pz / pp,
+        y1,
+        g_z,
+        0.0,
+    )
+
+
+@compiled
+def braking(
+    x: Local, paid: Costs, share: float, s0: float, s1: float, y0: float, y1: float, weight: float
+) -> Reduced:
+    """gain (f + q) + curve max(-f - q - bend, 0)^2 with q = s0 >= 0 and q >= -f - e; the curve by the share that counts."""
+    gain, bend, curve = paid.gain, paid.bend, paid.curve
+    c, c_z, c_zz = share * curve.value, share * curve.by_z, share * curve.by_zz
+    motors = x.f + s0
+    w = max(-motors - bend.value, 0.0)
+    on = 1.0 if w > 0.0 else 0.0
+    d0, d1 = y0 / s0, y1 / s1
+    t0, t1 = weight / s0, (weight - y1 * (s0 + x.f + x.elec - s1)) / s1
+    by_motors = gain.value - 2.0 * c * w
+    g_q, g_f = by_motors - t0 - t1, by_motors - t1
+    g_direct = gain.by_z * motors + c_z * w * w - 2.0 * c * w * bend.by_z
+    g_z = g_direct - t1 * x.elec_z
+    ff = 2.0 * c * on + d1
+    qq = ff + d0
+    qz = gain.by_z - 2.0 * c_z * w + 2.0 * c * bend.by_z * on + d1 * x.elec_z
+    zz = gain.by_zz * motors + c_zz * w * w - 4.0 * c_z * w * bend.by_z - 2.0 * c * w * bend.by_zz
+    zz += 2.0 * c * bend.by_z * bend.by_z * on + d1 * x.elec_z * x.elec_z
+    return Reduced(
+        g_f - ff * g_q / qq,
+        g_z - qz * g_q / qq,
+        ff - ff * ff / qq,
+        qz - ff * qz / qq,
+        zz - qz * qz / qq,
+        -g_q / qq,
+        -ff / qq,
+        -qz / qq,
+        by_motors - y1,
+        g_direct - y1 * x.elec_z,
+        -y1 * x.elec_zz,
+    )
 
 
 @compiled
@@ -165,26 +272,25 @@ def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -
     diagonal, beside = np.zeros(n + 1), np.zeros(n + 1)
     right, by_time, exact = np.zeros(n + 1), np.zeros(n + 1), np.zeros(n + 1)
     s, y = inner.slack, inner.price
-    kink = mesh.inverse_traction - mesh.regenerated
     weight = inner.ends[2]
     worth = inner.ends[1] + mesh.auxiliary
     for i in range(n):
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
-        # by f
-        g, c = kink_terms(s[i, 0], s[i, 1], y[i, 0], y[i, 1], kink, x.f, weight)
-        by_f, ff = mesh.regenerated + g, c
-        paid_f = mesh.regenerated + y[i, 1]
-        # air: by -f - e
-        g, c = kink_terms(s[i, 2], s[i, 3], y[i, 2], y[i, 3], mesh.regenerated, -x.f - x.elec, weight)
-        by_f -= g
-        by_e = -g
-        ff += c
-        fe = c
-        ee = c
-        paid_f -= y[i, 3]
-        paid_e = -y[i, 3]
+        paid = costs_at(table, 0.5 * (z[i] + z[i + 1]))
+        by_f = ff = fz = by_z = paid_f = 0.0
+        paid_z, zz = paid.idle.by_z, paid.idle.by_zz
+        by_z += paid.idle.by_z
+        if mesh.kinked:
+            one = traction(x, paid, s[i, 0], s[i, 1], y[i, 0], y[i, 1], weight)
+            by_f, by_z, ff, fz, zz = one.by_f, by_z + one.by_z, one.ff, one.fz, zz + one.zz
+            paid_f, paid_z = one.paid_f, paid_z + one.paid_z
+        if mesh.regenerates:
+            two = braking(x, paid, mesh.regeneration, s[i, 2], s[i, 3], y[i, 2], y[i, 3], weight)
+            by_f, by_z, ff, fz, zz = by_f + two.by_f, by_z + two.by_z, ff + two.ff, fz + two.fz, zz + two.zz
+            paid_f, paid_z, zz = paid_f + two.paid_f, paid_z + two.paid_z, zz + two.paid_zz
+        by_e = fe = ee = paid_e = 0.0
         # pull - f
         d = y[i, STRONG] / s[i, STRONG]
         t = (weight - y[i, STRONG] * (x.pull - x.f - s[i, STRONG])) / s[i, STRONG]
@@ -213,14 +319,15 @@ def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -
             by_a += (weight - y[i, SPEEDING] * (mesh.acceleration - a - s[i, SPEEDING])) / s[i, SPEEDING]
             aa += d
             paid_a += y[i, SPEEDING]
-        by_z = by_f * x.f_z + by_p * x.pull_z + by_e * x.elec_z
-        az = ff * x.f_z + fp * x.pull_z + fe * x.elec_z
-        zz = ff * x.f_z * x.f_z + pp * x.pull_z * x.pull_z + ee * x.elec_z * x.elec_z
-        zz += 2.0 * x.f_z * (fp * x.pull_z + fe * x.elec_z)
+        by_z += by_f * x.f_z + by_p * x.pull_z + by_e * x.elec_z
+        az = ff * x.f_z + fz + fp * x.pull_z + fe * x.elec_z
+        zz += ff * x.f_z * x.f_z + pp * x.pull_z * x.pull_z + ee * x.elec_z * x.elec_z
+        zz += 2.0 * x.f_z * (fz + fp * x.pull_z + fe * x.elec_z)
         zz += paid_f * x.f_zz - y[i, STRONG] * x.pull_zz + paid_e * x.elec_zz
         if tamed:
             zz = max(zz, az * az / aa)
-        paid_z = paid_f * x.f_z - y[i, STRONG] * x.pull_z + paid_e * x.elec_z
+        paid_z += paid_f * x.f_z - y[i, STRONG] * x.pull_z + paid_e * x.elec_z
+        inner.costate[i] = paid_a
         exact[i] += -paid_a + 0.5 * h * paid_z
         exact[i + 1] += paid_a + 0.5 * h * paid_z
         right[i] -= -by_a + 0.5 * h * by_z
@@ -312,7 +419,6 @@ def moved(
     """Steps of slacks and prices that go with the step `out` of z, and the shares of both that stay inside."""
     n = len(mesh.h_m)
     s, y = inner.slack, inner.price
-    kink = mesh.inverse_traction - mesh.regenerated
     weight = inner.ends[2]
     primal = 1.0
     dual = 1.0
@@ -324,17 +430,16 @@ def moved(
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
         df = da + x.f_z * dz
         de = x.elec_z * dz
-        for k in range(2):
-            j = 2 * k
-            value, change, cost = (x.f, df, kink) if k == 0 else (-x.f - x.elec, -df - de, mesh.regenerated)
-            ds[i, j] = ds[i, j + 1] = 0.0
-            if cost <= 0.0:
-                continue
-            d0, d1 = y[i, j] / s[i, j], y[i, j + 1] / s[i, j + 1]
-            off = s[i, j] - value - s[i, j + 1]
-            t1 = (weight - y[i, j + 1] * off) / s[i, j + 1]
-            ds[i, j] = (d1 * change - (cost - weight / s[i, j] - t1)) / (d0 + d1)
-            ds[i, j + 1] = ds[i, j] - change + off
+        paid = costs_at(table, 0.5 * (z[i] + z[i + 1]))
+        ds[i, 0] = ds[i, 1] = ds[i, 2] = ds[i, 3] = 0.0
+        if mesh.kinked:
+            one = traction(x, paid, s[i, 0], s[i, 1], y[i, 0], y[i, 1], weight)
+            ds[i, 0] = one.own + one.with_f * df + one.with_z * dz
+            ds[i, 1] = ds[i, 0] - df + s[i, 0] - x.f - s[i, 1]
+        if mesh.regenerates:
+            two = braking(x, paid, mesh.regeneration, s[i, 2], s[i, 3], y[i, 2], y[i, 3], weight)
+            ds[i, 2] = two.own + two.with_f * df + two.with_z * dz
+            ds[i, 3] = ds[i, 2] + df + de + s[i, 2] + x.f + x.elec - s[i, 3]
         ds[i, STRONG] = x.pull_z * dz - df + x.pull - x.f - s[i, STRONG]
         ds[i, SLOWING] = da + a + mesh.deceleration - s[i, SLOWING]
         ds[i, WEAK] = 0.0
@@ -437,13 +542,6 @@ def followed(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> int:
         share = 1.0 - min(primal, dual)
         inner.ends[2] = max(mean * min(max(0.1, share * share), 0.8), WEIGHT_LAST)
     return 0
-
-
-@compiled
-def costates(inner: Inner, regenerated: float) -> Floats:
-    """What z is worth on each stretch."""
-    y = inner.price
-    return regenerated + y[:, 1] - y[:, 3] + y[:, STRONG] - y[:, WEAK] - y[:, SLOWING] + y[:, SPEEDING]
 
 
 @compiled

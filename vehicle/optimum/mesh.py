@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
-from vehicle.optimum.laws import law_table
+from vehicle.optimum.laws import GAIN, SLOPE, law_table
 from vehicle.optimum.interior import Mesh
 from vehicle.optimum.way import Way, fastest, mean_lift, times_s
 
@@ -63,7 +63,7 @@ def laid(course: Course) -> Laid:
         0.5 * course.initial_mps**2,
         0.5 * course.final_mps**2,
     )
-    table = law_table(train, course.load_share, float(limit_mps.max()))
+    table = law_table(train, course.load_share, course.regeneration, float(limit_mps.max()))
     best = fastest(table, way)
     _refuse_what_cannot_run(course, way, best)
     return Laid(course, inertia, table, way, best)
@@ -127,8 +127,9 @@ def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
         np.diff(lift) / h,
         drag,
         top,
-        1.0 / float(train["efficiency_traction"]),
-        float(train["efficiency_regeneration"]) * course.regeneration,
+        course.regeneration,
+        bool(np.any(laid.table[:, SLOPE, 0] > laid.table[:, GAIN, 0])),
+        bool(np.any(laid.table[:, GAIN, 0] > 0.0)),
         way.brake_extra if way.brake_extra < FRICTION_ENOUGH_MPS2 else math.inf,
         way.deceleration,
         way.acceleration if way.acceleration < FRICTION_ENOUGH_MPS2 else math.inf,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.optimum.course import Course, NotFound, Optimum, Profile, TooShort
-from vehicle.optimum.interior import begun, costates, followed, told
+from vehicle.optimum.interior import begun, followed, told
 from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
 from vehicle.optimum.way import times_s
 
@@ -51,8 +51,7 @@ def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None
     at_s = times_s(at_m, z)
     energy_j += mesh.auxiliary * found.inertia_kg * at_s[-1]
     price_w = float(inner.ends[1]) * found.inertia_kg
-    costate = costates(inner, mesh.regenerated)
-    return Optimum(at_m, np.sqrt(2.0 * z), at_s, motors, air, energy_j, price_w, costate, rounds)
+    return Optimum(at_m, np.sqrt(2.0 * z), at_s, motors, air, energy_j, price_w, inner.costate, rounds)
 
 
 def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
