@@ -22,6 +22,7 @@ from vehicle.traction import full_force_n, motored_grip_n
 
 ALL_MOTORS: Final = 1.0
 STEP_MPS: Final = 0.1
+COST_FROM_MPS: Final = 2.0  # below, losses by metre are taken as here: they have no end towards a stand
 RESIST: Final = 0
 PULL: Final = 1
 ELECTRIC: Final = 2
@@ -57,7 +58,7 @@ def law_table(train: TrainRow, load_share: float, share: float, top_mps: float) 
         table[i, RESIST, 0] = resist_n / inertia
         table[i, PULL, 0] = pull_n / inertia
         table[i, ELECTRIC, 0] = electric_n / inertia
-        slope, gain, bend, curve, idle = cost_terms(train, load_share, i * STEP_MPS)
+        slope, gain, bend, curve, idle = cost_terms(train, load_share, max(i * STEP_MPS, COST_FROM_MPS))
         table[i, SLOPE, 0] = slope
         table[i, GAIN, 0] = share * gain
         table[i, BEND, 0] = bend
