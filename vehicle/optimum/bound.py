@@ -29,6 +29,7 @@ that of `way.Way`: heights below the train straight from metre to metre.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -45,9 +46,19 @@ from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
 
 Floats = NDArray[np.float64]
 
+class Term(IntEnum):
+    """A term of the bound by name: left out on purpose, what is found is no bound any more, and tests see it."""
+
+    TIME = 0
+    GRADIENT = 1
+    JUMPS = 2
+
+
 BAND_MPS: Final = STARTING_BAND_KMH / KMH_PER_MPS
 
 
+NONE_LEFT_OUT: Final = -1
+TIME, GRADIENT, JUMPS = int(Term.TIME), int(Term.GRADIENT), int(Term.JUMPS)
 GRADES: Final = 12  # halvings of the stretch at a stand
 STANDS_MPS: Final = 1e-4
 
@@ -199,6 +210,7 @@ def dual(
     ends: Floats,
     prices: Prices,
     time_s: float,
+    left_out: int,
 ) -> float:
     """The bound, m^2/s^2 (J per kg of equivalent mass).
 
@@ -207,10 +219,12 @@ def dual(
     """
     n = len(at_m) - 1
     left, right = prices.left, prices.right
-    total = -prices.second * time_s + right[n - 1] * ends[1] - left[0] * ends[0]
+    total = right[n - 1] * ends[1] - left[0] * ends[0]
+    if left_out != TIME:
+        total -= prices.second * time_s
     for i in range(1, n):
         jump = left[i] - right[i - 1]
-        if jump > 0.0:
+        if jump > 0.0 and left_out != JUMPS:
             total -= jump * tops[i]
     for i in range(n):
         h = at_m[i + 1] - at_m[i]
@@ -219,7 +233,9 @@ def dual(
         stretch = Stretch(row[0], row[1], row[2], row[3], row[4])
         low = least_integrand(cells, costs, stretch, left[i], slope, prices.second)
         high = least_integrand(cells, costs, stretch, right[i], slope, prices.second)
-        total += 0.5 * h * (low + high) + left[i] * pulled[i, 0] + slope * pulled[i, 1]
+        total += 0.5 * h * (low + high)
+        if left_out != GRADIENT:
+            total += left[i] * pulled[i, 0] + slope * pulled[i, 1]
     return total
 
 
@@ -401,8 +417,8 @@ def lower_bound_j(course: Course, optimum: Optimum, time_s: float) -> float:
     return bound_of(found, optimum, time_s)
 
 
-def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
-    """`lower_bound_j` of a course laid out."""
+def bound_of(found: Laid, optimum: Optimum, time_s: float, left_out: Term | None = None) -> float:
+    """`lower_bound_j` of a course laid out; `left_out` makes it wrong on purpose."""
     course, way = found.course, found.way
     mesh, _ = mesh_of(found, optimum.position_m, time_s)
     second = optimum.price_w / found.inertia_kg
@@ -418,5 +434,6 @@ def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
     joined(prices, stretches[:, 5])
     costs = Costs(mesh.auxiliary, way.brake_extra, course.regeneration)
     ends = np.array([way.first, way.last])
-    bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s)
+    left = NONE_LEFT_OUT if left_out is None else int(left_out)
+    bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s, left)
     return bound * found.inertia_kg
