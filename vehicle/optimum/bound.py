@@ -281,7 +281,7 @@ def slope_of(
     slope = mu * x.f_z
     if v > STANDS_MPS and w > STANDS_MPS:
         slope -= (second + mesh.auxiliary) * 2.0 / (v * w * (v + w))
-    paid = costs_at(table, 0.5 * (low + high))
+    paid = costs_at(mesh, table, 0.5 * (low + high))
     over, under = mu - paid.kink.value - paid.gain.value, paid.gain.value - mu
     held = mesh.deceleration - (x.f - a)
     slope += paid.idle.by_z

@@ -54,6 +54,7 @@ class Mesh(NamedTuple):
     regeneration: float  # share of what comes back that counts
     kinked: bool  # pulling costs more than braking gives back
     regenerates: bool
+    plain: bool  # costs that no speed changes
     brake_extra: float
     deceleration: float
     acceleration: float
@@ -124,12 +125,16 @@ def cost(table: Floats, law: int, speed: float) -> Cost:
 
 
 @compiled
-def costs_at(table: Floats, z: float) -> Costs:
+def costs_at(mesh: Mesh, table: Floats, z: float) -> Costs:
     """The costs at a mean z."""
+    if mesh.plain:
+        slope, gain = table[0, SLOPE, 0], table[0, GAIN, 0]
+        none = Cost(0.0, 0.0, 0.0)
+        return Costs(Cost(slope - gain, 0.0, 0.0), Cost(gain, 0.0, 0.0), none, none, none)
     speed = math.sqrt(2.0 * z)
-    slope, gain = cost(table, SLOPE, speed), cost(table, GAIN, speed)
-    kink = Cost(slope.value - gain.value, slope.by_z - gain.by_z, slope.by_zz - gain.by_zz)
-    return Costs(kink, gain, cost(table, BEND, speed), cost(table, CURVE, speed), cost(table, IDLE, speed))
+    pull, gain_at = cost(table, SLOPE, speed), cost(table, GAIN, speed)
+    kink = Cost(pull.value - gain_at.value, pull.by_z - gain_at.by_z, pull.by_zz - gain_at.by_zz)
+    return Costs(kink, gain_at, cost(table, BEND, speed), cost(table, CURVE, speed), cost(table, IDLE, speed))
 
 
 @compiled
@@ -142,7 +147,7 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
-        paid = costs_at(table, 0.5 * (z[i] + z[i + 1]))
+        paid = costs_at(mesh, table, 0.5 * (z[i] + z[i + 1]))
         time_s += 2.0 * h / (math.sqrt(2.0 * z[i]) + math.sqrt(2.0 * z[i + 1]))
         slack[i, TRACTION] = max(x.f, 0.0) + SLACK_FIRST
         slack[i, TRACTION + 1] = slack[i, TRACTION] - x.f
@@ -278,7 +283,7 @@ def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
-        paid = costs_at(table, 0.5 * (z[i] + z[i + 1]))
+        paid = costs_at(mesh, table, 0.5 * (z[i] + z[i + 1]))
         by_f = ff = fz = by_z = paid_f = 0.0
         paid_z, zz = paid.idle.by_z, paid.idle.by_zz
         by_z += paid.idle.by_z
@@ -430,7 +435,7 @@ def moved(
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
         df = da + x.f_z * dz
         de = x.elec_z * dz
-        paid = costs_at(table, 0.5 * (z[i] + z[i + 1]))
+        paid = costs_at(mesh, table, 0.5 * (z[i] + z[i + 1]))
         ds[i, 0] = ds[i, 1] = ds[i, 2] = ds[i, 3] = 0.0
         if mesh.kinked:
             one = traction(x, paid, s[i, 0], s[i, 1], y[i, 0], y[i, 1], weight)

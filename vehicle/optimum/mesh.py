@@ -117,7 +117,8 @@ def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
     # the lowest limit that any part of a stretch has
     first = np.searchsorted(way.at_m, at_m[:-1] + 1e-9, side="right") - 1
     last = np.searchsorted(way.at_m, at_m[1:] - 1e-9, side="left")
-    limit = np.array([way.limit[a : max(b, a + 1)].min() for a, b in zip(first, last, strict=True)])
+    pairs = np.stack((first, np.maximum(last, first + 1)), axis=1).ravel()
+    limit = np.minimum.reduceat(np.append(way.limit, math.inf), pairs)[::2]
     top = np.empty(len(at_m))
     top[0], top[-1] = limit[0], limit[-1]
     top[1:-1] = np.minimum(limit[:-1], limit[1:])
@@ -130,6 +131,7 @@ def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
         course.regeneration,
         bool(np.any(laid.table[:, SLOPE, 0] > laid.table[:, GAIN, 0])),
         bool(np.any(laid.table[:, GAIN, 0] > 0.0)),
+        not train["losses_given"] > 0.0,
         way.brake_extra if way.brake_extra < FRICTION_ENOUGH_MPS2 else math.inf,
         way.deceleration,
         way.acceleration if way.acceleration < FRICTION_ENOUGH_MPS2 else math.inf,
