@@ -36,7 +36,9 @@ class OptimumCost:
 
 def longest_hop(setup: Setup) -> Course:
     """The course of the timetable's longest hop at the mean load."""
-    hop = max(planned_hops(setup), key=lambda each: (each.there.mark_m - each.here.mark_m, each.mission.number))
+    hop = max(
+        planned_hops(setup), key=lambda each: (each.there.mark_m - each.here.mark_m, each.mission.number)
+    )
     return course_of(setup, hop, setup.load.load_share_mean, Allowed.as_units_drive(setup))
 
 

@@ -46,6 +46,7 @@ from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
 
 Floats = NDArray[np.float64]
 
+
 class Term(IntEnum):
     """A term of the bound by name: left out on purpose, what is found is no bound any more, and tests see it."""
 
@@ -125,7 +126,9 @@ def capped(
 
 
 @compiled
-def least_pulling(cells: Cells, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float) -> float:
+def least_pulling(
+    cells: Cells, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float
+) -> float:
     """Least on cell `j` where a force is worth more than it costs; the greatest is that of motors, or a held one."""
     v, w = cells.speed[j], cells.speed[j + 1]
     over, knee, curve = mu - cells.cost[j, 0], cells.cost[j, 2], cells.cost[j, 3]
@@ -160,7 +163,9 @@ def least_braking(
         )
     best = -math.inf
     for whole in range(2):
-        low, high = (held.low, held.high) if whole else (motors.low + costs.friction, motors.high + costs.friction)
+        low, high = (
+            (held.low, held.high) if whole else (motors.low + costs.friction, motors.high + costs.friction)
+        )
         both = Ends(rest.low + mu * low, rest.high + mu * high)
         more = bend - mu * bend_r * whole
         best = max(best, capped(w - v, more, gain, knee, curve, both, motors, 0.0))
@@ -169,7 +174,9 @@ def least_braking(
 
 
 @compiled
-def least_integrand(cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float) -> float:
+def least_integrand(
+    cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float
+) -> float:
     """H of one end of a stretch: a lower bound of the integrand over all speeds and forces."""
     speed, resist = cells.speed, cells.resist
     drag = stretch.drag_least if mu >= 0.0 else stretch.drag_most

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from vehicle.adhesion import DRY, adhesion_coefficient
 from vehicle.brakes import regenerative_limit_n
 from vehicle.compiled import compiled
-from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.losses import flux_share
+from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.optimum.costs import SLOWEST_MPS as SLOWEST_COST_MPS
 from vehicle.optimum.costs import cost_terms
 from vehicle.records import TrainRow

@@ -25,7 +25,9 @@ SLOWEST_MPS: Final = 0.05  # by metre, what a second costs has no end towards a 
 
 
 @compiled
-def cost_terms(train: TrainRow, load_share: float, speed_mps: float) -> tuple[float, float, float, float, float]:
+def cost_terms(
+    train: TrainRow, load_share: float, speed_mps: float
+) -> tuple[float, float, float, float, float]:
     """Slope, gain, bend (m/s^2), curve (s^2/m) and idle (m/s^2) at a speed; see above."""
     if train.losses_given <= 0.0:
         return 1.0 / train.efficiency_traction, train.efficiency_regeneration, 0.0, 0.0, 0.0

@@ -20,7 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
-from vehicle.optimum.laws import ALL_MOTORS, BEND, CURVE, ELECTRIC, GAIN, IDLE, PULL, RESIST, SLOPE, law_slopes
+from vehicle.optimum.laws import (
+    ALL_MOTORS,
+    BEND,
+    CURVE,
+    ELECTRIC,
+    GAIN,
+    IDLE,
+    PULL,
+    RESIST,
+    SLOPE,
+    law_slopes,
+)
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
 

@@ -65,7 +65,9 @@ def test_a_track_and_a_train_become_a_course(tmp_path: Path) -> None:
     np.testing.assert_allclose(course.limit_mps[[0, 1999, 2000, 3000]], [25.0, 25.0, 15.0, 15.0])
     drag = course.drag_n_per_mps2
     assert drag is not None
-    np.testing.assert_allclose(drag[[990, 1024, 1200, 1524, 1560]], [0.0, 12.96 * 0.49, 12.96, 12.96 * 0.51, 0.0])
+    np.testing.assert_allclose(
+        drag[[990, 1024, 1200, 1524, 1560]], [0.0, 12.96 * 0.49, 12.96, 12.96 * 0.51, 0.0]
+    )
     row = course.train
     assert row["speed_max_mps"] == pytest.approx(80 / 3.6)
     assert row["efficiency_traction"] == 0.9

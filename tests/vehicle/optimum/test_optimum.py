@@ -217,7 +217,10 @@ def test_forces_limits_and_time_are_kept(ev_e301: Rows) -> None:
     found = least_energy(run, time_s)
     assert time_s * (1.0 - 1e-4) <= found.time_s[-1] <= time_s
     assert found.speed_mps[0] == found.speed_mps[-1] == 0.0
-    ahead = np.minimum(run.limit_mps[found.position_m.astype(int)], run.limit_mps[np.maximum(found.position_m.astype(int) - 1, 0)])
+    ahead = np.minimum(
+        run.limit_mps[found.position_m.astype(int)],
+        run.limit_mps[np.maximum(found.position_m.astype(int) - 1, 0)],
+    )
     assert np.all(found.speed_mps <= ahead + 1e-6)
     acceleration = np.diff(0.5 * found.speed_mps**2) / np.diff(found.position_m)
     assert np.all(acceleration >= -DECELERATION_MPS2 - 1e-6)
