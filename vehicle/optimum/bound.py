@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from vehicle.compiled import compiled
 from vehicle.optimum.cells import Cells, cells_of, corners_mps
 from vehicle.optimum.course import Course, Optimum
-from vehicle.optimum.interior import Mesh, costs_at, local
+from vehicle.optimum.local import Mesh, costs_at, local
 from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
 from vehicle.optimum.mesh import Laid, laid, mesh_of
 from vehicle.optimum.way import Way

@@ -20,31 +20,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
-from vehicle.optimum.laws import (
-    ALL_MOTORS,
-    BEND,
-    CURVE,
-    ELECTRIC,
-    GAIN,
-    IDLE,
-    PULL,
-    RESIST,
-    SLOPE,
-    law_slopes,
+from vehicle.optimum.laws import ALL_MOTORS
+from vehicle.optimum.local import (
+    AIR,
+    LIMITS,
+    SLOWING,
+    SPEEDING,
+    STRONG,
+    TRACTION,
+    WEAK,
+    Mesh,
+    braking,
+    costs_at,
+    local,
+    terms,
+    traction,
 )
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
 
 Floats = NDArray[np.float64]
-
-# places of a stretch's slacks and prices
-TRACTION: Final = 0  # p >= 0, then p >= f
-AIR: Final = 2  # q >= 0, then q >= -f - e
-STRONG: Final = 4  # f below the greatest pull
-WEAK: Final = 5  # and above what all brakes give
-SLOWING: Final = 6
-SPEEDING: Final = 7
-LIMITS: Final = 8
 
 WEIGHT_LAST: Final = 1e-7
 RESIDUAL_LAST: Final = 1e-3  # m/s^2
@@ -53,24 +48,6 @@ FULL_STEPS: Final = 3
 STEPS_MAX: Final = 120
 TO_THE_EDGE: Final = 0.99
 SLACK_FIRST: Final = 0.05
-
-
-class Mesh(NamedTuple):
-    """What the method works on; per stretch, points are one more."""
-
-    h_m: Floats
-    grade: Floats
-    drag: Floats
-    top: Floats  # of z, at the points
-    regeneration: float  # share of what comes back that counts
-    kinked: bool  # pulling costs more than braking gives back
-    regenerates: bool
-    plain: bool  # costs that no speed changes
-    brake_extra: float
-    deceleration: float
-    acceleration: float
-    auxiliary: float  # W/kg, what time itself costs
-    time_s: float
 
 
 class Inner(NamedTuple):
@@ -82,70 +59,6 @@ class Inner(NamedTuple):
     top_price: Floats
     ends: Floats
     costate: Floats  # stretches: what z is worth
-
-
-class Cost(NamedTuple):
-    """A quantity of the costs with two derivatives by z."""
-
-    value: float
-    by_z: float
-    by_zz: float
-
-
-class Costs(NamedTuple):
-    """The costs of forces on a stretch: of traction above what braking gives back, that itself, and the rest."""
-
-    kink: Cost
-    gain: Cost
-    bend: Cost
-    curve: Cost
-    idle: Cost
-
-
-class Local(NamedTuple):
-    """A stretch at a and mean z: forces and their slopes by z."""
-
-    f: float
-    f_z: float
-    f_zz: float
-    pull: float
-    pull_z: float
-    pull_zz: float
-    elec: float
-    elec_z: float
-    elec_zz: float
-
-
-@compiled
-def local(mesh: Mesh, table: Floats, i: int, a: float, z: float) -> Local:
-    """Forces of stretch `i`."""
-    speed = math.sqrt(2.0 * z)
-    r, r_z, r_zz = law_slopes(table, RESIST, speed)
-    pull, pull_z, pull_zz = law_slopes(table, PULL, speed)
-    elec, elec_z, elec_zz = law_slopes(table, ELECTRIC, speed)
-    drag = 2.0 * mesh.drag[i]
-    f = a + r + drag * z + mesh.grade[i]
-    return Local(f, r_z + drag, r_zz, pull, pull_z, pull_zz, elec, elec_z, elec_zz)
-
-
-@compiled
-def cost(table: Floats, law: int, speed: float) -> Cost:
-    """One quantity at a speed."""
-    value, by_z, by_zz = law_slopes(table, law, speed)
-    return Cost(value, by_z, by_zz)
-
-
-@compiled
-def costs_at(mesh: Mesh, table: Floats, z: float) -> Costs:
-    """The costs at a mean z."""
-    if mesh.plain:
-        slope, gain = table[0, SLOPE, 0], table[0, GAIN, 0]
-        none = Cost(0.0, 0.0, 0.0)
-        return Costs(Cost(slope - gain, 0.0, 0.0), Cost(gain, 0.0, 0.0), none, none, none)
-    speed = math.sqrt(2.0 * z)
-    pull, gain_at = cost(table, SLOPE, speed), cost(table, GAIN, speed)
-    kink = Cost(pull.value - gain_at.value, pull.by_z - gain_at.by_z, pull.by_zz - gain_at.by_zz)
-    return Costs(kink, gain_at, cost(table, BEND, speed), cost(table, CURVE, speed), cost(table, IDLE, speed))
 
 
 @compiled
@@ -197,160 +110,29 @@ class System(NamedTuple):
     residual: float
 
 
-class Reduced(NamedTuple):
-    """What a stretch's own unknown leaves when it is eliminated, by f and z, and how it follows them."""
-
-    by_f: float
-    by_z: float
-    ff: float
-    fz: float
-    zz: float
-    own: float  # its step without any of f and z
-    with_f: float
-    with_z: float
-    paid_f: float  # slopes by f and z at the prices themselves
-    paid_z: float
-    paid_zz: float
-
-
-NOTHING: Final = Reduced(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@compiled
-def traction(x: Local, paid: Costs, s0: float, s1: float, y0: float, y1: float, weight: float) -> Reduced:
-    """kink p + curve max(p - bend, 0)^2 with p = s0 >= 0 and p >= f."""
-    k, bend, curve = paid.kink, paid.bend, paid.curve
-    w = max(s0 - bend.value, 0.0)
-    on = 1.0 if w > 0.0 else 0.0
-    d0, d1 = y0 / s0, y1 / s1
-    t0, t1 = weight / s0, (weight - y1 * (s0 - x.f - s1)) / s1
-    g_p = k.value + 2.0 * curve.value * w - t0 - t1
-    pp = d0 + d1 + 2.0 * curve.value * on
-    pz = k.by_z + 2.0 * curve.by_z * w - 2.0 * curve.value * bend.by_z * on
-    g_z = k.by_z * s0 + curve.by_z * w * w - 2.0 * curve.value * w * bend.by_z
-    zz = k.by_zz * s0 + curve.by_zz * w * w - 4.0 * curve.by_z * w * bend.by_z
-    zz += -2.0 * curve.value * w * bend.by_zz + 2.0 * curve.value * bend.by_z * bend.by_z * on
-    return Reduced(
-        t1 + d1 * g_p / pp,
-        g_z - pz * g_p / pp,
-        d1 - d1 * d1 / pp,
-        d1 * pz / pp,
-        zz - pz * pz / pp,
-        -g_p / pp,
-        d1 / pp,
-        -pz / pp,
-        y1,
-        g_z,
-        0.0,
-    )
-
-
-@compiled
-def braking(
-    x: Local, paid: Costs, share: float, s0: float, s1: float, y0: float, y1: float, weight: float
-) -> Reduced:
-    """gain (f + q) + curve max(-f - q - bend, 0)^2 with q = s0 >= 0 and q >= -f - e; the curve by the share that counts."""
-    gain, bend, curve = paid.gain, paid.bend, paid.curve
-    c, c_z, c_zz = share * curve.value, share * curve.by_z, share * curve.by_zz
-    motors = x.f + s0
-    w = max(-motors - bend.value, 0.0)
-    on = 1.0 if w > 0.0 else 0.0
-    d0, d1 = y0 / s0, y1 / s1
-    t0, t1 = weight / s0, (weight - y1 * (s0 + x.f + x.elec - s1)) / s1
-    by_motors = gain.value - 2.0 * c * w
-    g_q, g_f = by_motors - t0 - t1, by_motors - t1
-    g_direct = gain.by_z * motors + c_z * w * w - 2.0 * c * w * bend.by_z
-    g_z = g_direct - t1 * x.elec_z
-    ff = 2.0 * c * on + d1
-    qq = ff + d0
-    qz = gain.by_z - 2.0 * c_z * w + 2.0 * c * bend.by_z * on + d1 * x.elec_z
-    zz = gain.by_zz * motors + c_zz * w * w - 4.0 * c_z * w * bend.by_z - 2.0 * c * w * bend.by_zz
-    zz += 2.0 * c * bend.by_z * bend.by_z * on + d1 * x.elec_z * x.elec_z
-    return Reduced(
-        g_f - ff * g_q / qq,
-        g_z - qz * g_q / qq,
-        ff - ff * ff / qq,
-        qz - ff * qz / qq,
-        zz - qz * qz / qq,
-        -g_q / qq,
-        -ff / qq,
-        -qz / qq,
-        by_motors - y1,
-        g_direct - y1 * x.elec_z,
-        -y1 * x.elec_zz,
-    )
-
-
 @compiled
 def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -> System:
     """The condensed system of one step."""
     n = len(mesh.h_m)
     diagonal, beside = np.zeros(n + 1), np.zeros(n + 1)
     right, by_time, exact = np.zeros(n + 1), np.zeros(n + 1), np.zeros(n + 1)
-    s, y = inner.slack, inner.price
     weight = inner.ends[2]
     worth = inner.ends[1] + mesh.auxiliary
     for i in range(n):
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
-        x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
-        paid = costs_at(mesh, table, 0.5 * (z[i] + z[i + 1]))
-        by_f = ff = fz = by_z = paid_f = 0.0
-        paid_z, zz = paid.idle.by_z, paid.idle.by_zz
-        by_z += paid.idle.by_z
-        if mesh.kinked:
-            one = traction(x, paid, s[i, 0], s[i, 1], y[i, 0], y[i, 1], weight)
-            by_f, by_z, ff, fz, zz = one.by_f, by_z + one.by_z, one.ff, one.fz, zz + one.zz
-            paid_f, paid_z = one.paid_f, paid_z + one.paid_z
-        if mesh.regenerates:
-            two = braking(x, paid, mesh.regeneration, s[i, 2], s[i, 3], y[i, 2], y[i, 3], weight)
-            by_f, by_z, ff, fz, zz = by_f + two.by_f, by_z + two.by_z, ff + two.ff, fz + two.fz, zz + two.zz
-            paid_f, paid_z, zz = paid_f + two.paid_f, paid_z + two.paid_z, zz + two.paid_zz
-        by_e = fe = ee = paid_e = 0.0
-        # pull - f
-        d = y[i, STRONG] / s[i, STRONG]
-        t = (weight - y[i, STRONG] * (x.pull - x.f - s[i, STRONG])) / s[i, STRONG]
-        by_f += t
-        by_p = -t
-        ff += d
-        pp, fp = d, -d
-        paid_f += y[i, STRONG]
-        if mesh.brake_extra < math.inf:
-            d = y[i, WEAK] / s[i, WEAK]
-            t = (weight - y[i, WEAK] * (x.f + x.elec + mesh.brake_extra - s[i, WEAK])) / s[i, WEAK]
-            by_f -= t
-            by_e -= t
-            ff += d
-            fe += d
-            ee += d
-            paid_f -= y[i, WEAK]
-            paid_e -= y[i, WEAK]
-        by_a, aa, paid_a = by_f, ff, paid_f
-        d = y[i, SLOWING] / s[i, SLOWING]
-        by_a -= (weight - y[i, SLOWING] * (a + mesh.deceleration - s[i, SLOWING])) / s[i, SLOWING]
-        aa += d
-        paid_a -= y[i, SLOWING]
-        if mesh.acceleration < math.inf:
-            d = y[i, SPEEDING] / s[i, SPEEDING]
-            by_a += (weight - y[i, SPEEDING] * (mesh.acceleration - a - s[i, SPEEDING])) / s[i, SPEEDING]
-            aa += d
-            paid_a += y[i, SPEEDING]
-        by_z += by_f * x.f_z + by_p * x.pull_z + by_e * x.elec_z
-        az = ff * x.f_z + fz + fp * x.pull_z + fe * x.elec_z
-        zz += ff * x.f_z * x.f_z + pp * x.pull_z * x.pull_z + ee * x.elec_z * x.elec_z
-        zz += 2.0 * x.f_z * (fz + fp * x.pull_z + fe * x.elec_z)
-        zz += paid_f * x.f_zz - y[i, STRONG] * x.pull_zz + paid_e * x.elec_zz
-        if tamed:
-            zz = max(zz, az * az / aa)
-        paid_z += paid_f * x.f_z - y[i, STRONG] * x.pull_z + paid_e * x.elec_z
-        inner.costate[i] = paid_a
-        exact[i] += -paid_a + 0.5 * h * paid_z
-        exact[i + 1] += paid_a + 0.5 * h * paid_z
-        right[i] -= -by_a + 0.5 * h * by_z
-        right[i + 1] -= by_a + 0.5 * h * by_z
-        diagonal[i] += aa / h - az + 0.25 * h * zz
-        diagonal[i + 1] += aa / h + az + 0.25 * h * zz
-        beside[i] += -aa / h + 0.25 * h * zz
+        mean = 0.5 * (z[i] + z[i + 1])
+        x = local(mesh, table, i, a, mean)
+        got = terms(mesh, x, costs_at(mesh, table, mean), a, inner.slack[i], inner.price[i], weight)
+        zz = max(got.zz, got.az * got.az / got.aa) if tamed else got.zz
+        inner.costate[i] = got.paid_a
+        exact[i] += -got.paid_a + 0.5 * h * got.paid_z
+        exact[i + 1] += got.paid_a + 0.5 * h * got.paid_z
+        right[i] -= -got.by_a + 0.5 * h * got.by_z
+        right[i + 1] -= got.by_a + 0.5 * h * got.by_z
+        diagonal[i] += got.aa / h - got.az + 0.25 * h * zz
+        diagonal[i + 1] += got.aa / h + got.az + 0.25 * h * zz
+        beside[i] += -got.aa / h + 0.25 * h * zz
         _add_time(z, i, h, worth, diagonal, beside, by_time)
     residual = 0.0
     for i in range(1, n):

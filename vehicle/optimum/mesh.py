@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
-from vehicle.optimum.interior import Mesh
+from vehicle.optimum.local import Mesh
 from vehicle.optimum.laws import GAIN, SLOPE, law_table
 from vehicle.optimum.way import Way, fastest, mean_lift, times_s
 
