@@ -16,14 +16,17 @@ On a stretch mu' is constant and mu straight, so H is the least of functions tha
 the trapezoid of its two ends is below its integral. No convexity of the problem is used; a poor mu gives a poor bound
 and never a wrong one.
 
-The minimum by f is at an end of its range or where phi bends, as phi is piecewise straight in f. That by v is taken cell
-by cell (`cells`): on a cell the laws are below their chords, and what is left, lambda / v + mu r - mu' v^2/2, is
-above its chord less h^2/8 times its greatest second derivative, 2 lambda / v^3 + mu r'' - mu'. In the first
-cell, where lambda / v has no bound, each term is taken at its least.
+The minimum by f is a closed form, as phi is convex in f: straight, then square (`costs`, `spent`). That by v is taken
+cell by cell (`cells`). On a cell the laws are below their chords and the costs at their cheapest; the rest,
+lambda / v + mu r - mu' v^2/2, is above its chord less h^2/8 times its greatest second derivative, which is at most
+2 lambda / v^3 + mu r'' - mu'; what the force saves adds its own bend (`capped`). In the first cell, where
+lambda / v has no bound, that term is taken at its least. This cut is subtracted: the grid of speeds makes the bound a
+little poorer, and never wrong.
 
-Relaxed, so that the bound stays one: a stretch's limit is the greatest on it, held back deceleration counts with the
-stretch's least gradient, held back acceleration with its greatest, tunnels with their least (for mu < 0: greatest) share. The way is
-that of `way.Way`: heights below the train straight from metre to metre.
+Relaxed, so that the bound stays one: a stretch's limit is the greatest on it, no lower than the fastest run; held back
+deceleration counts with its least gradient, held back acceleration with its greatest, tunnels with their least share
+(for mu < 0: their greatest). Small forces may be given in turns (`costs`). The way is that of `way.Way`: heights
+below the train straight from metre to metre.
 """
 
 from __future__ import annotations
@@ -38,8 +41,8 @@ from numpy.typing import NDArray
 from vehicle.compiled import compiled
 from vehicle.optimum.cells import Cells, cells_of, corners_mps
 from vehicle.optimum.course import Course, Optimum
-from vehicle.optimum.local import Mesh, costs_at, local
 from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
+from vehicle.optimum.local import Mesh, costs_at, local
 from vehicle.optimum.mesh import Laid, laid, mesh_of
 from vehicle.optimum.way import Way
 from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
@@ -243,7 +246,7 @@ def dual(
         total += 0.5 * h * (low + high)
         if left_out != GRADIENT:
             total += left[i] * pulled[i, 0] + slope * pulled[i, 1]
-    return total
+    return float(total)
 
 
 @compiled
@@ -443,4 +446,4 @@ def bound_of(found: Laid, optimum: Optimum, time_s: float, left_out: Term | None
     ends = np.array([way.first, way.last])
     left = NONE_LEFT_OUT if left_out is None else int(left_out)
     bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s, left)
-    return bound * found.inertia_kg
+    return float(bound * found.inertia_kg)

@@ -9,7 +9,7 @@ alone is an upper bound, and the one that is lower amid the cell is taken.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +43,10 @@ class Cells(NamedTuple):
     cost: Floats  # per cell: least slope, greatest gain, greatest bend, least curve, least idle (`costs`)
 
 
-def corners_mps(train: TrainRow, load_share: float, limits_mps: Floats) -> Floats:
+def corners_mps(train: Any, load_share: float, limits_mps: Floats) -> Floats:  # noqa: ANN401 - a record of TRAIN
     """Every speed at which a law changes its formula, and the limits, so that no cell reaches beyond one."""
     top = float(limits_mps.max())
-    row = {name: float(train[name]) for name in train.dtype.names if train[name].ndim == 0}  # type: ignore[index]
+    row = {name: float(train[name]) for name in train.dtype.names if train[name].ndim == 0}
     force = row["traction_force_max_n"]
     if row["traction_load_compensated"] > 0.0:
         force *= mass_kg(train, load_share) / row["mass_empty_kg"]

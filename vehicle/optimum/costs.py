@@ -7,8 +7,8 @@
 Constant efficiencies are slope = 1 / eta, gain = eta_r and nothing else. With a map of losses (`vehicle.losses`) n
 motors cost n no-load losses as soon as they pull, so small forces are better given in turns: at the efficient point
 p* = bend, and not at all. The straight line from 0 to p* is what that comes to; from there on it is the loss
-itself. The same line holds for any number of motors in service out of n, each at its own efficient point, so it is also below what
-cutting motors out can reach. A run that holds a force below p* costs more: `proof` counts that.
+itself. The same line holds for any number of motors in service out of n, each at its own efficient point, so it is
+also below what cutting motors out can reach. A run that holds a force below p* costs more: `proof` counts that.
 """
 
 from __future__ import annotations

@@ -320,7 +320,7 @@ def complementarity(mesh: Mesh, inner: Inner) -> float:
         if i > 0:
             total += mesh.h_m[i] * inner.top_slack[i] * inner.top_price[i]
             count += mesh.h_m[i]
-    return (total + inner.ends[0] * inner.ends[1]) / (count + np.sum(mesh.h_m))
+    return float((total + inner.ends[0] * inner.ends[1]) / (count + np.sum(mesh.h_m)))
 
 
 @compiled

@@ -77,7 +77,7 @@ def law_value(table: NDArray[np.float64], law: int, speed_mps: float) -> float:
     place = speed_mps / STEP_MPS
     i = min(int(place), len(table) - 2)
     below: float = table[i, law, 0]
-    return below + (table[i + 1, law, 0] - below) * (place - i)
+    return float(below + (table[i + 1, law, 0] - below) * (place - i))
 
 
 @compiled

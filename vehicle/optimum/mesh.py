@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
-from vehicle.optimum.local import Mesh
 from vehicle.optimum.laws import GAIN, SLOPE, law_table
+from vehicle.optimum.local import Mesh
 from vehicle.optimum.way import Way, fastest, mean_lift, times_s
 
 Floats = NDArray[np.float64]
@@ -96,10 +96,10 @@ def places_m(laid: Laid, points: int) -> Floats:
         kept = np.array([0, len(at_m) - 1])
     spare = max(points - len(kept), 1)
     shares = np.diff(place[kept])
-    found = [at_m[:1]]
+    found: list[Floats] = [at_m[:1]]
     for k, share in enumerate(shares):
-        inner = max(int(round(spare * share)), 1)
-        wanted = place[kept[k]] + share * np.arange(1, inner + 2) / (inner + 1)
+        inner = max(round(float(spare * share)), 1)
+        wanted: Floats = place[kept[k]] + share * np.arange(1, inner + 2) / (inner + 1)
         wanted[-1] = place[kept[k + 1]]
         found.append(np.interp(wanted, place, at_m))
     whole = np.concatenate(found)

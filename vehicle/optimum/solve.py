@@ -61,11 +61,12 @@ def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None
 
 def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
     """The fastest run with all speeds between the ends lowered alike, so that it takes about the time."""
-    least_s = times_s(at_m, fast)[-1]
+    least_s = float(times_s(at_m, fast)[-1])
     share = min(least_s / time_s, 1.0)
-    z = fast * (share * share * 1.02 if share < 0.99 else share * share)
+    z: Floats = fast * (share * share * 1.02 if share < 0.99 else share * share)
     z[0], z[-1] = fast[0], fast[-1]
-    return np.minimum(z, fast)
+    np.minimum(z, fast, out=z)
+    return z
 
 
 def _like(at_m: Floats, fast: Floats, warm: Optimum) -> Floats:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,19 +28,19 @@ DECELERATION_MPS2 = 0.7
 PARTS = 12
 
 
-def course(row: Rows, length_m: int = 3000, **changes: object) -> Course:
+def course(row: Rows, length_m: int = 3000, **changes: Any) -> Course:  # noqa: ANN401
     """A level run of a train under one limit, unless changed."""
-    values: dict[str, object] = {
+    values: dict[str, Any] = {
         "climb_m": np.zeros(length_m + 2),
         "limit_mps": np.full(length_m + 2, 65 / 3.6),
         "start_m": 0.0,
         "stop_m": float(length_m),
         "deceleration_mps2": DECELERATION_MPS2,
     }
-    return Course(row[0], 0.3, **{**values, **changes})  # type: ignore[arg-type]
+    return Course(row[0], 0.3, **{**values, **changes})
 
 
-def hilly(row: Rows, rng: np.random.Generator, length_m: int = 2000, **changes: object) -> Course:
+def hilly(row: Rows, rng: np.random.Generator, length_m: int = 2000, **changes: Any) -> Course:  # noqa: ANN401
     """A run over random gradients under random limits."""
     slopes = np.repeat(rng.uniform(-0.025, 0.025, length_m // 100 + 1), 100)[: length_m + 1]
     climbs = np.concatenate(([0.0], np.cumsum(slopes)))
@@ -176,8 +177,9 @@ def programmed(run: Course, price_w: float, step_m: float, speeds: Floats) -> fl
         limit = float(run.limit_mps[int(k * step_m) : int((k + 1) * step_m)].min())
         a = (z[None, :] - z[:, None]) / step_m
         climbed = weight * (heights[k + 1] - heights[k]) / step_m
-        cost = np.zeros_like(a)
-        for part in (np.arange(PARTS) + 0.5) / PARTS:  # the electric brake fades within a step
+        cost: Floats = np.zeros(a.shape)
+        shares: list[float] = ((np.arange(PARTS) + 0.5) / PARTS).tolist()
+        for part in shares:  # the electric brake fades within a step
             inside = np.sqrt(2.0 * (z[:, None] + part * (z[None, :] - z[:, None])))
             force = inertia * a + np.interp(inside, speeds, laws[:, 0]) + climbed
             motors = np.maximum(force, -np.interp(inside, speeds, laws[:, 2]))
@@ -272,7 +274,7 @@ def test_a_train_that_stalls_says_where(ev_e301: Rows) -> None:
         {"initial_mps": 60.0},
     ],
 )
-def test_what_is_no_run_is_refused(ev_e301: Rows, changes: dict[str, object]) -> None:
+def test_what_is_no_run_is_refused(ev_e301: Rows, changes: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"."):
         least_time(course(ev_e301, **changes))
 
