@@ -14,7 +14,7 @@ from vehicle.optimum.laws import ELECTRIC, PULL, RESIST, law_value
 from vehicle.records import TrainRow
 
 Floats = NDArray[np.float64]
-HALVINGS: Final = 2
+HALVINGS: Final = 3
 
 
 class Way(NamedTuple):
