@@ -22,6 +22,12 @@ from vehicle.wire import power_at_grip_w
 
 STEPS_MAX: Final = 200_000
 ALL_MOTORS: Final = 1.0
+LAID_DOWN_TO_S: Final = 5  # as running times are laid down
+
+
+def laid_down_s(least_s: float) -> int:
+    """Standard running time (基準運転時分) of a hop, s: the least, up to the next 5 s."""
+    return math.ceil(least_s / LAID_DOWN_TO_S - 1e-9) * LAID_DOWN_TO_S
 
 
 @compiled

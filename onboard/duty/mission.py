@@ -50,6 +50,7 @@ class Target:
     """A place where the train stops; a place without a station is where it leaves the line.
 
     `passings` lie between the stop before and this one. `passengers`: they get on and off here, which takes its time.
+    `crossing`: a station of several tracks, where another train may wait for this one.
     """
 
     station_id: str | None
@@ -60,6 +61,14 @@ class Target:
     departure_s: float | None
     passings: tuple[Passing, ...] = ()
     passengers: bool = True
+    crossing: bool = False
+
+    def latest_arrival_s(self, dwell_min_s: float) -> float | None:
+        """The latest arrival, s: by the plan, and the least dwell before the departure; None where neither is given."""
+        if self.departure_s is None:
+            return self.arrival_s
+        ready_s = self.departure_s - (dwell_min_s if self.passengers else 0.0)
+        return ready_s if self.arrival_s is None else min(self.arrival_s, ready_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,6 +262,7 @@ def _targets(
                 call.departure_s,
                 tuple(passings),
                 call.kind is not CallKind.OPERATIONAL,
+                len(line.stations[call.station_id].tracks) > 1,
             )
         )
         passings.clear()

@@ -104,7 +104,7 @@ def planned_hops(setup: Setup) -> Iterator[Hop]:
         for duty in duties:
             at_stations = (target for target in duty.mission.targets if target.station_id is not None)
             for here, there in pairwise(at_stations):
-                due_s = latest_arrival_s(there, setup.timetable.dwell_min_s)
+                due_s = there.latest_arrival_s(setup.timetable.dwell_min_s)
                 if here.departure_s is not None and due_s is not None:
                     yield Hop(stock_id, duty.mission, here, there, here.departure_s, due_s)
 
@@ -160,11 +160,3 @@ def _leg_of(
         hop.due_s,
         *known[key],
     )
-
-
-def latest_arrival_s(there: Target, dwell_min_s: float) -> float | None:
-    """The latest arrival, s: that of the plan, and early enough for the least dwell before the departure, if any."""
-    if there.departure_s is None:
-        return there.arrival_s
-    ready_s = there.departure_s - (dwell_min_s if there.passengers else 0.0)
-    return ready_s if there.arrival_s is None else min(there.arrival_s, ready_s)

@@ -20,9 +20,9 @@ from onboard.duty.mission import Mission, NoWay, Target, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
 from study.measures.running_times import Hop, Way, least_times_s, planned_hops
+from vehicle.running_time import laid_down_s
 from vehicle.train_file import TrainType
 
-ROUNDED_TO_S: Final = 5  # as running times are laid down
 HOW: Final = ("stop_stop_s", "stop_pass_s", "pass_stop_s", "pass_pass_s")
 _HOW_OF: Final = dict(zip(((True, True), (True, False), (False, True), (False, False)), HOW, strict=True))
 
@@ -50,7 +50,7 @@ class StandardTime:
         return (
             None
             if time_s is None or not math.isfinite(time_s)
-            else math.ceil(time_s / ROUNDED_TO_S - 1e-9) * ROUNDED_TO_S
+            else laid_down_s(time_s)
         )
 
     def as_dict(self) -> dict[str, Any]:

@@ -11,16 +11,19 @@ from network.errors import InputError
 
 # name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
 REPRODUCTIONS: Final[Mapping[str, str]] = {
+    "journeys": "study.papers.journeys",
     "line-driving": "study.papers.line_driving",
+    "battery-day": "study.papers.battery_day",
     "line-stops": "study.papers.line_stops",
     "oda-scale-track": "study.papers.oda_scale_track",
-    "oda-vision": "study.papers.oda_vision",
     "oda-table4": "study.papers.oda_table4",
     "oda-tuning": "study.papers.oda_tuning",
+    "oda-vision": "study.papers.oda_vision",
     "stop-statistics": "study.papers.stop_statistics",
     "stop-window": "study.papers.stop_window",
     "sugiyama-table5": "study.papers.sugiyama_table5",
     "sugiyama-tags": "study.papers.sugiyama_tags",
+    "trainruns": "study.papers.trainruns",
     "ttobench": "study.papers.ttobench",
     "yasunobu-energy": "study.papers.yasunobu_energy",
 }

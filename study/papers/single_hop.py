@@ -27,7 +27,7 @@ from study.papers.single_train import BEYOND_M, Bench
 from vehicle.compiled import compiled
 from vehicle.record import dtype_of
 
-HOP_STEPS_MAX: Final = 20_000
+HOP_STEPS_MAX: Final = 50_000
 COARSE_S: Final = 0.5  # steps in which orders are tried,
 FINE_S: Final = 0.1  # and then those beside the best of them
 TRIED_S: Final = 15.0  # this far to either side of the time that is asked for

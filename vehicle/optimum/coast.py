@@ -26,17 +26,21 @@ from vehicle.wire import wire_power_w
 Floats = NDArray[np.float64]
 
 SMALLEST_PERMILLE: Final = 0.01  # of gradient: what a metre counts as coasting
-PLACES: Final = 16  # of shutting off that are tried first: on a descent sooner may be faster
+PLACES: Final = 32  # of shutting off that are tried first: on a descent sooner may be faster
 POINTS: Final = 300  # on which the speed is looked for
 SPEEDS: Final = 12  # that are tried first
 REFINEMENTS: Final = 12  # of the golden section between the best three of them
-BISECTIONS: Final = 24  # of the slowest speed: to micrometres a second
+SPEED_TO_MPS: Final = 1e-4  # to which the slowest speed is found
+NEAR: Final = 0.01  # the coarse points' slowest speed is this near that of all, else it is looked for anew
 GOLDEN: Final = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class CoastRun:
-    """A run and the two figures that it is told by. `rim_mps2`: what motors and brakes give on each stretch."""
+    """A run and the two figures that it is told by: the greatest speed under power, and where it shuts off.
+
+    `rim_mps2`: what motors and brakes give on each stretch.
+    """
 
     profile: Profile
     rim_mps2: Floats
@@ -53,12 +57,17 @@ class CoastRun:
 def coast_run(course: Course, time_s: float) -> CoastRun:
     """The run of least energy of its kind in at most `time_s`; TooShort, with the least time, where there is none.
 
-    ValueError where the train cannot get to the stop. The place of shutting off is a metre of the grid, so the running
-    time is short of `time_s` by what one metre makes.
+    ValueError where the train cannot get to the stop. The speed is looked for on fewer points: a percent may be left;
+    the place of shutting off is a metre of the grid, so the running time is short of `time_s` by what one metre makes.
     """
-    found = _laid_in(course, time_s)
-    slowest = _slowest_cruise(found, time_s)
+    return coast_on(laid(course), time_s)
+
+
+def coast_on(found: Laid, time_s: float) -> CoastRun:
+    """`coast_run` of a course laid out."""
+    _refuse(found, time_s)
     coarse = _coarse(found)
+    slowest = _slowest_cruise(found, coarse, time_s)
     # Evenly in speed, not in its square; the slowest leaves no time to coast.
     speeds = np.linspace(math.sqrt(slowest), math.sqrt(float(found.fastest.max())), SPEEDS)
     energies = [_energy_j(coarse, float(v * v), time_s)[0] for v in speeds]
@@ -77,15 +86,26 @@ def coast_profile(course: Course, time_s: float) -> Profile:
 
 def cruise_run(course: Course, time_s: float) -> CoastRun:
     """The run that holds the lowest constant speed that is fast enough; errors as `coast_run`."""
-    found = _laid_in(course, time_s)
-    return _told(found, _slowest_cruise(found, time_s), len(found.way.limit))
+    return cruise_on(laid(course), time_s)
 
 
-def _laid_in(course: Course, time_s: float) -> Laid:
-    found = laid(course)
+def cruise_on(found: Laid, time_s: float) -> CoastRun:
+    """`cruise_run` of a course laid out."""
+    _refuse(found, time_s)
+    return _told(found, _slowest_cruise(found, _coarse(found), time_s), len(found.way.limit))
+
+
+def fastest_j(found: Laid) -> float:
+    """Energy of the fastest run of a course laid out, J."""
+    course, way = found.course, found.way
+    spent_j = spent(course.train, found.inertia_kg, course.regeneration, found.table, way, found.fastest)[1]
+    auxiliary_w = float(course.train["auxiliary_power_w"]) if course.auxiliaries else 0.0
+    return float(spent_j[-1]) + auxiliary_w * found.least_s
+
+
+def _refuse(found: Laid, time_s: float) -> None:
     if time_s < found.least_s:
         raise TooShort(time_s, found.least_s)
-    return found
 
 
 def _coarse(found: Laid) -> Laid:
@@ -97,17 +117,30 @@ def _coarse(found: Laid) -> Laid:
     return replace(found, way=way, fastest=fast)
 
 
-def _slowest_cruise(found: Laid, time_s: float) -> float:
-    """v^2/2 of the lowest speed that, held to the end, is fast enough."""
-    low, high = 0.0, math.sqrt(2.0 * float(found.fastest.max()))
-    for _ in range(BISECTIONS):
+def _slowest_cruise(found: Laid, coarse: Laid, time_s: float) -> float:
+    """v^2/2 of the lowest speed that, held to the end, is fast enough: between two near it of the coarse points."""
+    top = math.sqrt(2.0 * float(found.fastest.max()))
+    low, high = _bisected(coarse, time_s, 0.0, top)
+    low, high = (1.0 - NEAR) * low, min((1.0 + NEAR) * high, top)
+    if not _fast_enough(found, time_s, high) or _fast_enough(found, time_s, low):
+        low, high = 0.0, top
+    return 0.5 * _bisected(found, time_s, low, high)[1] ** 2
+
+
+def _bisected(found: Laid, time_s: float, low: float, high: float) -> tuple[float, float]:
+    """Two speeds next to each other: held to the end, the lower is too slow."""
+    while high - low > SPEED_TO_MPS:
         middle = 0.5 * (low + high)
-        z = held(found.table, found.way, found.fastest, 0.5 * middle * middle)
-        if z[-2] > 0.0 and times_s(found.way.at_m, z)[-1] <= time_s:
+        if _fast_enough(found, time_s, middle):
             high = middle
         else:
             low = middle
-    return 0.5 * high * high
+    return low, high
+
+
+def _fast_enough(found: Laid, time_s: float, speed_mps: float) -> bool:
+    z = held(found.table, found.way, found.fastest, 0.5 * speed_mps * speed_mps)
+    return bool(z[-2] > 0.0 and times_s(found.way.at_m, z)[-1] <= time_s)
 
 
 def _ways(found: Laid, cruise: float) -> Ways:
@@ -160,7 +193,7 @@ def _told(found: Laid, cruise: float, shut_off: int) -> CoastRun:
         profile,
         rim,
         float(energy[-1]) + auxiliary_w * float(profile.time_s[-1]),
-        math.sqrt(2.0 * cruise),
+        math.sqrt(2.0 * min(cruise, float(z[: shut_off + 1].max()))),
         float(way.at_m[shut_off]),
     )
 

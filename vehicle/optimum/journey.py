@@ -170,15 +170,20 @@ def _journey(stops: Sequence[JourneyStop], times_s: list[float], prices_w: list[
     )
 
 
-def earliest_times(running_s: Sequence[float], stops: Sequence[JourneyStop]) -> Journey:
+def earliest_times(
+    running_s: Sequence[float], least_s: Sequence[float], stops: Sequence[JourneyStop]
+) -> Journey:
     """The journey that runs each hop in the time given and stands no longer than it must: reserve is kept to the end.
 
-    `WindowMissed` where a latest time is passed. Prices are 0: nothing is weighed.
+    A hop is faster than that, down to its least time, only where a latest time asks for it; `WindowMissed` where that
+    is not enough. Prices are 0: nothing is weighed.
     """
+    latest_s = _latest_arrivals_s(least_s, stops)
     time_s = stops[0].departure.earliest_s
     times = [StopTimes(stops[0].name, None, time_s)]
-    for hop_s, stop in zip(running_s, stops[1:], strict=True):
-        arrival_s = max(time_s + hop_s, stop.arrival.earliest_s)
+    for hop_s, fastest_s, due_s, stop in zip(running_s, least_s, latest_s, stops[1:], strict=True):
+        arrival_s = time_s + max(fastest_s, min(hop_s, due_s - time_s))
+        arrival_s = max(arrival_s, stop.arrival.earliest_s)
         _in_time(stop, "arrival", arrival_s, stop.arrival)
         if stop is stops[-1]:
             times.append(StopTimes(stop.name, arrival_s, None))
@@ -190,6 +195,16 @@ def earliest_times(running_s: Sequence[float], stops: Sequence[JourneyStop]) -> 
     return Journey(tuple(times), tuple(0.0 for _ in running_s))
 
 
+def _latest_arrivals_s(least_s: Sequence[float], stops: Sequence[JourneyStop]) -> list[float]:
+    """Latest arrival at each stop but the first from which all later windows can still be kept."""
+    found: list[float] = []
+    for stop, onward_s in zip(reversed(stops[1:]), [math.inf, *reversed(least_s)], strict=False):
+        leave_by_s = math.inf if stop is stops[-1] else min(stop.departure.latest_s, found[-1] - onward_s)
+        dwell_s = stop.dwell_min_s if stop.stands else 0.0
+        found.append(min(stop.arrival.latest_s, leave_by_s - dwell_s))
+    return found[::-1]
+
+
 def _in_time(stop: JourneyStop, event: str, time_s: float, window: Window) -> None:
     if time_s > window.latest_s + TOLERANCE_S:
         raise WindowMissed(stop.name, event, time_s - window.latest_s)
@@ -198,32 +213,40 @@ def _in_time(stop: JourneyStop, event: str, time_s: float, window: Window) -> No
 # the bound ----------------------------------------------------------------------------------------------------------
 
 
-def dual_j(points: Sequence[ParetoPoint], price_w: float, longest_s: float) -> float:
+@dataclass(frozen=True, slots=True)
+class ProvenHop:
+    """What is proven of one hop: solutions with their bounds, and a time that no run is faster than, s."""
+
+    points: tuple[ParetoPoint, ...]
+    least_s: float = 0.0
+
+
+def dual_j(hop: ProvenHop, price_w: float, longest_s: float) -> float:
     """No run of the hop in up to `longest_s` has less of energy plus price times running time, J.
 
     From the solutions' own bounds, each a line below the energy at every time (`ParetoPoint`); minus infinity where no
     solution has one.
     """
-    lines = [(p.bound_j + p.price_w * p.time_s, p.price_w) for p in points if math.isfinite(p.bound_j)]
+    lines = [(p.bound_j + p.price_w * p.time_s, p.price_w) for p in hop.points if math.isfinite(p.bound_j)]
     if not lines:
         return -math.inf
+    least_s = min(hop.least_s, longest_s)
     meets = ((a - b) / (s - z) for (a, s), (b, z) in combinations(lines, 2) if s != z)
-    times_s = [0.0, longest_s, *(t for t in meets if 0.0 < t < longest_s)]
+    times_s = [least_s, longest_s, *(t for t in meets if least_s < t < longest_s)]
     return min(max(a - s * t for a, s in lines) + price_w * t for t in times_s)
 
 
 def journey_bound_j(
-    hops: Sequence[Sequence[ParetoPoint]], stops: Sequence[JourneyStop], prices_w: Sequence[float]
+    hops: Sequence[ProvenHop], stops: Sequence[JourneyStop], prices_w: Sequence[float]
 ) -> float:
     """Energy, J, below which no journey within the windows can be, whatever the prices (>= 0) were found by.
 
-    `hops`: each one's solutions with their bounds; nothing is assumed of the energies between them. Every window of an
-    arrival needs a latest time, itself or by the departure after it.
+    Nothing is assumed of the energies between a hop's solutions. The last stop needs a latest arrival.
     """
     if any(price < 0.0 for price in prices_w):
         raise ValueError("prices of at least 0")
     start_s, end_s = stops[0].departure.earliest_s, stops[-1].arrival.latest_s
-    duals = sum(dual_j(points, price, end_s - start_s) for points, price in zip(hops, prices_w, strict=True))
+    duals = sum(dual_j(hop, price, end_s - start_s) for hop, price in zip(hops, prices_w, strict=True))
     worth = prices_w[-1] * end_s - prices_w[0] * start_s
     for stop, before_w, after_w in zip(stops[1:-1], prices_w, prices_w[1:], strict=False):
         worth += _most_worth_j(stop, before_w, after_w, start_s, end_s)

@@ -8,7 +8,7 @@ there straight to the next one's. So it is convex, has the energies and prices o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
@@ -23,7 +23,7 @@ SAME_TIME_S: Final = 1e-6  # solutions nearer than this count as one
 
 @dataclass(frozen=True, slots=True)
 class ParetoPoint:
-    """One solution of a hop. `price_w`: what one more second would save, W.
+    """One solution of a hop. `price_w`: what one more second would save, W; nan: as its neighbours tell.
 
     `bound_j`: no run in `time_s` needs less, proven, such that `bound_j - price_w * (T - time_s)` is a bound for any
     other time T too; minus infinity: nothing is proven.
@@ -109,12 +109,29 @@ def curve_of(points: Iterable[ParetoPoint], *, may_wait: bool = True) -> HopCurv
     if not hull:
         raise ValueError("a hop has at least one solution")
     chords = [_saving_w(*pair) for pair in pairwise(hull)]
-    above, below = [math.inf, *chords], [*chords, 0.0]
     made = (
-        ParetoPoint(p.time_s, p.energy_j, min(max(p.price_w, low), high, PRICE_MAX_W), p.bound_j)
-        for p, high, low in zip(hull, above, below, strict=True)
+        ParetoPoint(p.time_s, p.energy_j, price_w, p.bound_j)
+        for p, price_w in zip(hull, _prices_w(hull, chords), strict=True)
     )
     return HopCurve(tuple(made), may_wait)
+
+
+def _prices_w(hull: Sequence[ParetoPoint], chords: Sequence[float]) -> Iterator[float]:
+    """Each solution's price, between those of the chords beside it.
+
+    Where it is not known, the chords' mean; at the least time, where prices rise without end, as far above the chord
+    as twice what the next price is below it.
+    """
+    for i, point in enumerate(hull):
+        high = chords[i - 1] if i > 0 else PRICE_MAX_W
+        low = chords[i] if i < len(chords) else 0.0
+        price_w = point.price_w
+        if math.isnan(price_w) and i > 0:
+            price_w = 0.5 * (high + low)
+        elif math.isnan(price_w):
+            beyond = hull[1].price_w if len(hull) > 1 else low
+            price_w = low if math.isnan(beyond) else 3.0 * low - 2.0 * min(beyond, low)
+        yield min(max(price_w, low), high)
 
 
 def proportional_curve(least_s: float, stretch_max: float = 20.0, *, may_wait: bool = True) -> HopCurve:

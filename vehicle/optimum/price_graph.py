@@ -88,13 +88,13 @@ class PriceGraph:
             raise Empty(last - earliest_s)
         low = min(max(earliest_s, first), last)
         high = max(min(latest_s, last), low)
+        if high <= low:
+            return PriceGraph(np.array([low, low]), np.array([PRICE_MAX_W, -PRICE_MAX_W]))
         inside = (self.time_s > low) & (self.time_s < high)
         below, above = self.prices_w(low)[0], self.prices_w(high)[1]
-        middle = (self.time_s[inside], self.price_w[inside]) if high > low else (np.empty(0), np.empty(0))
-        ends = ([below], [above]) if high > low else ([], [])
         return PriceGraph(
-            np.concatenate(([low] + [low] * len(ends[0]), middle[0], [high] * len(ends[1]) + [high])),
-            np.concatenate(([PRICE_MAX_W], ends[0], middle[1], ends[1], [-PRICE_MAX_W])),
+            np.concatenate(([low, low], self.time_s[inside], [high, high])),
+            np.concatenate(([PRICE_MAX_W, below], self.price_w[inside], [above, -PRICE_MAX_W])),
         )
 
 

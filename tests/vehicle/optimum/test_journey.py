@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from vehicle.optimum.journey import (
     Journey,
     JourneyStop,
+    ProvenHop,
     Window,
     WindowMissed,
     earliest_times,
@@ -127,7 +128,7 @@ def price_gap(hops: Sequence[HopCurve], stops: Sequence[JourneyStop], journey: J
         return 0.0
     prices = [max(price, 0.0) for price in journey.prices_w]
     lines = [
-        [*tangents(hop), ParetoPoint(time_s, hop.energy_j(time_s), price_w, hop.energy_j(time_s))]
+        ProvenHop((*tangents(hop), ParetoPoint(time_s, hop.energy_j(time_s), price_w, hop.energy_j(time_s))))
         for hop, time_s, price_w in zip(hops, journey.running_s, prices, strict=True)
     ]
     return energy_j(hops, journey.running_s) - journey_bound_j(lines, stops, prices)
@@ -186,7 +187,11 @@ def test_no_journey_within_the_windows_is_cheaper_nor_below_the_bound_of_any_pri
     assert best_j <= other_j * (1.0 + 1e-9) + 1e-3
     if all(window_ends(stop) for stop in stops[1:]):
         prices = data.draw(st.lists(st.floats(0.0, 1e6), min_size=len(hops), max_size=len(hops)))
-        assert journey_bound_j([tangents(hop) for hop in hops], stops, prices) <= best_j * (1.0 + 1e-9) + 1e-3
+        proven = [
+            ProvenHop(tuple(tangents(hop)), hop.least_s * data.draw(st.sampled_from([0.0, 1.0])))
+            for hop in hops
+        ]
+        assert journey_bound_j(proven, stops, prices) <= best_j * (1.0 + 1e-9) + 1e-3
 
 
 def window_ends(stop: JourneyStop) -> bool:
@@ -254,7 +259,7 @@ def test_a_window_that_cannot_be_kept_is_named_with_its_seconds() -> None:
     assert (missed.value.stop, missed.value.event) == ("c", "arrival")
     assert missed.value.late_s == pytest.approx(7.5)
     with pytest.raises(WindowMissed, match=r"arrival at c 7\.5 s after its latest time"):
-        earliest_times([100.0, 100.0], stops)
+        earliest_times([105.0, 105.0], [100.0, 100.0], stops)
     passing = [
         stops[0],
         JourneyStop("b", Window(300.0, 400.0), stands=False),
@@ -273,13 +278,12 @@ def test_reserve_at_the_end_runs_as_fast_as_told_and_waits_for_the_timetable() -
         JourneyStop("c", Window(latest_s=400.0), Window(), 20.0),
         JourneyStop("d", Window(latest_s=700.0)),
     ]
-    journey = earliest_times([100.0, 100.0, 100.0], stops)
-    assert [(s.arrival_s, s.departure_s) for s in journey.stops] == [
-        (None, 0.0),
-        (100.0, 180.0),
-        (280.0, 300.0),
-        (400.0, None),
-    ]
+    wanted, least = [100.0, 100.0, 100.0], [90.0, 90.0, 90.0]
+    times = [(stop.arrival_s, stop.departure_s) for stop in earliest_times(wanted, least, stops).stops]
+    assert times == [(None, 0.0), (100.0, 180.0), (280.0, 300.0), (400.0, None)]
+    stops[-1] = JourneyStop("d", Window(latest_s=385.0))
+    times = [(stop.arrival_s, stop.departure_s) for stop in earliest_times(wanted, least, stops).stops]
+    assert times == [(None, 0.0), (100.0, 180.0), (275.0, 295.0), (385.0, None)]
 
 
 def test_of_times_that_cost_the_same_the_earliest() -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vehicle.optimum.journey import dual_j
+from vehicle.optimum.journey import ProvenHop, dual_j
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
 
 POINTS = st.lists(
@@ -53,6 +53,12 @@ def test_all_solutions_that_are_no_mean_of_others_are_on_the_curve(points: list[
         assert hop.energy_j(point.time_s) <= point.energy_j * (1.0 + 1e-6) + 1.0
 
 
+def test_a_price_that_is_not_known_is_told_by_the_neighbours() -> None:
+    times = ((100.0, 9.0), (110.0, 5.0), (130.0, 1.0))
+    hop = curve_of(ParetoPoint(time_s, energy_j, math.nan) for time_s, energy_j in times)
+    assert [point.price_w for point in hop.points] == pytest.approx([0.4, 0.3, 0.1])
+
+
 def test_outside_of_what_can_be_run() -> None:
     points = [ParetoPoint(100.0, 5.0, 1.0), ParetoPoint(110.0, 1.0, 0.1)]
     assert curve_of(points).energy_j(99.0) == math.inf
@@ -70,10 +76,10 @@ def test_the_dual_of_lines_is_below_every_run_above_them(
     lines = [ParetoPoint(p.time_s, p.energy_j, p.price_w, p.energy_j) for p in points]
     least_j = max(p.energy_j - p.price_w * (time_s - p.time_s) for p in points)
     assert (
-        dual_j(lines, price_w, 600.0)
+        dual_j(ProvenHop(tuple(lines)), price_w, 600.0)
         <= least_j + price_w * time_s + 1e-6 * (abs(least_j) + price_w * time_s) + 1.0
     )
 
 
 def test_without_a_bound_nothing_is_proven() -> None:
-    assert dual_j([ParetoPoint(100.0, 5.0, 1.0)], 1.0, 600.0) == -math.inf
+    assert dual_j(ProvenHop((ParetoPoint(100.0, 5.0, 1.0),)), 1.0, 600.0) == -math.inf
