@@ -45,6 +45,12 @@ def _print_bench(figures: dict[str, Any]) -> None:
         sys.stdout.write(
             f"budget: {budget['what']} at most {budget['limit']:g}: {budget['found']:g}, {kept}\n"
         )
+    optimum = figures["optimum"]
+    sys.stdout.write(
+        f"{optimum['what']}, {optimum['length_m']:.0f} m, {optimum['points']} points, {optimum['steps']} steps: "
+        f"{optimum['solution_ms']:g} ms (at most {optimum['limit_ms']:g}: "
+        f"{'kept' if optimum['kept'] else 'NOT KEPT'}); its bound {optimum['bound_ms']:g} ms\n"
+    )
     same = "the same journal digest" if figures["same_digest"] else "DIFFERENT journal digests"
     tell(f"the full runs gave {same}")
 

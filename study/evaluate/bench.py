@@ -31,6 +31,7 @@ from host.scratch import scratch
 from network.model import Direction
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.sumo import edge_id
+from study.evaluate.optimum_bench import bench_optimum
 
 WAYS: Final = ("sumo", "simulated", "zenoh")
 NAMES: Final = {
@@ -328,9 +329,14 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
                 tell(f"{scenario}, round {number + 1} of {rounds}: {NAMES[way]}")
                 figures[way].append(_child(way, scenario, recording))
     budget = BUSY_BUDGET if recording.trains >= BUSY_TRAINS else BUDGET
-    return {"scenario": scenario, "rounds": rounds, "trains": recording.trains} | report(
-        figures, recording.stretches, budget
-    )
+    tell(f"{scenario}: a run of least energy")
+    return {
+        "scenario": scenario,
+        "rounds": rounds,
+        "trains": recording.trains,
+        **report(figures, recording.stretches, budget),
+        "optimum": bench_optimum(scenario),
+    }
 
 
 def _child(way: str, scenario: str, recording: Recording) -> dict[str, Any]:

@@ -182,6 +182,6 @@ def _remarks(options: Options) -> tuple[str, ...]:
         "stops between the first and the last are passed",
         "cross-check: where our bound lies above the authors' figure, no run of the problem as stated here needs so"
         " little; theirs would take the time told. On Fribourg - Bern both agree; on 00_var_speed_limit_100 theirs is"
-        " below by 1.6 and 2.1 %, as for a quarter of a minute more, or for a train without a limit of power and with its"
-        " friction brake. A plain run at full power with one cruising speed, worked out apart, needs 306.05 kWh too",
+        " below by 1.6 and 2.1 %, as for a quarter of a minute more, or for a train without a limit of power that has"
+        " its friction brake. A run at full power with one cruising speed, apart, needs 306.05 kWh (perfect)",
     )

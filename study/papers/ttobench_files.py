@@ -244,7 +244,7 @@ def course_of(
 ) -> Course:
     """The run of a train over a track, or a part of it, with this speed at both ends.
 
-    A limit holds for the front until the rear has left it; of a tunnel's resistance counts the share of the train inside.
+    A limit holds for the front until the rear has left it; a tunnel resists by the share of the train inside.
     InputError where a train that knows tunnels does not know the cross-section of one.
     """
     stop_m = track.stops_m[-1] if to_m is None else to_m

@@ -16,19 +16,23 @@ On a stretch mu' is constant and mu straight, so H is the least of functions tha
 the trapezoid of its two ends is below its integral. No convexity of the problem is used; a poor mu gives a poor bound
 and never a wrong one.
 
-The minimum by f is at an end of its range or where phi bends, as phi is piecewise straight in f. That by v is taken cell
-by cell (`cells`): on a cell the laws are below their chords, and what is left, lambda / v + mu r - mu' v^2/2, is
-above its chord less h^2/8 times its greatest second derivative, 2 lambda / v^3 + mu r'' - mu'. In the first
-cell, where lambda / v has no bound, each term is taken at its least.
+The minimum by f is a closed form, as phi is convex in f: straight, then square (`costs`, `spent`). That by v is taken
+cell by cell (`cells`). On a cell the laws are below their chords and the costs at their cheapest; the rest,
+lambda / v + mu r - mu' v^2/2, is above its chord less h^2/8 times its greatest second derivative, which is at most
+2 lambda / v^3 + mu r'' - mu'; what the force saves adds its own bend (`capped`). In the first cell, where
+lambda / v has no bound, that term is taken at its least. This cut is subtracted: the grid of speeds makes the bound a
+little poorer, and never wrong.
 
-Relaxed, so that the bound stays one: a stretch's limit is the greatest on it, held back deceleration counts with the
-stretch's least gradient, held back acceleration with its greatest, tunnels with their least (for mu < 0: greatest) share. The way is
-that of `way.Way`: heights below the train straight from metre to metre.
+Relaxed, so that the bound stays one: a stretch's limit is the greatest on it, no lower than the fastest run; held back
+deceleration counts with its least gradient, held back acceleration with its greatest, tunnels with their least share
+(for mu < 0: their greatest). Small forces may be given in turns (`costs`). The way is that of `way.Way`: heights
+below the train straight from metre to metre.
 """
 
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -37,17 +41,28 @@ from numpy.typing import NDArray
 from vehicle.compiled import compiled
 from vehicle.optimum.cells import Cells, cells_of, corners_mps
 from vehicle.optimum.course import Course, Optimum
-from vehicle.optimum.interior import Mesh, local
 from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
+from vehicle.optimum.local import Mesh, costs_at, local
 from vehicle.optimum.mesh import Laid, laid, mesh_of
 from vehicle.optimum.way import Way
 from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
 
 Floats = NDArray[np.float64]
 
+
+class Term(IntEnum):
+    """A term of the bound by name: left out on purpose, what is found is no bound any more, and tests see it."""
+
+    TIME = 0
+    GRADIENT = 1
+    JUMPS = 2
+
+
 BAND_MPS: Final = STARTING_BAND_KMH / KMH_PER_MPS
 
 
+NONE_LEFT_OUT: Final = -1
+TIME, GRADIENT, JUMPS = int(Term.TIME), int(Term.GRADIENT), int(Term.JUMPS)
 GRADES: Final = 12  # halvings of the stretch at a stand
 STANDS_MPS: Final = 1e-4
 
@@ -71,12 +86,94 @@ class Stretch(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What electricity costs: by N m of pull and of electric brake, and W/kg for the time itself."""
+    """What else counts: W/kg for the time itself, the friction brake (m/s^2), the share of what comes back."""
 
-    pull: float
-    brake: float
     auxiliary: float
-    friction: float  # m/s^2
+    friction: float
+    regeneration: float
+
+
+class Ends(NamedTuple):
+    """A quantity at both ends of a cell."""
+
+    low: float
+    high: float
+
+
+@compiled
+def spent(over: float, bend: float, curve: float, most: float) -> float:
+    """Least of curve max(p - bend, 0)^2 - over p for p up to `most`; `most` may be below 0."""
+    p = most
+    if curve > 0.0:
+        p = min(p, bend + 0.5 * over / curve)
+    beyond = max(p - bend, 0.0)
+    return curve * beyond * beyond - over * p
+
+
+@compiled
+def capped(
+    width: float, bend: float, over: float, knee: float, curve: float, rest: Ends, most: Ends, bowed: float
+) -> float:
+    """Least on a cell of `rest` and what a force up to `most` saves; both are given at its ends.
+
+    `bend` bounds the second derivative of the rest, `bowed` that of -most; most is else straight. What is saved falls
+    with most, at a rate of at most `over`, and bends by twice the curve times the slope of most squared.
+    """
+    slope = abs(most.high - most.low) / width + abs(bowed) * width
+    more = bend + over * max(bowed, 0.0) + 2.0 * curve * slope * slope
+    low = min(
+        rest.low + spent(over, knee, curve, most.low),
+        rest.high + spent(over, knee, curve, most.high),
+    )
+    return low - max(more, 0.0) * width * width / 8.0
+
+
+@compiled
+def least_pulling(
+    cells: Cells, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float
+) -> float:
+    """Least on cell `j` where a force is worth more than it costs; the greatest is that of motors, or a held one."""
+    v, w = cells.speed[j], cells.speed[j + 1]
+    over, knee, curve = mu - cells.cost[j, 0], cells.cost[j, 2], cells.cost[j, 3]
+    resist = Ends(
+        cells.resist[j] + stretch.drag_most * v * v, cells.resist[j + 1] + stretch.drag_most * w * w
+    )
+    motors = Ends(cells.pull[j, 0], cells.pull[j, 1])
+    held = Ends(stretch.held_down + resist.low, stretch.held_down + resist.high)
+    return max(
+        capped(w - v, bend, over, knee, curve, rest, motors, 0.0),
+        capped(w - v, bend, over, knee, curve, rest, held, -bend_r),
+    )
+
+
+@compiled
+def least_braking(
+    cells: Cells, costs: Costs, j: int, stretch: Stretch, mu: float, rest: Ends, bend: float, bend_r: float
+) -> float:
+    """Least on cell `j` where braking gives back more than speed is worth; below mu = 0 also by friction."""
+    v, w = cells.speed[j], cells.speed[j + 1]
+    gain, knee = costs.regeneration * cells.cost[j, 1], cells.cost[j, 2]
+    curve = costs.regeneration * cells.cost[j, 3]
+    motors = Ends(cells.electric[j, 0], cells.electric[j, 1])
+    held = Ends(
+        stretch.held_back - cells.resist[j] - stretch.drag_least * v * v,
+        stretch.held_back - cells.resist[j + 1] - stretch.drag_least * w * w,
+    )
+    if mu >= 0.0:
+        return max(
+            capped(w - v, bend, gain - mu, knee, curve, rest, motors, 0.0),
+            capped(w - v, bend, gain - mu, knee, curve, rest, held, bend_r),
+        )
+    best = -math.inf
+    for whole in range(2):
+        low, high = (
+            (held.low, held.high) if whole else (motors.low + costs.friction, motors.high + costs.friction)
+        )
+        both = Ends(rest.low + mu * low, rest.high + mu * high)
+        more = bend - mu * bend_r * whole
+        best = max(best, capped(w - v, more, gain, knee, curve, both, motors, 0.0))
+        best = max(best, capped(w - v, more, gain, knee, curve, both, held, bend_r))
+    return best
 
 
 @compiled
@@ -87,43 +184,27 @@ def least_integrand(
     speed, resist = cells.speed, cells.resist
     drag = stretch.drag_least if mu >= 0.0 else stretch.drag_most
     worth = second + costs.auxiliary
-    over, under = mu - costs.pull, costs.brake - mu
     bend_r = cells.curving + 2.0 * stretch.drag_most
     best = math.inf
     for j in range(len(speed) - 1):
         if speed[j] >= stretch.top:
             break
         v, w = speed[j], speed[j + 1]
-        gap = (w - v) * (w - v) / 8.0
         bend = max(mu, 0.0) * bend_r - slope
-        free_v = mu * (resist[j] + drag * v * v) - slope * 0.5 * v * v + worth / (v if j > 0 else w)
-        free_w = mu * (resist[j + 1] + drag * w * w) - slope * 0.5 * w * w + worth / w
+        rest = Ends(
+            mu * (resist[j] + drag * v * v) - slope * 0.5 * v * v + worth / (v if j > 0 else w),
+            mu * (resist[j + 1] + drag * w * w) - slope * 0.5 * w * w + worth / w,
+        )
         if j > 0:
             bend += 2.0 * worth / (v * v * v)
-        if over > 0.0:
-            most_v = stretch.held_down + resist[j] + stretch.drag_most * v * v
-            most_w = stretch.held_down + resist[j + 1] + stretch.drag_most * w * w
-            by_motors = min(free_v - over * cells.pull[j, 0], free_w - over * cells.pull[j, 1])
-            by_limit = min(free_v - over * most_v, free_w - over * most_w)
-            found = max(by_motors, by_limit) - max(bend, 0.0) * gap
-        elif under > 0.0:
-            held_v = stretch.held_back - resist[j] - stretch.drag_least * v * v
-            held_w = stretch.held_back - resist[j + 1] - stretch.drag_least * w * w
-            found = -math.inf
-            for motors in range(2):
-                a_v, a_w = (held_v, held_w) if motors else (cells.electric[j, 0], cells.electric[j, 1])
-                if mu >= 0.0:
-                    low = min(free_v - under * a_v, free_w - under * a_w)
-                    found = max(found, low - max(bend + under * bend_r * motors, 0.0) * gap)
-                    continue
-                for whole in range(2):
-                    b_v = held_v if whole else cells.electric[j, 0] + costs.friction
-                    b_w = held_w if whole else cells.electric[j, 1] + costs.friction
-                    low = min(free_v - costs.brake * a_v + mu * b_v, free_w - costs.brake * a_w + mu * b_w)
-                    more = (costs.brake * motors - mu * whole) * bend_r
-                    found = max(found, low - max(bend + more, 0.0) * gap)
-        else:
-            found = min(free_v, free_w) - max(bend, 0.0) * gap
+        idle = cells.cost[j, 4]
+        found = min(rest.low, rest.high) - max(bend, 0.0) * (w - v) * (w - v) / 8.0 + idle
+        if mu > cells.cost[j, 0]:
+            found = min(found, least_pulling(cells, j, stretch, mu, rest, bend, bend_r) + idle)
+        if mu < costs.regeneration * cells.cost[j, 1]:
+            # Instead of nothing: no force at all is among what it looks at, unless one is needed.
+            least = least_braking(cells, costs, j, stretch, mu, rest, bend, bend_r)
+            found = min(found, least + costs.regeneration * idle)
         best = min(best, found)
     return best
 
@@ -139,6 +220,7 @@ def dual(
     ends: Floats,
     prices: Prices,
     time_s: float,
+    left_out: int,
 ) -> float:
     """The bound, m^2/s^2 (J per kg of equivalent mass).
 
@@ -147,10 +229,12 @@ def dual(
     """
     n = len(at_m) - 1
     left, right = prices.left, prices.right
-    total = -prices.second * time_s + right[n - 1] * ends[1] - left[0] * ends[0]
+    total = right[n - 1] * ends[1] - left[0] * ends[0]
+    if left_out != TIME:
+        total -= prices.second * time_s
     for i in range(1, n):
         jump = left[i] - right[i - 1]
-        if jump > 0.0:
+        if jump > 0.0 and left_out != JUMPS:
             total -= jump * tops[i]
     for i in range(n):
         h = at_m[i + 1] - at_m[i]
@@ -159,8 +243,10 @@ def dual(
         stretch = Stretch(row[0], row[1], row[2], row[3], row[4])
         low = least_integrand(cells, costs, stretch, left[i], slope, prices.second)
         high = least_integrand(cells, costs, stretch, right[i], slope, prices.second)
-        total += 0.5 * h * (low + high) + left[i] * pulled[i, 0] + slope * pulled[i, 1]
-    return total
+        total += 0.5 * h * (low + high)
+        if left_out != GRADIENT:
+            total += left[i] * pulled[i, 0] + slope * pulled[i, 1]
+    return float(total)
 
 
 @compiled
@@ -205,17 +291,28 @@ def slope_of(
     slope = mu * x.f_z
     if v > STANDS_MPS and w > STANDS_MPS:
         slope -= (second + mesh.auxiliary) * 2.0 / (v * w * (v + w))
-    over, under = mu - mesh.inverse_traction, mesh.regenerated - mu
+    paid = costs_at(mesh, table, 0.5 * (low + high))
+    over, under = mu - paid.kink.value - paid.gain.value, paid.gain.value - mu
     held = mesh.deceleration - (x.f - a)
+    slope += paid.idle.by_z
     if over > 0.0:
-        slope -= over * x.pull_z
+        pull = max(x.f, 0.0)
+        beyond = max(pull - paid.bend.value, 0.0)
+        slope += (paid.kink.by_z + paid.gain.by_z) * pull + paid.curve.by_z * beyond * beyond
+        slope -= 2.0 * paid.curve.value * beyond * paid.bend.by_z
+        slope -= max(over - 2.0 * paid.curve.value * beyond, 0.0) * x.pull_z
     elif under > 0.0:
+        curve, curve_z = mesh.regeneration * paid.curve.value, mesh.regeneration * paid.curve.by_z
+        brake = min(max(-x.f, 0.0), x.elec)
+        beyond = max(brake - paid.bend.value, 0.0)
+        slope += curve_z * beyond * beyond - paid.gain.by_z * brake - 2.0 * curve * beyond * paid.bend.by_z
+        worth = paid.gain.value - 2.0 * curve * beyond
         motors_z = -x.f_z if held < x.elec else x.elec_z
         if mu >= 0.0:
-            slope -= under * motors_z
+            slope -= max(worth - mu, 0.0) * motors_z
         else:
             whole_z = -x.f_z if held < x.elec + mesh.brake_extra else x.elec_z
-            slope -= mesh.regenerated * motors_z - mu * whole_z
+            slope -= max(worth, 0.0) * motors_z - mu * whole_z
     return slope
 
 
@@ -330,8 +427,8 @@ def lower_bound_j(course: Course, optimum: Optimum, time_s: float) -> float:
     return bound_of(found, optimum, time_s)
 
 
-def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
-    """`lower_bound_j` of a course laid out."""
+def bound_of(found: Laid, optimum: Optimum, time_s: float, left_out: Term | None = None) -> float:
+    """`lower_bound_j` of a course laid out; `left_out` makes it wrong on purpose."""
     course, way = found.course, found.way
     mesh, _ = mesh_of(found, optimum.position_m, time_s)
     second = optimum.price_w / found.inertia_kg
@@ -345,7 +442,8 @@ def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
         way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m
     )
     joined(prices, stretches[:, 5])
-    costs = Costs(mesh.inverse_traction, mesh.regenerated, mesh.auxiliary, way.brake_extra)
+    costs = Costs(mesh.auxiliary, way.brake_extra, course.regeneration)
     ends = np.array([way.first, way.last])
-    bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s)
-    return bound * found.inertia_kg
+    left = NONE_LEFT_OUT if left_out is None else int(left_out)
+    bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s, left)
+    return float(bound * found.inertia_kg)

@@ -9,7 +9,7 @@ alone is an upper bound, and the one that is lower amid the cell is taken.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,10 @@ from numpy.typing import NDArray
 from vehicle.adhesion import DRY, adhesion_coefficient
 from vehicle.brakes import regenerative_limit_n
 from vehicle.compiled import compiled
+from vehicle.losses import flux_share
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.optimum.costs import SLOWEST_MPS as SLOWEST_COST_MPS
+from vehicle.optimum.costs import cost_terms
 from vehicle.records import TrainRow
 from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH, resistance_n
 from vehicle.traction import full_force_n, motored_grip_n
@@ -37,12 +40,13 @@ class Cells(NamedTuple):
     curving: float  # second derivative of the resistance by speed, at most
     pull: Floats  # (cells, 2)
     electric: Floats  # (cells, 2)
+    cost: Floats  # per cell: least slope, greatest gain, greatest bend, least curve, least idle (`costs`)
 
 
-def corners_mps(train: TrainRow, load_share: float, limits_mps: Floats) -> Floats:
+def corners_mps(train: Any, load_share: float, limits_mps: Floats) -> Floats:  # noqa: ANN401 - a record of TRAIN
     """Every speed at which a law changes its formula, and the limits, so that no cell reaches beyond one."""
     top = float(limits_mps.max())
-    row = {name: float(train[name]) for name in train.dtype.names if train[name].ndim == 0}  # type: ignore[index]
+    row = {name: float(train[name]) for name in train.dtype.names if train[name].ndim == 0}
     force = row["traction_force_max_n"]
     if row["traction_load_compensated"] > 0.0:
         force *= mass_kg(train, load_share) / row["mass_empty_kg"]
@@ -57,6 +61,9 @@ def corners_mps(train: TrainRow, load_share: float, limits_mps: Floats) -> Float
         found += [power / force, math.sqrt(power * weak / force)]
     if row["regenerative_force_max_n"] > 0.0:
         found.append(row["regenerative_power_max_w"] / row["regenerative_force_max_n"])
+    if row["losses_given"] > 0.0:
+        found.append(row["loss_base_speed_mps"])
+        found.append(SLOWEST_COST_MPS)
     curve = np.arange(row["traction_curve_points"]) * row["traction_curve_step_mps"]
     even_from = COARSE_MPS / (RATIO - 1.0)
     steps = math.ceil(math.log(even_from / SLOWEST_MPS) / math.log(RATIO))
@@ -99,4 +106,46 @@ def cells_of(train: TrainRow, load_share: float, speed: Floats) -> Cells:
         if slip < brake[j] + brake[j + 1] + 2.0 * bump:
             electric[j, 0], electric[j, 1] = grip[j], grip[j + 1]
     curving = 2.0 * train.resistance_air_n_per_kmh2 * KMH_PER_MPS * KMH_PER_MPS / inertia
-    return Cells(speed, resist, curving, pull, electric)
+    return Cells(speed, resist, curving, pull, electric, cost_bounds(train, load_share, speed))
+
+
+@compiled
+def cost_bounds(train: TrainRow, load_share: float, speed: Floats) -> Floats:
+    """The costs on each cell, each at its cheapest; between corners each is a sum of terms that only rise or only fall.
+
+    Slope falls with the speed and gain rises: the loss by force does not grow with the speed, nor does the no-load
+    loss times the copper's. Bend and curve are single terms of the flux. Idle is taken term by term.
+    """
+    n = len(speed) - 1
+    found = np.empty((n, 5))
+    below, above = np.empty(5), np.empty(5)
+    inertia = equivalent_mass_kg(train, load_share)
+    for j in range(n):
+        # At a stand a force by metre costs without end: the first cell is as its upper speed.
+        v = speed[j] if j > 0 else speed[1]
+        below[0], below[1], below[2], below[3], below[4] = cost_terms(train, load_share, v)
+        above[0], above[1], above[2], above[3], above[4] = cost_terms(train, load_share, speed[j + 1])
+        found[j, 0] = min(below[0], above[0])
+        found[j, 1] = max(below[1], above[1])
+        found[j, 2] = max(below[2], above[2])
+        found[j, 3] = min(below[3], above[3])
+        found[j, 4] = 0.0
+        if above[4] > 0.0:
+            found[j, 4] = least_idle(train, inertia, v, speed[j + 1])
+    return found
+
+
+@compiled
+def least_idle(train: TrainRow, inertia_kg: float, low_mps: float, high_mps: float) -> float:
+    """What magnetised motors lose by metre without a force, each term at its least between two speeds, m/s^2."""
+    total = 0.0
+    for term in range(4):
+        least = math.inf
+        for end in range(2):
+            v = low_mps if end == 0 else high_mps
+            flux, u = flux_share(train, v), v / train.loss_base_speed_mps
+            turning = (train.loss_magnetising_w, u * train.loss_hysteresis_w, u * u * train.loss_eddy_w)
+            lost_w = train.loss_standby_w if term == 3 else flux * flux * turning[term]
+            least = min(least, lost_w / v)
+        total += least
+    return train.motors * total / inertia_kg

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-class TooShort(ValueError):
+class TooShort(ValueError):  # noqa: N818 - it says what is wrong, as a reader would
     """The running time asked for is below the least; `least_s` is that."""
 
     def __init__(self, time_s: float, least_s: float) -> None:

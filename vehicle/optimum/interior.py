@@ -20,20 +20,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
-from vehicle.optimum.laws import ALL_MOTORS, ELECTRIC, PULL, RESIST, law_slopes
+from vehicle.optimum.laws import ALL_MOTORS
+from vehicle.optimum.local import (
+    AIR,
+    LIMITS,
+    SLOWING,
+    SPEEDING,
+    STRONG,
+    TRACTION,
+    WEAK,
+    Mesh,
+    braking,
+    costs_at,
+    local,
+    terms,
+    traction,
+)
 from vehicle.records import TrainRow
 from vehicle.wire import wire_power_w
 
 Floats = NDArray[np.float64]
-
-# places of a stretch's slacks and prices
-TRACTION: Final = 0  # p >= 0, then p >= f
-AIR: Final = 2  # q >= 0, then q >= -f - e
-STRONG: Final = 4  # f below the greatest pull
-WEAK: Final = 5  # and above what all brakes give
-SLOWING: Final = 6
-SPEEDING: Final = 7
-LIMITS: Final = 8
 
 WEIGHT_LAST: Final = 1e-7
 RESIDUAL_LAST: Final = 1e-3  # m/s^2
@@ -44,22 +50,6 @@ TO_THE_EDGE: Final = 0.99
 SLACK_FIRST: Final = 0.05
 
 
-class Mesh(NamedTuple):
-    """What the method works on; per stretch, points are one more."""
-
-    h_m: Floats
-    grade: Floats
-    drag: Floats
-    top: Floats  # of z, at the points
-    inverse_traction: float  # 1 / efficiency
-    regenerated: float  # efficiency times the share that counts
-    brake_extra: float
-    deceleration: float
-    acceleration: float
-    auxiliary: float  # W/kg, what time itself costs
-    time_s: float
-
-
 class Inner(NamedTuple):
     """Slacks and prices; changed in place. `ends` has the time's slack and price, and the weight."""
 
@@ -68,32 +58,7 @@ class Inner(NamedTuple):
     top_slack: Floats  # points
     top_price: Floats
     ends: Floats
-
-
-class Local(NamedTuple):
-    """A stretch at a and mean z: forces and their slopes by z."""
-
-    f: float
-    f_z: float
-    f_zz: float
-    pull: float
-    pull_z: float
-    pull_zz: float
-    elec: float
-    elec_z: float
-    elec_zz: float
-
-
-@compiled
-def local(mesh: Mesh, table: Floats, i: int, a: float, z: float) -> Local:
-    """Forces of stretch `i`."""
-    speed = math.sqrt(2.0 * z)
-    r, r_z, r_zz = law_slopes(table, RESIST, speed)
-    pull, pull_z, pull_zz = law_slopes(table, PULL, speed)
-    elec, elec_z, elec_zz = law_slopes(table, ELECTRIC, speed)
-    drag = 2.0 * mesh.drag[i]
-    f = a + r + drag * z + mesh.grade[i]
-    return Local(f, r_z + drag, r_zz, pull, pull_z, pull_zz, elec, elec_z, elec_zz)
+    costate: Floats  # stretches: what z is worth
 
 
 @compiled
@@ -101,12 +66,12 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
     """Slacks at a start, off their edges, with the prices that the weight asks for."""
     n = len(mesh.h_m)
     slack, price = np.ones((n, LIMITS)), np.zeros((n, LIMITS))
-    kink = mesh.inverse_traction - mesh.regenerated
     time_s = 0.0
     for i in range(n):
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
+        paid = costs_at(mesh, table, 0.5 * (z[i] + z[i + 1]))
         time_s += 2.0 * h / (math.sqrt(2.0 * z[i]) + math.sqrt(2.0 * z[i + 1]))
         slack[i, TRACTION] = max(x.f, 0.0) + SLACK_FIRST
         slack[i, TRACTION + 1] = slack[i, TRACTION] - x.f
@@ -117,8 +82,8 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
         slack[i, SLOWING] = max(a + mesh.deceleration, SLACK_FIRST)
         slack[i, SPEEDING] = max(mesh.acceleration - a, SLACK_FIRST)
         for k in range(2):
-            price[i, TRACTION + k] = 0.5 * kink
-            price[i, AIR + k] = 0.5 * mesh.regenerated
+            price[i, TRACTION + k] = 0.5 * paid.kink.value if mesh.kinked else 0.0
+            price[i, AIR + k] = 0.5 * paid.gain.value if mesh.regenerates else 0.0
         for k in range(STRONG, LIMITS):
             price[i, k] = weight / slack[i, k]
         if mesh.brake_extra == math.inf:
@@ -132,7 +97,7 @@ def begun(mesh: Mesh, table: Floats, z: Floats, weight: float) -> Inner:
     ends[0] = max(mesh.time_s - time_s, 0.01 * mesh.time_s)
     ends[1] = 5.0 * weight * length / ends[0]
     ends[2] = weight
-    return Inner(slack, price, top_slack, top_price, ends)
+    return Inner(slack, price, top_slack, top_price, ends, np.zeros(n))
 
 
 class System(NamedTuple):
@@ -146,88 +111,28 @@ class System(NamedTuple):
 
 
 @compiled
-def kink_terms(
-    s0: float, s1: float, y0: float, y1: float, cost: float, x: float, weight: float
-) -> tuple[float, float]:
-    """Slope and curvature by x that cost * max(x, 0) leaves when its own unknown is eliminated."""
-    if cost <= 0.0:
-        return 0.0, 0.0
-    d0, d1 = y0 / s0, y1 / s1
-    t1 = (weight - y1 * (s0 - x - s1)) / s1
-    both = d0 + d1
-    return t1 + d1 * (cost - weight / s0 - t1) / both, d0 * d1 / both
-
-
-@compiled
 def assembled(mesh: Mesh, table: Floats, z: Floats, inner: Inner, tamed: bool) -> System:
     """The condensed system of one step."""
     n = len(mesh.h_m)
     diagonal, beside = np.zeros(n + 1), np.zeros(n + 1)
     right, by_time, exact = np.zeros(n + 1), np.zeros(n + 1), np.zeros(n + 1)
-    s, y = inner.slack, inner.price
-    kink = mesh.inverse_traction - mesh.regenerated
     weight = inner.ends[2]
     worth = inner.ends[1] + mesh.auxiliary
     for i in range(n):
         h = mesh.h_m[i]
         a = (z[i + 1] - z[i]) / h
-        x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
-        # by f
-        g, c = kink_terms(s[i, 0], s[i, 1], y[i, 0], y[i, 1], kink, x.f, weight)
-        by_f, ff = mesh.regenerated + g, c
-        paid_f = mesh.regenerated + y[i, 1]
-        # air: by -f - e
-        g, c = kink_terms(s[i, 2], s[i, 3], y[i, 2], y[i, 3], mesh.regenerated, -x.f - x.elec, weight)
-        by_f -= g
-        by_e = -g
-        ff += c
-        fe = c
-        ee = c
-        paid_f -= y[i, 3]
-        paid_e = -y[i, 3]
-        # pull - f
-        d = y[i, STRONG] / s[i, STRONG]
-        t = (weight - y[i, STRONG] * (x.pull - x.f - s[i, STRONG])) / s[i, STRONG]
-        by_f += t
-        by_p = -t
-        ff += d
-        pp, fp = d, -d
-        paid_f += y[i, STRONG]
-        if mesh.brake_extra < math.inf:
-            d = y[i, WEAK] / s[i, WEAK]
-            t = (weight - y[i, WEAK] * (x.f + x.elec + mesh.brake_extra - s[i, WEAK])) / s[i, WEAK]
-            by_f -= t
-            by_e -= t
-            ff += d
-            fe += d
-            ee += d
-            paid_f -= y[i, WEAK]
-            paid_e -= y[i, WEAK]
-        by_a, aa, paid_a = by_f, ff, paid_f
-        d = y[i, SLOWING] / s[i, SLOWING]
-        by_a -= (weight - y[i, SLOWING] * (a + mesh.deceleration - s[i, SLOWING])) / s[i, SLOWING]
-        aa += d
-        paid_a -= y[i, SLOWING]
-        if mesh.acceleration < math.inf:
-            d = y[i, SPEEDING] / s[i, SPEEDING]
-            by_a += (weight - y[i, SPEEDING] * (mesh.acceleration - a - s[i, SPEEDING])) / s[i, SPEEDING]
-            aa += d
-            paid_a += y[i, SPEEDING]
-        by_z = by_f * x.f_z + by_p * x.pull_z + by_e * x.elec_z
-        az = ff * x.f_z + fp * x.pull_z + fe * x.elec_z
-        zz = ff * x.f_z * x.f_z + pp * x.pull_z * x.pull_z + ee * x.elec_z * x.elec_z
-        zz += 2.0 * x.f_z * (fp * x.pull_z + fe * x.elec_z)
-        zz += paid_f * x.f_zz - y[i, STRONG] * x.pull_zz + paid_e * x.elec_zz
-        if tamed:
-            zz = max(zz, az * az / aa)
-        paid_z = paid_f * x.f_z - y[i, STRONG] * x.pull_z + paid_e * x.elec_z
-        exact[i] += -paid_a + 0.5 * h * paid_z
-        exact[i + 1] += paid_a + 0.5 * h * paid_z
-        right[i] -= -by_a + 0.5 * h * by_z
-        right[i + 1] -= by_a + 0.5 * h * by_z
-        diagonal[i] += aa / h - az + 0.25 * h * zz
-        diagonal[i + 1] += aa / h + az + 0.25 * h * zz
-        beside[i] += -aa / h + 0.25 * h * zz
+        mean = 0.5 * (z[i] + z[i + 1])
+        x = local(mesh, table, i, a, mean)
+        got = terms(mesh, x, costs_at(mesh, table, mean), a, inner.slack[i], inner.price[i], weight)
+        zz = max(got.zz, got.az * got.az / got.aa) if tamed else got.zz
+        inner.costate[i] = got.paid_a
+        exact[i] += -got.paid_a + 0.5 * h * got.paid_z
+        exact[i + 1] += got.paid_a + 0.5 * h * got.paid_z
+        right[i] -= -got.by_a + 0.5 * h * got.by_z
+        right[i + 1] -= got.by_a + 0.5 * h * got.by_z
+        diagonal[i] += got.aa / h - got.az + 0.25 * h * zz
+        diagonal[i + 1] += got.aa / h + got.az + 0.25 * h * zz
+        beside[i] += -got.aa / h + 0.25 * h * zz
         _add_time(z, i, h, worth, diagonal, beside, by_time)
     residual = 0.0
     for i in range(1, n):
@@ -312,7 +217,6 @@ def moved(
     """Steps of slacks and prices that go with the step `out` of z, and the shares of both that stay inside."""
     n = len(mesh.h_m)
     s, y = inner.slack, inner.price
-    kink = mesh.inverse_traction - mesh.regenerated
     weight = inner.ends[2]
     primal = 1.0
     dual = 1.0
@@ -324,17 +228,16 @@ def moved(
         x = local(mesh, table, i, a, 0.5 * (z[i] + z[i + 1]))
         df = da + x.f_z * dz
         de = x.elec_z * dz
-        for k in range(2):
-            j = 2 * k
-            value, change, cost = (x.f, df, kink) if k == 0 else (-x.f - x.elec, -df - de, mesh.regenerated)
-            ds[i, j] = ds[i, j + 1] = 0.0
-            if cost <= 0.0:
-                continue
-            d0, d1 = y[i, j] / s[i, j], y[i, j + 1] / s[i, j + 1]
-            off = s[i, j] - value - s[i, j + 1]
-            t1 = (weight - y[i, j + 1] * off) / s[i, j + 1]
-            ds[i, j] = (d1 * change - (cost - weight / s[i, j] - t1)) / (d0 + d1)
-            ds[i, j + 1] = ds[i, j] - change + off
+        paid = costs_at(mesh, table, 0.5 * (z[i] + z[i + 1]))
+        ds[i, 0] = ds[i, 1] = ds[i, 2] = ds[i, 3] = 0.0
+        if mesh.kinked:
+            one = traction(x, paid, s[i, 0], s[i, 1], y[i, 0], y[i, 1], weight)
+            ds[i, 0] = one.own + one.with_f * df + one.with_z * dz
+            ds[i, 1] = ds[i, 0] - df + s[i, 0] - x.f - s[i, 1]
+        if mesh.regenerates:
+            two = braking(x, paid, mesh.regeneration, s[i, 2], s[i, 3], y[i, 2], y[i, 3], weight)
+            ds[i, 2] = two.own + two.with_f * df + two.with_z * dz
+            ds[i, 3] = ds[i, 2] + df + de + s[i, 2] + x.f + x.elec - s[i, 3]
         ds[i, STRONG] = x.pull_z * dz - df + x.pull - x.f - s[i, STRONG]
         ds[i, SLOWING] = da + a + mesh.deceleration - s[i, SLOWING]
         ds[i, WEAK] = 0.0
@@ -417,7 +320,7 @@ def complementarity(mesh: Mesh, inner: Inner) -> float:
         if i > 0:
             total += mesh.h_m[i] * inner.top_slack[i] * inner.top_price[i]
             count += mesh.h_m[i]
-    return (total + inner.ends[0] * inner.ends[1]) / (count + np.sum(mesh.h_m))
+    return float((total + inner.ends[0] * inner.ends[1]) / (count + np.sum(mesh.h_m)))
 
 
 @compiled
@@ -437,13 +340,6 @@ def followed(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> int:
         share = 1.0 - min(primal, dual)
         inner.ends[2] = max(mean * min(max(0.1, share * share), 0.8), WEIGHT_LAST)
     return 0
-
-
-@compiled
-def costates(inner: Inner, regenerated: float) -> Floats:
-    """What z is worth on each stretch."""
-    y = inner.price
-    return regenerated + y[:, 1] - y[:, 3] + y[:, STRONG] - y[:, WEAK] - y[:, SLOWING] + y[:, SPEEDING]
 
 
 @compiled

@@ -15,16 +15,23 @@ from vehicle.adhesion import DRY, adhesion_coefficient
 from vehicle.brakes import electric_brake_n
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.optimum.costs import cost_terms
 from vehicle.records import TrainRow
 from vehicle.resistance import resistance_n
 from vehicle.traction import full_force_n, motored_grip_n
 
 ALL_MOTORS: Final = 1.0
 STEP_MPS: Final = 0.1
+COST_FROM_MPS: Final = 2.0  # below, losses by metre are taken as here: they have no end towards a stand
 RESIST: Final = 0
 PULL: Final = 1
 ELECTRIC: Final = 2
-LAWS: Final = 3
+SLOPE: Final = 3
+GAIN: Final = 4
+BEND: Final = 5
+CURVE: Final = 6
+IDLE: Final = 7
+LAWS: Final = 8
 
 
 @compiled
@@ -38,8 +45,11 @@ def laws_at(train: TrainRow, load_share: float, speed_mps: float) -> tuple[float
 
 
 @compiled
-def law_table(train: TrainRow, load_share: float, top_mps: float) -> NDArray[np.float64]:
-    """Value and slope (by step) of each law at multiples of STEP_MPS to beyond `top_mps`: (speeds, LAWS, 2), m/s^2."""
+def law_table(train: TrainRow, load_share: float, share: float, top_mps: float) -> NDArray[np.float64]:
+    """Value and slope (by step) of each law at multiples of STEP_MPS to beyond `top_mps`: (speeds, LAWS, 2), m/s^2.
+
+    The last laws are the costs of forces (`costs`); of what comes back counts `share`.
+    """
     rows = int(top_mps / STEP_MPS) + 3
     inertia = equivalent_mass_kg(train, load_share)
     table = np.empty((rows, LAWS, 2))
@@ -48,6 +58,12 @@ def law_table(train: TrainRow, load_share: float, top_mps: float) -> NDArray[np.
         table[i, RESIST, 0] = resist_n / inertia
         table[i, PULL, 0] = pull_n / inertia
         table[i, ELECTRIC, 0] = electric_n / inertia
+        slope, gain, bend, curve, idle = cost_terms(train, load_share, max(i * STEP_MPS, COST_FROM_MPS))
+        table[i, SLOPE, 0] = slope
+        table[i, GAIN, 0] = share * gain
+        table[i, BEND, 0] = bend
+        table[i, CURVE, 0] = curve
+        table[i, IDLE, 0] = idle
     for i in range(rows):
         below, above = max(i - 1, 0), min(i + 1, rows - 1)
         for law in range(LAWS):
@@ -61,7 +77,7 @@ def law_value(table: NDArray[np.float64], law: int, speed_mps: float) -> float:
     place = speed_mps / STEP_MPS
     i = min(int(place), len(table) - 2)
     below: float = table[i, law, 0]
-    return below + (table[i + 1, law, 0] - below) * (place - i)
+    return float(below + (table[i + 1, law, 0] - below) * (place - i))
 
 
 @compiled

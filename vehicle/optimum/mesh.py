@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
-from vehicle.optimum.interior import Mesh
-from vehicle.optimum.laws import law_table
+from vehicle.optimum.laws import GAIN, SLOPE, law_table
+from vehicle.optimum.local import Mesh
 from vehicle.optimum.way import Way, fastest, mean_lift, times_s
 
 Floats = NDArray[np.float64]
@@ -63,7 +63,7 @@ def laid(course: Course) -> Laid:
         0.5 * course.initial_mps**2,
         0.5 * course.final_mps**2,
     )
-    table = law_table(train, course.load_share, float(limit_mps.max()))
+    table = law_table(train, course.load_share, course.regeneration, float(limit_mps.max()))
     best = fastest(table, way)
     _refuse_what_cannot_run(course, way, best)
     return Laid(course, inertia, table, way, best)
@@ -74,9 +74,9 @@ def _refuse_what_cannot_run(course: Course, way: Way, best: Floats) -> None:
     stalled = np.flatnonzero(np.isnan(best) | (best <= 0.0))
     inner = stalled[(stalled > 0) & (stalled < len(best) - 1)]
     if inner.size:
-        raise ValueError(
-            f"the train cannot climb: it stalls {way.at_m[inner[0]] - course.start_m:.0f} m after its start"
-        )
+        why = "climb" if course.friction_brake_n > 0.0 else "climb, or brake with its motors alone"
+        after_m = way.at_m[inner[0]] - course.start_m
+        raise ValueError(f"the train cannot {why}: it stalls {after_m:.0f} m after its start")
     if best[0] < way.first * (1.0 - 1e-9):
         raise ValueError(f"{course.initial_mps:.2f} m/s at the start is too fast for what lies ahead")
     if best[-1] < way.last * (1.0 - 1e-9):
@@ -96,10 +96,10 @@ def places_m(laid: Laid, points: int) -> Floats:
         kept = np.array([0, len(at_m) - 1])
     spare = max(points - len(kept), 1)
     shares = np.diff(place[kept])
-    found = [at_m[:1]]
+    found: list[Floats] = [at_m[:1]]
     for k, share in enumerate(shares):
-        inner = max(int(round(spare * share)), 1)
-        wanted = place[kept[k]] + share * np.arange(1, inner + 2) / (inner + 1)
+        inner = max(round(float(spare * share)), 1)
+        wanted: Floats = place[kept[k]] + share * np.arange(1, inner + 2) / (inner + 1)
         wanted[-1] = place[kept[k + 1]]
         found.append(np.interp(wanted, place, at_m))
     whole = np.concatenate(found)
@@ -117,7 +117,8 @@ def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
     # the lowest limit that any part of a stretch has
     first = np.searchsorted(way.at_m, at_m[:-1] + 1e-9, side="right") - 1
     last = np.searchsorted(way.at_m, at_m[1:] - 1e-9, side="left")
-    limit = np.array([way.limit[a : max(b, a + 1)].min() for a, b in zip(first, last, strict=True)])
+    pairs = np.stack((first, np.maximum(last, first + 1)), axis=1).ravel()
+    limit = np.minimum.reduceat(np.append(way.limit, math.inf), pairs)[::2]
     top = np.empty(len(at_m))
     top[0], top[-1] = limit[0], limit[-1]
     top[1:-1] = np.minimum(limit[:-1], limit[1:])
@@ -127,8 +128,10 @@ def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
         np.diff(lift) / h,
         drag,
         top,
-        1.0 / float(train["efficiency_traction"]),
-        float(train["efficiency_regeneration"]) * course.regeneration,
+        course.regeneration,
+        bool(np.any(laid.table[:, SLOPE, 0] > laid.table[:, GAIN, 0])),
+        bool(np.any(laid.table[:, GAIN, 0] > 0.0)),
+        not train["losses_given"] > 0.0,
         way.brake_extra if way.brake_extra < FRICTION_ENOUGH_MPS2 else math.inf,
         way.deceleration,
         way.acceleration if way.acceleration < FRICTION_ENOUGH_MPS2 else math.inf,

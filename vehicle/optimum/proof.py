@@ -1,10 +1,10 @@
 """An optimum as a run that the train can really make, to the last metre, beside the proven bound.
 
 The mesh holds forces within their limits in the middle of each stretch, and knows the laws by their table. Here its
-speeds are an upper line: the run is followed on points a metre apart at most, never faster than that line, and no harder than what
-the true laws give at the worse end of each piece. That takes a little longer, so the mesh is asked for a little less
-time, until the run that is possible takes no more than the time asked for. Its energy is above the least and the
-bound is below: what lies between them is all that is not known.
+speeds are an upper line: the run is followed on points a metre apart at most, never faster than that line, and no
+harder than what the true laws give at the worse end of each piece. That takes a little longer, so the mesh is asked
+for a little less time, until the run that is possible takes no more than the time asked for. Its energy is above the
+least and the bound is below: what lies between them is all that is not known.
 """
 
 from __future__ import annotations

@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.optimum.course import Course, NotFound, Optimum, Profile, TooShort
-from vehicle.optimum.interior import begun, costates, followed, told
+from vehicle.optimum.interior import begun, followed, told
 from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
 from vehicle.optimum.way import times_s
 
 Floats = NDArray[np.float64]
 
+EASY_SHARE: Final = (
+    1.1  # of the least time; beyond it, the optimum of a shorter time is a start where others fail
+)
 WEIGHTS_FIRST: Final = (0.02, 0.2, 0.002)  # tried in turn
 
 
@@ -45,23 +48,25 @@ def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None
         if rounds:
             break
     else:
-        raise NotFound(time_s, found.least_s)
+        if warm is not None or time_s < EASY_SHARE * found.least_s:
+            raise NotFound(time_s, found.least_s)
+        return solved(found, time_s, at_m, solved(found, 0.5 * (time_s + found.least_s), at_m))
     course = found.course
     motors, air, energy_j = told(mesh, found.table, course.train, found.inertia_kg, course.regeneration, z)
     at_s = times_s(at_m, z)
     energy_j += mesh.auxiliary * found.inertia_kg * at_s[-1]
     price_w = float(inner.ends[1]) * found.inertia_kg
-    costate = costates(inner, mesh.regenerated)
-    return Optimum(at_m, np.sqrt(2.0 * z), at_s, motors, air, energy_j, price_w, costate, rounds)
+    return Optimum(at_m, np.sqrt(2.0 * z), at_s, motors, air, energy_j, price_w, inner.costate, rounds)
 
 
 def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
     """The fastest run with all speeds between the ends lowered alike, so that it takes about the time."""
-    least_s = times_s(at_m, fast)[-1]
+    least_s = float(times_s(at_m, fast)[-1])
     share = min(least_s / time_s, 1.0)
-    z = fast * (share * share * 1.02 if share < 0.99 else share * share)
+    z: Floats = fast * (share * share * 1.02 if share < 0.99 else share * share)
     z[0], z[-1] = fast[0], fast[-1]
-    return np.minimum(z, fast)
+    np.minimum(z, fast, out=z)
+    return z
 
 
 def _like(at_m: Floats, fast: Floats, warm: Optimum) -> Floats:

@@ -79,16 +79,18 @@ def fastest(table: Floats, way: Way) -> Floats:
         grade = (way.lift[i + 1] - way.lift[i]) / h
         mean = best[i]
         after = mean
+        top = way.limit[i] if i + 1 >= n else min(way.limit[i], way.limit[i + 1])
         for _ in range(HALVINGS):
             speed = math.sqrt(2.0 * max(mean, 0.0))
             rate = law_value(table, PULL, speed) - law_value(table, RESIST, speed)
             rate = min(rate - way.drag[i] * speed * speed - grade, way.acceleration)
             after = best[i] + h * rate
+            if rate >= 0.0 and best[i] >= top:  # held at the limit, as most of the way
+                break
             mean = 0.5 * (best[i] + after)
         if after <= 0.0 and i + 1 < n:
             best[i + 1 :] = np.nan
             return best
-        top = way.limit[i] if i + 1 >= n else min(way.limit[i], way.limit[i + 1])
         best[i + 1] = min(max(after, 0.0), top)
     back = min(way.last, best[n])
     best[n] = back
@@ -102,6 +104,8 @@ def fastest(table: Floats, way: Way) -> Floats:
             rate = law_value(table, ELECTRIC, speed) + way.brake_extra + law_value(table, RESIST, speed)
             rate = min(rate + way.drag[i] * speed * speed + grade, way.deceleration)
             before = back + h * rate
+            if rate >= 0.0 and best[i] <= back:  # nothing to brake for
+                break
             mean = 0.5 * (before + back)
         best[i] = min(best[i], max(before, 0.0))
         back = best[i]
