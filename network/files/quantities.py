@@ -180,6 +180,15 @@ LINK_RATE: Final = Quantity(
 )
 FRAME_RATE: Final = Quantity("rate of frames", "Hz", ((0.1, 10.0),), "the camera's own, 10 Hz")
 GAIN: Final = Quantity("control gain", "1/s", ((0.01, 10.0),), "greatest: a step of 0.1 s; least assumed")
+INTEGRAL_GAIN: Final = Quantity(
+    "gain of an integral", "1/s^2", ((0.0, 10.0),), "as a control gain, over a second; 0: none"
+)
+DERIVATIVE_GAIN: Final = Quantity(
+    "gain of a derivative", "", ((0.0, 10.0),), "as a control gain, times a second; 0: none"
+)
+ACCELERATION_BAND: Final = Quantity(
+    "band about an acceleration", "m/s^2", ((0.0, 1.0),), "assumed: several notches of any train"
+)
 DISTANCE: Final = Quantity(
     "distance to a place", "m", ((0.0, 10_000.0),), "assumed: beyond any section of a branch line"
 )
@@ -285,6 +294,9 @@ AddedDelay = Annotated[float, ADDED_DELAY]
 LinkRate = Annotated[float, LINK_RATE]
 FrameRate = Annotated[float, FRAME_RATE]
 Gain = Annotated[float, GAIN]
+IntegralGain = Annotated[float, INTEGRAL_GAIN]
+DerivativeGain = Annotated[float, DERIVATIVE_GAIN]
+AccelerationBand = Annotated[float, ACCELERATION_BAND]
 Distance = Annotated[float, DISTANCE]
 PositionBound = Annotated[float, POSITION_BOUND]
 ReadError = Annotated[float, READ_ERROR]

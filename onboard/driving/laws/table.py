@@ -18,6 +18,7 @@ from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
+from onboard.driving.laws.pid import Pid, PidRow, pid
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled_lines
 from vehicle.record import dtype_of
@@ -49,6 +50,7 @@ class Law:
 LAWS: Final = (
     Law(hold_speed, HoldSpeedRow),
     Law(follow_plan, FollowPlanRow, FollowPlan, plans=True),
+    Law(pid, PidRow, Pid, stops=True),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 
