@@ -6,7 +6,7 @@ from enum import IntEnum
 from typing import Annotated, Final, Protocol
 
 from network.files.kinds import about
-from network.files.quantities import Distance, Reaction, Share, ShareAbove0, SpeedMarginMps, Wait
+from network.files.quantities import Distance, Reaction, Share, ShareAbove0, SpeedFactor, SpeedMarginMps, Wait
 from network.files.toml_input import Record
 
 
@@ -95,7 +95,7 @@ class PredictiveFuzzy(Record):
         about("speeds are predicted this far ahead", "assumed: machinery answers within one, and three to act"),
     ] = 4.0
     cruise_share: Annotated[
-        Annotated[float, "times"],
+        SpeedFactor,
         about(
             "a train that is to coast holds at most this many times its cruising speed",
             "assumed: from there to a third of it by coasting, the mean is the cruising speed",
