@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
 from vehicle.optimum.laws import law_table
-from vehicle.optimum.newton import Mesh
+from vehicle.optimum.interior import Mesh
 from vehicle.optimum.way import Way, fastest, mean_lift, times_s
 
 Floats = NDArray[np.float64]
@@ -132,6 +132,5 @@ def mesh_of(laid: Laid, at_m: Floats, time_s: float) -> tuple[Mesh, Floats]:
         way.acceleration if way.acceleration < FRICTION_ENOUGH_MPS2 else math.inf,
         float(train["auxiliary_power_w"]) / laid.inertia_kg if course.auxiliaries else 0.0,
         time_s,
-        1.0,
     )
     return mesh, np.minimum(np.interp(at_m, way.at_m, laid.fastest), top)

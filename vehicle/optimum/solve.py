@@ -7,13 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.mass import mass_kg
 from vehicle.optimum.course import Course, Optimum, Profile, TooShort
-from vehicle.optimum.laws import law_value, ELECTRIC, RESIST
+from vehicle.optimum.interior import STEPS_MAX, begun, costates, followed, told
 from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
-from vehicle.optimum.newton import Mesh, follow
 from vehicle.optimum.way import times_s
-from vehicle.wire import wire_power_w
 
 Floats = NDArray[np.float64]
 
@@ -48,8 +45,19 @@ def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None
         z[1:-1] = np.clip(z[1:-1], 1e-3 * fast[1:-1], fast[1:-1])
         z[0], z[-1] = fast[0], fast[-1]
         weight = WEIGHT_WARM
-    rounds, costate, price, _ = follow(mesh, found.table, z, weight)
-    return _told(found, mesh, at_m, z, costate, price, rounds)
+    inner = begun(mesh, found.table, z, weight)
+    rounds = followed(mesh, found.table, z, inner)
+    if not rounds:
+        raise RuntimeError(f"no optimum found in {STEPS_MAX} steps for {time_s:.3f} s")
+    course = found.course
+    motors, air, energy_j = told(
+        mesh, found.table, course.train, found.inertia_kg, course.regeneration, z
+    )
+    at_s = times_s(at_m, z)
+    energy_j += mesh.auxiliary * found.inertia_kg * at_s[-1]
+    price_w = float(inner.ends[1]) * found.inertia_kg
+    costate = costates(inner, mesh.regenerated)
+    return Optimum(at_m, np.sqrt(2.0 * z), at_s, motors, air, energy_j, price_w, costate, rounds)
 
 
 def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
@@ -59,26 +67,3 @@ def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
     z = fast * (share * share * 1.02 if share < 0.99 else share * share)
     z[0], z[-1] = fast[0], fast[-1]
     return np.minimum(z, fast)
-
-
-def _told(
-    found: Laid, mesh: Mesh, at_m: Floats, z: Floats, costate: Floats, price: float, rounds: int
-) -> Optimum:
-    """The mesh's solution in forces and joules."""
-    train = found.course.train
-    inertia = found.inertia_kg
-    mean = 0.5 * (z[:-1] + z[1:])
-    speed = np.sqrt(2.0 * mean)
-    motors, air = np.empty(len(mean)), np.empty(len(mean))
-    energy_j = 0.0
-    for i, v in enumerate(speed):
-        resist = law_value(found.table, RESIST, v) + mesh.drag[i] * v * v
-        force = (z[i + 1] - z[i]) / mesh.h_m[i] + resist + mesh.grade[i]
-        electric = law_value(found.table, ELECTRIC, v)
-        motors[i] = inertia * max(force, -electric)
-        air[i] = inertia * max(-electric - force, 0.0)
-        power_w = wire_power_w(train, 1.0, motors[i], v)
-        energy_j += mesh.h_m[i] / v * (power_w if power_w > 0.0 else found.course.regeneration * power_w)
-    time_s = times_s(at_m, z)
-    energy_j += mesh.auxiliary * inertia * time_s[-1]
-    return Optimum(at_m, np.sqrt(2.0 * z), time_s, motors, air, energy_j, price * inertia, costate, rounds)
