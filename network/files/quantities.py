@@ -89,6 +89,18 @@ LAG: Final = Quantity(
 )
 EFFICIENCY: Final = Quantity("efficiency", "", ((0.05, 1.0),), "least: a steam locomotive, 5 to 10 %")
 EFFICIENCY_OR_0: Final = Quantity("efficiency of regeneration", "", ((0.0, 1.0),), "0: nothing is given back")
+MOTOR_LOSS: Final = Quantity(
+    "loss of a motor and its inverter",
+    "kW",
+    ((0.0, 300.0),),
+    "less than none would be more than 100 %; greatest assumed: a fifth of the largest motors, about 1.6 MW",
+)
+GEAR_LOSS: Final = Quantity(
+    "loss of a gear",
+    "",
+    ((0.0, 0.1),),
+    "assumed: share of what it passes on; a stage of spur gears loses 1 to 3 %",
+)
 ADHESION: Final = Quantity(
     "adhesion coefficient",
     "",
@@ -263,6 +275,8 @@ DeadTime = Annotated[float, DEAD_TIME]
 Lag = Annotated[float, LAG]
 Efficiency = Annotated[float, EFFICIENCY]
 EfficiencyOr0 = Annotated[float, EFFICIENCY_OR_0]
+MotorLossW = Annotated[float, MOTOR_LOSS.in_unit("W", 1e3)]
+GearLoss = Annotated[float, GEAR_LOSS]
 Adhesion = Annotated[float, ADHESION]
 AdhesionSlope = Annotated[float, ADHESION_SLOPE]
 WheelDiameterM = Annotated[float, WHEEL_DIAMETER.in_unit("m", 1.0, 1e3)]

@@ -59,6 +59,7 @@ class OnBoard:
             trains.behaviours[slot],
             self._keepers[slot],
             trains.readers[slot],
+            trains.laws[slot],
         )
 
     # what people and sensors tell it ------------------------------------------------------------------------------
@@ -83,6 +84,9 @@ class OnBoard:
         self._trains.truths[slot].clock_ahead_s = own_s - now_s
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
+        laid = motion.taken_plan()
+        if laid is not None:
+            motion.follow(self._trains.pool.lay_plan(slot, laid.rows.size, laid.rows), laid.rows.size)
         if answer.wake_at_s is not None:
             answer = msgspec.structs.replace(answer, wake_at_s=clock.true_s(answer.wake_at_s))
         return answer, [*motion.taken_notes(), *answer.notes]
@@ -113,10 +117,10 @@ class OnBoard:
         """Whether something of the vehicle is not in order, as its inputs show it."""
         return bool(self._motions[slot].vehicle.unfit)
 
-    def vehicle_shows(self, slot: int, part: VehiclePart, *, good: bool) -> list[Sensed]:
-        """What doors or brake show from now on."""
+    def vehicle_shows(self, slot: int, part: VehiclePart, value: float) -> list[Sensed]:
+        """What doors, brake or motors show from now on."""
         motion = self._motions[slot]
-        events = motion.vehicle_shows(msgspec.structs.replace(motion.vehicle, **{part: good}))
+        events = motion.vehicle_shows(msgspec.structs.replace(motion.vehicle, **{part: value}))
         return [] if slot in self.unpowered else events
 
     def load_is(self, slot: int, share: float) -> None:

@@ -10,6 +10,7 @@ from typing import Annotated, Final, Protocol
 from onboard.board import BoardRow, SensedRow
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.table import SensorsRow
+from simulation.world.ride import RideRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
@@ -50,6 +51,7 @@ class StockRow(Protocol):
     sensors: Annotated[SensorsRow, "its sensors"]
     sensed: Annotated[SensedRow, "what its sensors show"]
     board: Annotated[BoardRow, "what it has on board"]
+    ride: Annotated[RideRow, "how it is driven"]
 
 
 TRUTH: Final = dtype_of(TruthRow)

@@ -29,6 +29,7 @@ from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.premises import Premises
 from simulation.world.records import STOCK, TruthRow
+from simulation.world.ride import RideRow
 from simulation.world.roster import Duty
 from vehicle.record import cells_of
 from vehicle.records import PlantRow, TrainRow
@@ -84,6 +85,7 @@ class Trains:
         self.tascs: Sequence[TascRow] = _rows(board["tasc"])
         self.designs: Sequence[DesignRow] = _rows(board["design"])
         self.waves: Sequence[WaveRow] = _rows(board["wave"])
+        self.rides: Sequence[RideRow] = [cells_of(RideRow, row) for row in _rows(self.stock["ride"])]
         self._active = self.stock["truth"]["active"]
         self._position_m = self.stock["truth"]["position_m"]
         self._offset_m = self.stock["truth"]["offset_m"]
@@ -281,13 +283,14 @@ class Trains:
         plant.brake_factor = _reduced(drawn, driving.service_guaranteed_share, reserve)
         plant.emergency_factor = _reduced(1.0, driving.emergency_guaranteed_share, reserve)
 
-    def set_motors(self, slot: int, cut_out: int) -> None:
-        """How many of a train's motors are cut out; what those pulled is gone at once."""
+    def set_motors(self, slot: int, cut_out: int) -> float:
+        """How many of a train's motors are cut out; what those pulled is gone at once. The share that is left."""
         plant, motors = self.plants[slot], float(self.bodies[slot].motors)
         share = max(motors - cut_out, 0.0) / motors
         if share < plant.motors_share:
             plant.traction_built_n *= share / plant.motors_share
         plant.motors_share = share
+        return share
 
     def set_rail(self, slot: int, share: float) -> None:
         """What faults of the rail leave of the weather's adhesion."""

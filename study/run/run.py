@@ -49,6 +49,7 @@ from study.run.directory import (
     digests_of_tables,
     reserved,
 )
+from study.run.driving import driving_table
 from study.run.energy import Make
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.shown import shown_of
@@ -161,7 +162,12 @@ def execute(
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
     booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
-    tables = replace(booked, comparisons=opinions, waits=waits_table(waits_of(result, setup)))
+    tables = replace(
+        booked,
+        driving=driving_table(result, setup, booked.margins, booked.stops),
+        comparisons=opinions,
+        waits=waits_table(waits_of(result, setup)),
+    )
     broken = broken_by(result, setup)
     summary = {
         "scenario": scenario.id,

@@ -7,6 +7,7 @@ from typing import Any, Final, cast
 import polars as pl
 
 from network.timetable import CallKind, Timetable
+from study.run.driving import driving_summary
 from study.run.margins import smallest
 from study.run.tables import RunTables
 
@@ -25,7 +26,8 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
     - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
     - stops and stop_error_m_mean, _sigma (of the sample, n - 1), _max_abs: over stops with a known error.
     - energy_kwh {traction, regenerated, auxiliary} of trains and layovers; energy: `energy_summary`.
-    - margins: `study.run.margins.smallest`; comparisons: rows of that table.
+    - margins: `study.run.margins.smallest`; driving: `study.run.driving.driving_summary`.
+    - comparisons: rows of that table.
     - telegrams {sent, delivered, lost, dropped}.
     """
     stops = tables.stops
@@ -54,6 +56,7 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
         },
         "energy": energy_summary(tables),
         "margins": smallest(tables.margins),
+        "driving": driving_summary(tables.driving),
         "comparisons": tables.comparisons.to_dicts(),
         "telegrams": {name: int(telegrams[name].sum()) for name in TELEGRAM_COUNTS},
     }

@@ -19,6 +19,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy, PredictiveFuzzyRow
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
+from onboard.driving.laws.optimal import Optimal, OptimalRow, optimal
 from onboard.driving.laws.pid import Pid, PidRow, pid
 from onboard.driving.laws.predictive_fuzzy import predictive_fuzzy
 from onboard.records import BehaviourRow, UnitRow
@@ -33,7 +34,8 @@ class Law:
 
     `settings`: the table of a scenario with its figures, whose keys are fields of the row too. `drawn`: fields of the
     row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
-    departure. `stops`: it brings the train to the mark by itself, without TASC.
+    departure, and anew when the train is off it by more than the setting `replan_after_s`. `stops`: it brings the train
+    to the mark by itself, without TASC.
     """
 
     function: Callable[..., float]
@@ -51,7 +53,8 @@ class Law:
 
 LAWS: Final = (
     Law(hold_speed, HoldSpeedRow),
-    Law(follow_plan, FollowPlanRow, FollowPlan, plans=True),
+    Law(follow_plan, FollowPlanRow, FollowPlan),
+    Law(optimal, OptimalRow, Optimal, plans=True),
     Law(pid, PidRow, Pid, stops=True),
     Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True),
 )

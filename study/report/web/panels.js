@@ -271,6 +271,7 @@ export function energyPaper(host, context) {
   }));
   tables(host, context, ["energy_sums", "energy_per_km", "energy_taken"], true);
   energyByHour(host, context);
+  tables(host, context, ["driving"], true);
   tables(host, context, ["energy_trains", "energy_by_leg", "energy_legs", "layovers"]);
   tables(host, context, ["opinion"], true);
 }

@@ -1,0 +1,100 @@
+"""Plans for laws that follow one: an optimal profile on the unit's own map, laid metre by metre (運転曲線).
+
+A plan is made at each departure, and anew when the train is off it; the unit's own model of train and line decides it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
+from vehicle.mass import equivalent_mass_kg
+from vehicle.optimum import Course, Optimum, Profile, TooShort, least_energy, least_time
+from vehicle.records import TrainRow
+
+LEVEL_MPS2: Final = 0.01  # assumed: a speed that changes by less is held: half of what the lowest notch gives
+NO_FORCE_MPS2: Final = 0.005  # assumed: so little force is none: what a solver leaves of a coast
+
+POINTS: Final = 150  # assumed: a plan that a unit makes at a departure needs no finer mesh
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Laid:
+    """A plan as the tick takes it: rows of PLAN on the path's grid, and how long the run takes by it, s."""
+
+    rows: NDArray[np.void]
+    running_time_s: float
+
+
+def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int) -> Laid:
+    """Rows of PLAN, one for each of the path's `path_rows` metres; none outside the profile.
+
+    `rim_mps2`: acceleration that motors and brakes give between its points, resistances apart; one fewer than points.
+    """
+    at_m, speed_mps = profile.position_m, profile.speed_mps
+    energy = 0.5 * speed_mps * speed_mps
+    slope_mps2 = np.diff(energy) / np.diff(at_m)
+    left_s = profile.time_s[-1] - profile.time_s
+    modes = np.where(
+        np.abs(rim_mps2) < NO_FORCE_MPS2,
+        PLAN_COAST,
+        np.where(np.abs(slope_mps2) < LEVEL_MPS2, PLAN_HOLD, PLAN_FOLLOW),
+    )
+    first, last = max(int(np.floor(at_m[0])), 0), min(int(np.ceil(at_m[-1])), path_rows - 1)
+    metres = np.arange(first, last + 1, dtype=np.float64)
+    interval = np.clip(np.searchsorted(at_m, metres, side="right") - 1, 0, slope_mps2.size - 1)
+    run_m = np.clip(metres, at_m[0], at_m[-1]) - at_m[interval]
+    there_mps = np.sqrt(np.maximum(2.0 * (energy[interval] + slope_mps2[interval] * run_m), 0.0))
+    since_s = 2.0 * run_m / np.maximum(speed_mps[interval] + there_mps, 1e-6)
+    rows = np.zeros(path_rows, dtype=PLAN)
+    rows["speed_mps"][first : last + 1] = there_mps
+    rows["time_left_s"][first : last + 1] = left_s[interval] - since_s
+    rows["mode"][first : last + 1] = modes[interval]
+    return Laid(rows, float(left_s[0]))
+
+
+@dataclass(frozen=True, slots=True)
+class Ahead:
+    """What a plan is asked for: the run to the next mark, on the unit's own map, in the time that is left."""
+
+    train: TrainRow
+    load_share: float
+    climb_m: Floats
+    driving_mps: Floats
+    start_m: float
+    stop_m: float
+    initial_mps: float
+    deceleration_mps2: float
+    available_s: float
+
+
+def planned(ahead: Ahead) -> Laid:
+    """The plan of least energy for the time that is left; the fastest where that is too short.
+
+    What comes back to the wire counts as it does on the bill. ValueError where the train cannot get there.
+    """
+    course = Course(
+        ahead.train,
+        ahead.load_share,
+        ahead.climb_m,
+        ahead.driving_mps,
+        ahead.start_m,
+        ahead.stop_m,
+        ahead.deceleration_mps2,
+        initial_mps=ahead.initial_mps,
+    )
+    path_rows = ahead.climb_m.size
+    try:
+        best = least_energy(course, ahead.available_s, POINTS)
+    except TooShort:
+        fastest = least_time(course)
+        return lay(fastest, np.full(fastest.position_m.size - 1, math.inf), path_rows)
+    rim_n = best.force_n - best.brake_n
+    return lay(best, rim_n / equivalent_mass_kg(ahead.train, ahead.load_share), path_rows)
