@@ -96,16 +96,19 @@ def energy_grade(
     behaviour: BehaviourRow,
     path: NDArray[np.void],
 ) -> float:
-    """ES: that coasting keeps the time, and that it does not become too fast by it (a descent)."""
+    """ES: that coasting keeps the time. Where the train would become too fast by it (a descent), there is none to save.
+
+    That lasts until coasting would leave it well below its target, so that a brake is not taken and left in turn.
+    """
     if own.coasts == 0:
+        own.descends = 0
         return 0.0
     grade = saves(unit.position_m, own.coast_to_m, own.energy_m)
-    speed, target = speed_off(own, cue, unit, train, behaviour, path, 0.0)
-    if speed > target + own.allowed_mps:
-        return 0.0
     if grade < 0.5:
         own.coasts = 0
-    return grade
+    speed, target = speed_off(own, cue, unit, train, behaviour, path, 0.0)
+    own.descends = 1 if speed > target + (0.5 - own.descends) * 2.0 * own.allowed_mps else 0
+    return 0.0 if own.descends == 1 else grade
 
 
 @compiled
