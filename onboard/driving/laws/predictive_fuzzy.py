@@ -46,13 +46,14 @@ def predictive_fuzzy(
         unit.stop_limit_m - unit.position_m - unit.bound_ahead_m,
         LIMIT_MARGIN_M,
     )
+    due_m = max(unit.mark_m, unit.target_stop_m)  # a stop limit may still lie before it
     if unit.cruise_mps != own.cruise_mps:
         own.cruise_mps = unit.cruise_mps
-        own.hold_mps = hold_mps(own, cue, unit, train, mark_m)
+        own.hold_mps = hold_mps(own, cue, unit, train, due_m)
     cue.ceiling_mps = own.hold_mps
     if unit.train_mps <= 0.0 and (mark_m - unit.position_m < AT_MARK_M or unit.braking_to_stop == 1):
         return -behaviour.standing_brake_notch
-    look_ahead(own, cue, unit, train, behaviour, path, mark_m)
+    look_ahead(own, cue, unit, train, behaviour, path, due_m)
     notch_at_most = train.power_notches
     if np.isfinite(mark_m):
         notch_at_most = choose_at_station(own, cue, unit, train, behaviour, path, mark_m)
