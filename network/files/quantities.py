@@ -89,6 +89,18 @@ LAG: Final = Quantity(
 )
 EFFICIENCY: Final = Quantity("efficiency", "", ((0.05, 1.0),), "least: a steam locomotive, 5 to 10 %")
 EFFICIENCY_OR_0: Final = Quantity("efficiency of regeneration", "", ((0.0, 1.0),), "0: nothing is given back")
+MOTOR_LOSS: Final = Quantity(
+    "loss of a motor and its inverter",
+    "kW",
+    ((0.0, 300.0),),
+    "less than none would be more than 100 %; greatest assumed: a fifth of the largest motors, about 1.6 MW",
+)
+GEAR_LOSS: Final = Quantity(
+    "loss of a gear",
+    "",
+    ((0.0, 0.1),),
+    "assumed: share of what it passes on; a stage of spur gears loses 1 to 3 %",
+)
 ADHESION: Final = Quantity(
     "adhesion coefficient",
     "",
@@ -224,7 +236,6 @@ WHEEL_FACTOR: Final = Quantity(
     "factor of a wheel", "", ((0.9, 1.1),), "a new wheel of 860 mm against one worn to 780 mm, either way"
 )
 SLOWNESS: Final = Quantity("factor of a throw", "", ((1.0, 100.0),), "assumed: a hundred times as slow")
-SPEED_FACTOR: Final = Quantity("factor on a speed", "", ((1.0, 10.0),), "assumed: more holds nothing back")
 READING_FACTOR: Final = Quantity("factor of a reading", "", ((0.0, 10.0),), "assumed: ten times too much")
 BIT_ERROR_FACTOR: Final = Quantity(
     "factor of bit errors", "", ((0.0, 10_000.0),), "assumed: from Sugiyama, table 7, to nearly every bit"
@@ -263,6 +274,8 @@ DeadTime = Annotated[float, DEAD_TIME]
 Lag = Annotated[float, LAG]
 Efficiency = Annotated[float, EFFICIENCY]
 EfficiencyOr0 = Annotated[float, EFFICIENCY_OR_0]
+MotorLossW = Annotated[float, MOTOR_LOSS.in_unit("W", 1e3)]
+GearLoss = Annotated[float, GEAR_LOSS]
 Adhesion = Annotated[float, ADHESION]
 AdhesionSlope = Annotated[float, ADHESION_SLOPE]
 WheelDiameterM = Annotated[float, WHEEL_DIAMETER.in_unit("m", 1.0, 1e3)]
@@ -312,7 +325,6 @@ Sigma = Annotated[float, SIGMA]
 BrakeFactor = Annotated[float, BRAKE_FACTOR]
 WheelFactor = Annotated[float, WHEEL_FACTOR]
 Slowness = Annotated[float, SLOWNESS]
-SpeedFactor = Annotated[float, SPEED_FACTOR]
 ReadingFactor = Annotated[float, READING_FACTOR]
 BitErrorFactor = Annotated[float, BIT_ERROR_FACTOR]
 Stretch = Annotated[float, STRETCH]
