@@ -1,10 +1,11 @@
 """Drivers on one hop in the same time: how much their energy scatters, and by how much their habits have to.
 
-Oda's first chapter: over the same hop in the same running time the energy of drivers differs by about +-20 % (Iseki), and
-by 20 % in other data (Yokota). Taken here as: 19 of 20 drivers are within 20 % of the mean, so one standard deviation
-is 10 %; of traction energy, on the nominal hop of Yasunobu and others (table 1's train, 1,000 m of level track) in 90 s,
-the middle of its running times. The habits' deviations relative to one another are assumed; all are multiplied by one
-factor, found by `python -m study.papers.driver_scatter`, and the product is what `[law.driver]` has as defaults.
+Oda's first chapter: over the same hop in the same running time the energy of drivers differs by about +-20 % (Iseki),
+and by 20 % in other data (Yokota). Taken here as: 19 of 20 drivers are within 20 % of the mean, so one standard
+deviation is 10 %; of traction energy, on the nominal hop of Yasunobu and others (table 1's train, 1,000 m of level
+track) in 90 s, the middle of its running times. The habits' deviations relative to one another are assumed; all are
+multiplied by one factor, found by `python -m study.papers.driver_scatter` and rounded to a tenth: DEFAULT_FACTOR, with
+which `[law.driver]` has its defaults.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ PROPORTIONS: Final = Driver(
     under_sigma_mps=0.3,
     brake_share_sigma=0.2,
 )
+DEFAULT_FACTOR: Final = 0.4
 SIGMAS: Final = tuple(name for name in Driver.model_fields if "_sigma" in name)
 
 
@@ -97,7 +99,9 @@ def main() -> None:
     """Print the factor and what comes of it."""
     factor = calibrated()
     found = scatter(widened(factor))
-    sys.stdout.write(f"factor {factor:.2f}: sigma {found.sigma_share:.1%}, half range {found.half_range_share:.1%}\n")
+    sys.stdout.write(
+        f"factor {factor:.2f}: sigma {found.sigma_share:.1%}, half range {found.half_range_share:.1%}\n"
+    )
     sys.stdout.write(f"mean {found.energies_kwh.mean():.2f} kWh, {found.late} drivers who are late\n")
     for name in SIGMAS:
         sys.stdout.write(f"{name} = {getattr(widened(factor), name):.3f}\n")
