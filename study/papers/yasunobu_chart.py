@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from study.papers.single_stop import Rows
@@ -45,6 +46,7 @@ def draw_energy(curves: Mapping[str, Mapping[str, Curve]]) -> Figure:
             )
         panel.set_title(gradient)
         panel.set_xlabel("running time, s")
+        panel.xaxis.set_major_locator(MultipleLocator(5.0))
         panel.grid(visible=True)
     panels[0].set_ylabel("traction energy at the wire, kWh")
     panels[0].set_ylim(bottom=0.0)
