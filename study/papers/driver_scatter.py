@@ -11,6 +11,7 @@ which `[law.driver]` has its defaults.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -76,11 +77,15 @@ def scatter(
     over = one_gradient(HOP_M) if way is None else way
     made: list[Timed] = []
     for number in range(drivers):
-        chance = generator(seed, "driver", str(number))
-        bench = paper_bench("driver", tables, lambda _law, _field, draw=chance: float(draw.normal()))
-        made.append(HopBench(bench, over).timed(time_s))
+        made.append(HopBench(paper_bench("driver", tables, draws(seed, number)), over).timed(time_s))
     punctual = tuple(hop for hop in made if abs(hop.off_s) <= PUNCTUAL_S)
     return Scatter(punctual, drivers - len(punctual))
+
+
+def draws(seed: int, number: int) -> Callable[[str, str], float]:
+    """What one driver's habits are drawn from."""
+    chance = generator(seed, "driver", str(number))
+    return lambda _law, _field: float(chance.normal())
 
 
 def calibrated(drivers: int = DRIVERS, seed: int = 1) -> float:

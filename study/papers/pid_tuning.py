@@ -20,7 +20,8 @@ import numpy as np
 
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
-from study.papers.single_hop import HOP_STEPS_MAX, HopBench, Rows, new_hops
+from study.papers.single_hop import HOP_STEPS_MAX, HopBench, new_hops
+from study.papers.single_stop import Rows
 from study.papers.yasunobu_train import HOP_M, ORDERS_S, paper_hops
 
 GAINS_PER_S: Final = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8)

@@ -23,7 +23,8 @@ from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.plan import Laid
 from study.papers.parameter_sets import TABLE_1
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
-from study.papers.single_hop import HopBench, Rows, Timed, own_plan
+from study.papers.single_hop import HopBench, Timed, own_plan
+from study.papers.single_stop import Rows
 from study.papers.yasunobu_chart import Curve, write_energy, write_running_curves
 from study.papers.yasunobu_train import (
     GRADIENTS_PERMILLE,

@@ -1,10 +1,10 @@
 """Drive as people do: each driver by habits of his own, drawn once for each stock (運転士ごとのばらつき).
 
-A driver powers up to a little above the speed that the time asks for, lets the train run down to a little under it, shuts
-off for good some time before the brake, and brakes from afar as softly as he likes it; he looks up every so often, and
-who sees that he will be late gives up coasting and runs by the limit. The last metres are TASC's. How much drivers
-differ is set so that the energy of the same hop in the same time scatters as Oda's first chapter says
-(`study.papers.driver_scatter`); the habits themselves are assumed.
+A driver powers up to a little above the speed that the time asks for, lets the train run down to a little under it,
+shuts off for good some time before the brake, and brakes from afar as softly as he likes it. He looks up every so
+often, and who sees that he will be late gives up coasting and runs as fast as his time then asks for. The last metres
+are TASC's. How much drivers differ is set so that the energy of the same hop in the same time scatters as Oda's first
+chapter says (`study.papers.driver_scatter`); the habits themselves are assumed.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ class Driver(Record):
     look_sigma_s: Annotated[Reaction, about("among drivers", SPREAD)] = 0.12
     under_mps: Annotated[SpeedMarginMps, about("kept from the limit", "assumed: 2 km/h")] = 2.0 / 3.6
     under_sigma_mps: Annotated[SpeedMarginMps, about("among drivers", SPREAD)] = 0.12
-    brake_share: Annotated[
-        ShareAbove0, about("of the stop pattern's deceleration, from afar", "assumed")
-    ] = 0.85
+    brake_share: Annotated[ShareAbove0, about("of the stop pattern's deceleration, from afar", "assumed")] = (
+        0.85
+    )
     brake_share_sigma: Annotated[Share, about("among drivers", SPREAD)] = 0.08
 
 
