@@ -20,7 +20,7 @@ from network.model import Line
 from onboard import notes
 from onboard.ability import Ability, Means, Way
 from onboard.authority.coverage import covered_at, next_coverage_m
-from onboard.driving.laws.table import LawsRow
+from onboard.driving.laws.table import LawsRow, told_of_run
 from onboard.driving.pace import Pace
 from onboard.driving.planner.plan import Laid
 from onboard.driving.stop_keeper import StopKeeper
@@ -121,6 +121,7 @@ class Motion:
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
         self._off_plan = False
+        self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws)
         self._stood_m: float | None = (
             None  # what the tachometer showed when it last came to a stand, if it stands
@@ -335,6 +336,9 @@ class Motion:
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
             return [Stopped(How.SHORT, away_m)]
+        run = None if self._laws is None else told_of_run(self._laws)
+        if run is not None:
+            self.notes.append(run)
         learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
         if learned is not None:
             self.notes.append(learned)
