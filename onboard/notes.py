@@ -102,6 +102,13 @@ class RuleWon(msgspec.Struct, frozen=True, kw_only=True):
     notch: float
 
 
+class RuleHeld(msgspec.Struct, frozen=True, kw_only=True):
+    """For how long in all a rule has won."""
+
+    rule: str
+    held_s: float
+
+
 class DrivenByRules(Noted, frozen=True, kw_only=True, tag="driven_by_rules"):
     """How the run that has just ended was driven: seconds under each rule, notch changes, and which rule won when.
 
@@ -109,7 +116,7 @@ class DrivenByRules(Noted, frozen=True, kw_only=True, tag="driven_by_rules"):
     """
 
     law: str
-    rule_s: dict[str, float]
+    held: tuple[RuleHeld, ...]
     notch_changes: int
     changes: int
     won: tuple[RuleWon, ...]

@@ -42,14 +42,12 @@ CHANGES_SHARE: Final = 0.5
 TAKEN_AWAY: Final[Mapping[str, PredictiveFuzzy]] = {
     "its estimate of the brake": PredictiveFuzzy(estimates=False),
     "rule T-1": PredictiveFuzzy(t_1=False),
-    "rule T-2.2": PredictiveFuzzy(t_2_2=False),
-    "rule T-3": PredictiveFuzzy(t_3=False),
 }
 OTHER_PIDS: Final[Mapping[str, Pid]] = {
     "without its integral": Pid(integral_gain_per_s2=0.0),
     "in proportion alone": Pid(integral_gain_per_s2=0.0, derivative_gain=0.0),
-    "in proportion alone, at half the gain": Pid(
-        gain_per_s=Pid().gain_per_s / 2.0, integral_gain_per_s2=0.0, derivative_gain=0.0
+    "in proportion alone, at a third of the gain": Pid(
+        gain_per_s=Pid().gain_per_s / 3.0, integral_gain_per_s2=0.0, derivative_gain=0.0
     ),
 }
 
@@ -83,6 +81,11 @@ def drop_miss_m(law: str, law_settings: Record | None = None) -> float:
     return drop_misses_m(law, law_settings)[ORDERS_S.index(NOMINAL_S)]
 
 
+def worst_drop_miss_m(law_settings: Record | None = None) -> float:
+    """The greatest miss of the fuzzy law in any of the five orders."""
+    return max(drop_misses_m(FUZZY, law_settings), key=abs)
+
+
 def scattered_hops(seed: int, count: int) -> Rows:
     """Hops in 85 s whose brake and gradient are drawn, each for itself; rows of HOP."""
     hops = new_hops([NOMINAL_S] * count)
@@ -111,18 +114,18 @@ def scattered(law: str, hops: Rows, law_settings: Record | None = None) -> Scatt
 
 def drop_rows() -> tuple[Row, ...]:
     """Figure 10."""
-    fuzzy_m, pid_m = drop_miss_m(FUZZY), drop_miss_m(PID)
+    fuzzy_m, pid_m = worst_drop_miss_m(), drop_miss_m(PID)
     least_m, most_m = PID_MISSES_M
     return (
         Row(
-            "descent before the mark, fuzzy, m past it",
+            "descent before the mark, fuzzy, worst of five orders, m past it",
             "copes (6.2)",
             round(fuzzy_m, 3),
             abs(fuzzy_m) <= FUZZY_MISS_M,
             f"within {FUZZY_MISS_M} m",
         ),
         Row(
-            "descent before the mark, PID, m past it",
+            "descent before the mark, PID in 85 s, m past it",
             PAPERS_MISS_M,
             round(pid_m, 3),
             least_m <= abs(pid_m) <= most_m,
@@ -181,19 +184,23 @@ def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[Figure, ...]:
         for figure in (
             _figure(f"fuzzy without {name}", scattered(FUZZY, hops, settings(fuzzy=own))),
             Figure(
-                f"descent before the mark, fuzzy without {name}, m past it",
-                round(drop_miss_m(FUZZY, settings(fuzzy=own)), 3),
+                f"descent before the mark, fuzzy without {name}, worst of five orders, m past it",
+                round(worst_drop_miss_m(settings(fuzzy=own)), 3),
                 "what the whole law's figure owes to it",
             ),
         )
     )
     others = tuple(
-        Figure(
-            f"descent before the mark, PID {name}, m past it",
-            round(drop_miss_m(PID, settings(pid=own)), 3),
-            f"the paper's is {PAPERS_MISS_M} m off; its gains are not printed",
-        )
+        figure
         for name, own in OTHER_PIDS.items()
+        for figure in (
+            _figure(f"PID {name}", scattered(PID, hops, settings(pid=own))),
+            Figure(
+                f"descent before the mark, PID {name}, m past it",
+                round(drop_miss_m(PID, settings(pid=own)), 3),
+                f"the paper's is {PAPERS_MISS_M} m off; its gains are not printed",
+            ),
+        )
     )
     orders = ", ".join(f"{order_s:g}" for order_s in ORDERS_S)
     misses = tuple(
@@ -251,8 +258,10 @@ def reproduce(options: Options) -> Reproduction:
         "X_s grows with the way left: a prediction that a later change of one notch can still mend is a good one.",
         "R is RT stays once the stop has begun, and T-2.2 is for a brake that is not yet on: read to the letter, it "
         "would take every stop back to the first notch.",
-        "The PID's gains were fixed on the nominal case before (study.papers.pid_tuning); one that copes with the "
-        "descent misses the row that expects the paper's error of it.",
+        "The PID's gains were fixed on the nominal case before (study.papers.pid_tuning). Where it copes with the "
+        "descent and with scattered brakes, the rows that expect the paper's error of it, and three times the spread "
+        "of fuzzy, are missed: it changes its notch twice a second with exact sensors until the train stands, while "
+        "fuzzy leaves what X_s allows. What a softer PID makes is told below.",
         "Both laws run through the kernel's step, as on the line; sensors are exact.",
         *(("A short slice: fewer stops, nothing of what is told and not judged.",) if options.quick else ()),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, PredictiveFuzzyRow, Premise, Rule
-from onboard.notes import DrivenByRules, RuleWon
+from onboard.notes import DrivenByRules, RuleHeld, RuleWon
 
 LAW: Final = "predictive_fuzzy"
 
@@ -23,7 +23,11 @@ def told(own: PredictiveFuzzyRow) -> DrivenByRules | None:
     kept = range(min(int(own.changes), KEPT_CHANGES))
     return DrivenByRules(
         law=LAW,
-        rule_s={word(rule): round(float(own.rule_s[rule]), 1) for rule in Rule if own.rule_s[rule] > 0.0},
+        held=tuple(
+            RuleHeld(rule=word(rule), held_s=round(float(own.rule_s[rule]), 1))
+            for rule in Rule
+            if own.rule_s[rule] > 0.0
+        ),
         notch_changes=int(own.notch_changes),
         changes=int(own.changes),
         won=tuple(_won(own, at) for at in kept),

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from onboard.driving.ahead import LOOK_AHEAD_S
+from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum import Course, Optimum, Profile, least_energy, least_time
 from vehicle.records import TrainRow
