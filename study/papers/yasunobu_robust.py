@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -214,20 +214,19 @@ def figures(hops: Rows, fuzzy: Scattered, pid: Scattered) -> tuple[Figure, ...]:
     return (_figure("fuzzy", fuzzy), _figure("PID", pid), *misses, *taken, *others)
 
 
+def _set_to(law: str, given: Record) -> tuple[Parameter, ...]:
+    """A law's settings, with what the file format says of their origin, or of their meaning."""
+    found: list[Parameter] = []
+    for key, field in type(given).model_fields.items():
+        extra = cast("dict[str, str]", field.json_schema_extra or {})
+        origin = extra.get("origin") or str(field.description)
+        found.append(Parameter(f"law.{law}.{key}", getattr(given, key), "", origin))
+    return tuple(found)
+
+
 def parameters(options: Options, stops: int) -> tuple[Parameter, ...]:
     """What the paper leaves open, with both laws' settings."""
-    own = PredictiveFuzzy()
-    laws = tuple(
-        Parameter(
-            f"law.{law}.{key}",
-            getattr(given, key),
-            "",
-            str((field.json_schema_extra or {}).get("origin") or field.description),
-        )
-        for law, given in ((FUZZY, own), (PID, Pid()))
-        for key, field in type(given).model_fields.items()
-        if isinstance(field.json_schema_extra, dict) or field.json_schema_extra is None
-    )
+    laws = (*_set_to(FUZZY, PredictiveFuzzy()), *_set_to(PID, Pid()))
     return (
         *TABLE_1.parameters(),
         Parameter("descent", DROP_PERMILLE, "permille", "6.1; the unit's map is level"),

@@ -154,6 +154,7 @@ class PredictiveFuzzyRow(Protocol):
     t_2_2: int
     t_3: int
     # model of the train: what has been commanded, what that has built up
+    awake: Annotated[int, "0: never asked yet"]
     last_s: Annotated[float, "time of the last tick"]
     head: int
     notches: Annotated[list[float], RING, "commands, one a step"]

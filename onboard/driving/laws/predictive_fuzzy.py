@@ -71,7 +71,8 @@ def predictive_fuzzy(
 @compiled
 def attend(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow) -> None:
     """Take up what was given in the last tick: the model one step on, and when a notch last changed."""
-    if not 0.0 < cue.now_s - own.last_s < GAP_S:
+    if own.awake == 0 or not 0.0 < cue.now_s - own.last_s < GAP_S:
+        own.awake = 1
         forget(own, cue, unit, train)
         forget_hop(own)
         own.coasts = own.stops = 0

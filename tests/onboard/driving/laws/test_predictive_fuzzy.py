@@ -133,11 +133,13 @@ def test_without_t_2_1_the_first_brake_is_on_as_soon_as_its_zone_begins(drive: D
 
 
 def test_c_1_brakes_half_way_where_the_speed_is_no_longer_permitted(drive: Drive) -> None:
-    """Without C-2 to C-5 nothing else would brake for a limit; the brake outside is then the curve's."""
+    """With T_s of 8 s danger comes before the other rules see the lower limit, 4 s ahead."""
     way = Way(1500.0, limits_mps=((0.0, 22.0), (700.0, 8.0)))
-    hop = drive(way, np.inf, c_4=False, c_5=False)
+    hop = drive(way, np.inf, safe_s=8.0, c_5=False)
     assert hop.seconds(Rule.C_1) > 0.0
-    assert drive(way, np.inf, c_1=False, c_4=False, c_5=False).seconds(Rule.C_1) == 0.0
+    at = hop.won().index(Rule.C_1)
+    assert hop.own.changed_notch[at] == half_way(row_of("hitachi_train"), 7.0)
+    assert drive(way, np.inf, safe_s=8.0, c_1=False, c_5=False).seconds(Rule.C_1) == 0.0
 
 
 def test_what_the_brake_gives_is_estimated_where_a_notch_is_kept(drive: Drive) -> None:
