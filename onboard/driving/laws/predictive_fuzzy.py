@@ -50,10 +50,10 @@ def predictive_fuzzy(
     if unit.cruise_mps != own.cruise_mps:
         own.cruise_mps = unit.cruise_mps
         own.hold_mps = hold_mps(own, cue, unit, train, due_m)
-    cue.ceiling_mps = own.hold_mps
     if unit.train_mps <= 0.0 and (mark_m - unit.position_m < AT_MARK_M or unit.braking_to_stop == 1):
         return -behaviour.standing_brake_notch
     look_ahead(own, cue, unit, train, behaviour, path, due_m)
+    cue.ceiling_mps = own.hold_mps if own.coasts == 0 else np.inf
     notch_at_most = train.power_notches
     if np.isfinite(mark_m):
         notch_at_most = choose_at_station(own, cue, unit, train, behaviour, path, mark_m)

@@ -54,7 +54,9 @@ def test_without_its_estimate_it_does_not_cope() -> None:
     own = robust.settings(fuzzy=PredictiveFuzzy(estimates=False))
     assert abs(robust.worst_drop_miss_m(own)) > robust.FUZZY_MISS_M
     hops = robust.scattered_hops(1, robust.STOPS_QUICK)
-    assert robust.scattered(robust.FUZZY, hops, own).sigma_m > 3.0 * robust.scattered(robust.FUZZY, hops).sigma_m
+    assert (
+        robust.scattered(robust.FUZZY, hops, own).sigma_m > 3.0 * robust.scattered(robust.FUZZY, hops).sigma_m
+    )
 
 
 def test_without_t_1_it_changes_notches_more_often_than_the_pid() -> None:
