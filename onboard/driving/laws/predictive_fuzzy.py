@@ -57,6 +57,8 @@ def predictive_fuzzy(
     notch_at_most = train.power_notches
     if np.isfinite(mark_m):
         notch_at_most = choose_at_station(own, cue, unit, train, behaviour, path, mark_m)
+    else:
+        own.stops = 0
     station = (own.best_rule, own.best_notch, own.best_grade, own.best_premise)
     others = (own.second_rule, own.second_grade)
     choose_between(own, cue, unit, train, behaviour, path)
