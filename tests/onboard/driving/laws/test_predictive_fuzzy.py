@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from onboard.driving.laws.fuzzy_choice import changed_by, half_way, steps_of
 from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, PredictiveFuzzy, Rule
+from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.settings import LawTables
 from simulation.settings import Driving
 from study.papers.parameter_sets import LINE, TABLE_1
@@ -91,6 +93,22 @@ def test_the_account_of_a_hop_agrees_with_its_trace(drive: Drive) -> None:
         assert 0.0 < hop.own.changed_grade[at] <= 1.0
         assert hop.own.changed_over_grade[at] <= hop.own.changed_grade[at]
     assert list(hop.own.changed_at_s[:kept]) == sorted(hop.own.changed_at_s[:kept])
+
+
+def test_the_journal_tells_which_rule_won_and_why(drive: Drive) -> None:
+    hop = drive()
+    note = told(hop.own)
+    assert note is not None
+    assert note.law == "predictive_fuzzy"
+    assert {held.rule for held in note.held} >= {"C-2", "C-3", "T-1", "T-2.2", "T-3"}
+    assert sum(held.held_s for held in note.held) == pytest.approx(sum(hop.own.rule_s), abs=0.5)
+    first = note.won[0]
+    assert (first.rule, first.grade, first.notch) == ("C-3", 1.0, 7.0)
+    begins = next(won for won in note.won if won.rule == "T-2.2")
+    assert (begins.premise, begins.notch) == ("running time", -1.0)
+    assert all(after.rule != before.rule for before, after in pairwise(note.won))
+    hop.own.changes = 0
+    assert told(hop.own) is None
 
 
 def test_without_c_2_it_holds_its_cruise_and_costs_more(drive: Drive) -> None:
