@@ -15,8 +15,9 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
-from study.plot import days, energy, stations
+from study.plot import battery, days, energy, stations
 from study.plot.choice import Seen
+from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import draw_run_curve
@@ -156,11 +157,27 @@ _KINDS: Final = (
         _TRAIN,
     ),
     Kind(
+        "energy-parts",
+        "Where the energy of each leg went",
+        "区間別電力量の内訳",
+        lambda run: run.shown(run.tables.energy_legs),
+        draw_energy_parts,
+        _TRAIN,
+    ),
+    Kind(
         "energy-hour",
         "Energy by hour",
         "時間帯別電力量",
         energy.energy_hours_table,
         energy.draw_energy_hours,
+        _TIME,
+    ),
+    Kind(
+        "battery",
+        "State of charge of each set",
+        "編成別の充電状態",
+        battery.battery_table,
+        battery.draw_battery,
         _TIME,
     ),
     Kind(

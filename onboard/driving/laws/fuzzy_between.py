@@ -69,7 +69,8 @@ def target_mps(
     here = pattern_mps(unit, behaviour, path, position_m)
     ahead = pattern_mps(unit, behaviour, path, position_m + max(speed_mps * LOOK_AHEAD_S, 1.0))
     limit = min(here, ahead, cue.limit_mps)
-    return max(min(limit - own.target_margin_mps, own.hold_mps), LEAST_TARGET_MPS)
+    held = own.hold_mps if own.coasts == 0 else np.inf  # what a descent gives a coasting train costs nothing
+    return max(min(limit - own.target_margin_mps, held), LEAST_TARGET_MPS)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""How a rule wins (Yasunobu and others, 2.2): the least grade of its premises is its own, the greatest of all rules counts."""
+"""How a rule wins (Yasunobu and others, 2.2): the least grade of its premises is its own, the greatest one counts."""
 
 from __future__ import annotations
 

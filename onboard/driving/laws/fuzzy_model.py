@@ -169,7 +169,7 @@ def stops_at_m(
     The paper's -v^2 / 2A is what is left once the command has built up; gradient and resistance are those of the
     way there, at its beginning, middle and end.
     """
-    speed, position, brake = run_on(own, cue, unit, train, path, notch, TRANSIENT_STEPS, True)
+    speed, position, _ = run_on(own, cue, unit, train, path, notch, TRANSIENT_STEPS, True)
     if speed <= 0.0:
         return position
     energy = speed * speed / 2.0

@@ -1,4 +1,4 @@
-"""What the predictive fuzzy law is set to (`[law.predictive_fuzzy]`) and what it keeps: its rules and how they fared."""
+"""What the predictive fuzzy law is set to (`[law.predictive_fuzzy]`) and what it keeps: model, rules, account."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ class PredictiveFuzzy(Record):
     """`[law.predictive_fuzzy]`: constants of the fuzzy sets, none of which the paper gives, and its rules by name."""
 
     safe_s: Annotated[
-        Wait, about("T_s: danger begins this long before the speed is no longer permitted", "assumed: a second")
+        Wait,
+        about("T_s: danger begins this long before the speed is no longer permitted", "assumed: a second"),
     ] = 1.0
     half_comfort_s: Annotated[
         Share,
@@ -92,7 +93,9 @@ class PredictiveFuzzy(Record):
     ] = 0.1
     foresight_s: Annotated[
         Reaction,
-        about("speeds are predicted this far ahead", "assumed: machinery answers within one, and three to act"),
+        about(
+            "speeds are predicted this far ahead", "assumed: machinery answers within one, and three to act"
+        ),
     ] = 4.0
     coast_share: Annotated[
         ShareAbove0,
@@ -113,7 +116,9 @@ class PredictiveFuzzy(Record):
         Wait, about("time constant of that estimate", "assumed: as long as the brake takes to answer")
     ] = 1.0
     c_1: Annotated[bool, about("rule C-1: half-way to the strongest brake before a limit is passed")] = True
-    c_2: Annotated[bool, about("rule C-2: coast where that keeps the time; without it, hold the cruise")] = True
+    c_2: Annotated[bool, about("rule C-2: coast where that keeps the time; without it, hold the cruise")] = (
+        True
+    )
     c_3: Annotated[bool, about("rule C-3: full power far below the target speed")] = True
     c_4: Annotated[bool, about("rule C-4: keep a notch that keeps the speed")] = True
     c_5: Annotated[bool, about("rule C-5: change to the notch that keeps the speed exactly")] = True
@@ -149,6 +154,7 @@ class PredictiveFuzzyRow(Protocol):
     t_2_2: int
     t_3: int
     # model of the train: what has been commanded, what that has built up
+    awake: Annotated[int, "0: never asked yet"]
     last_s: Annotated[float, "time of the last tick"]
     head: int
     notches: Annotated[list[float], RING, "commands, one a step"]

@@ -78,9 +78,7 @@ def saves(position_m: float, coast_to_m: float, energy_m: float) -> float:
 @compiled
 def runs_well(predicted_mps: float, target_mps: float, allowed_mps: float) -> float:
     """TG, うまく走行する: within what is allowed about the target."""
-    return peaked(
-        predicted_mps, target_mps - allowed_mps, allowed_mps, target_mps + allowed_mps, allowed_mps
-    )
+    return peaked(predicted_mps, target_mps - allowed_mps, allowed_mps, target_mps + allowed_mps, allowed_mps)
 
 
 @compiled

@@ -50,13 +50,15 @@ def predictive_fuzzy(
     if unit.cruise_mps != own.cruise_mps:
         own.cruise_mps = unit.cruise_mps
         own.hold_mps = hold_mps(own, cue, unit, train, due_m)
-    cue.ceiling_mps = own.hold_mps
     if unit.train_mps <= 0.0 and (mark_m - unit.position_m < AT_MARK_M or unit.braking_to_stop == 1):
         return -behaviour.standing_brake_notch
     look_ahead(own, cue, unit, train, behaviour, path, due_m)
+    cue.ceiling_mps = own.hold_mps if own.coasts == 0 else np.inf
     notch_at_most = train.power_notches
     if np.isfinite(mark_m):
         notch_at_most = choose_at_station(own, cue, unit, train, behaviour, path, mark_m)
+    else:
+        own.stops = 0
     station = (own.best_rule, own.best_notch, own.best_grade, own.best_premise)
     others = (own.second_rule, own.second_grade)
     choose_between(own, cue, unit, train, behaviour, path)
@@ -71,7 +73,8 @@ def predictive_fuzzy(
 @compiled
 def attend(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow) -> None:
     """Take up what was given in the last tick: the model one step on, and when a notch last changed."""
-    if not 0.0 < cue.now_s - own.last_s < GAP_S:
+    if own.awake == 0 or not 0.0 < cue.now_s - own.last_s < GAP_S:
+        own.awake = 1
         forget(own, cue, unit, train)
         forget_hop(own)
         own.coasts = own.stops = 0
