@@ -114,7 +114,7 @@ def driver(
         own.hurries = 1
     elif own.late_s <= 0.0:
         own.hurries = 0
-    cue.ceiling_mps = wanted_mps + swing_mps if own.late_s < -OFF_TIME_S else limit_mps
+    cue.ceiling_mps = unit.cruise_mps + swing_mps if own.late_s < -OFF_TIME_S else np.inf
     if own.hurries == 1:
         wanted_mps = min(max(required_mps(cue, left_m, brake_mps2), wanted_mps), limit_mps)
     shut_off_mps = min(wanted_mps + swing_mps, limit_mps)
