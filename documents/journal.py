@@ -46,14 +46,18 @@ def _data(kind: EventType) -> str:
     (schema,), components = msgspec.json.schema_components([kind], ref_template=_REF)
     own = _resolved(schema, components)
     required = set(own["required"])
-    said: list[str] = []
-    for key, value in own["properties"].items():
-        if key == "what":
-            continue
-        unit = UNITS.get(key.rpartition("_")[2]) if "_" in key else None
-        words = " ".join(filter(None, (_type(value, components), unit and f"in {unit}")))
-        said.append(f"`{key}`: {words}" + ("" if key in required else ", optional"))
+    keys = {key: value for key, value in own["properties"].items() if key != "what"}
+    said = (
+        _key(key, value, components) + ("" if key in required else ", optional")
+        for key, value in keys.items()
+    )
     return "; ".join(said)
+
+
+def _key(key: str, value: Mapping[str, Any], components: Mapping[str, Any]) -> str:
+    """A key with its type and unit."""
+    unit = UNITS.get(key.rpartition("_")[2]) if "_" in key else None
+    return f"`{key}`: " + " ".join(filter(None, (_type(value, components), unit and f"in {unit}")))
 
 
 def _resolved(schema: Mapping[str, Any], components: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -69,7 +73,11 @@ def _type(schema: Mapping[str, Any], components: Mapping[str, Any]) -> str:
     if "enum" in schema:
         return "one of " + ", ".join(f'"{value}"' for value in schema["enum"])
     if schema["type"] == "array":
-        return f"list of {_type(schema['items'], components)}s"
+        items = _resolved(schema["items"], components)
+        return f"list of {_type(items, components)}" + ("" if "properties" in items else "s")
+    if "properties" in schema:
+        keys = (_key(key, value, components) for key, value in schema["properties"].items())
+        return "(" + ", ".join(keys) + ")"
     if schema["type"] == "object":
         return f"{_type(schema['additionalProperties'], components)} by name"
     return "null" if schema["type"] == "null" else TYPES[schema["type"]]

@@ -21,7 +21,7 @@ from onboard import notes
 from onboard.ability import Ability, Means, Way
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.charge import ChargeWatch
-from onboard.driving.laws.table import LawsRow
+from onboard.driving.laws.table import LawsRow, told_of_run
 from onboard.driving.pace import Pace
 from onboard.driving.planner.plan import Laid
 from onboard.driving.planner.wish import PLAIN, Planning
@@ -125,6 +125,7 @@ class Motion:
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
         self._off_plan = False
+        self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
         self._stood_m: float | None = (
             None  # what the tachometer showed when it last came to a stand, if it stands
@@ -184,7 +185,7 @@ class Motion:
         row.path_offset, row.path_rows = path.offset, len(path.rows)
         self._pace.take_up(path.rows)
         row.mode = MODE_HOLD
-        row.target_stop_m = row.position_m
+        row.target_stop_m = row.mark_m = row.position_m
         self._expect_tag()
 
     def taken_plan(self) -> Laid | None:
@@ -341,6 +342,9 @@ class Motion:
         elif away_m < -ARRIVED_WITHIN_M:
             row.braking_to_stop = 0
             return [Stopped(How.SHORT, away_m)]
+        run = None if self._laws is None else told_of_run(self._laws)
+        if run is not None:
+            self.notes.append(run)
         learned = self.keeper.stopped(self._train, self._behaviour, self.load_share)
         if learned is not None:
             self.notes.append(learned)
@@ -424,7 +428,7 @@ class Motion:
             marks_m = [t.mark_m for t in mission.targets if t.mark_m > row.position_m + 1.0]
             aim_m = min(marks_m, default=math.inf)
         if aim_m != row.target_stop_m:
-            row.target_stop_m = aim_m
+            row.target_stop_m = row.mark_m = aim_m
             row.braking_to_stop = 0
         may_run = command.drive and row.intervention != EMERGENCY_INTERVENTION
         row.mode = MODE_DRIVE if may_run else MODE_HOLD
@@ -440,7 +444,7 @@ class Motion:
         if Order.DEPART in command.orders:
             row.braking_to_stop = 0
         if Order.DEPART in command.orders or Order.RESUME in command.orders:
-            row.target_stop_m = row.position_m
+            row.target_stop_m = row.mark_m = row.position_m
         if command.target is not None:
             there = mission.targets[command.target]
             anew = self._found or self._off_plan or self._pace.passed_by(there)
@@ -460,4 +464,4 @@ class Motion:
         aim_m = aim_within(mark_m, limit_m, self._parameters.standoff_m)
         if aim_m > row.target_stop_m + 0.01:
             row.braking_to_stop = 0
-        row.target_stop_m = aim_m
+        row.target_stop_m, row.mark_m = aim_m, mark_m

@@ -6,6 +6,8 @@ the world writes. A `station` is a station's id, or a section's where the target
 
 from __future__ import annotations
 
+import msgspec
+
 from network.model import Position, TagPurpose
 from radio.noted import Noted, TelegramDropped, TookEffect
 
@@ -86,6 +88,38 @@ class LearnedFromStop(Noted, frozen=True, kw_only=True, tag="learned"):
     offset_mps2: float | None
     uses_dead_time_s: float
     uses_offset_mps2: float
+
+
+class RuleWon(msgspec.Struct, frozen=True, kw_only=True):
+    """From now on a rule of a driving law won, by its grade, which `premise` made, over the best of the others."""
+
+    t_s: float
+    rule: str
+    grade: float
+    premise: str
+    over: str
+    over_grade: float
+    notch: float
+
+
+class RuleHeld(msgspec.Struct, frozen=True, kw_only=True):
+    """For how long in all a rule has won."""
+
+    rule: str
+    held_s: float
+
+
+class DrivenByRules(Noted, frozen=True, kw_only=True, tag="driven_by_rules"):
+    """How the run that has just ended was driven: seconds under each rule, notch changes, and which rule won when.
+
+    `changes` are those of the winning rule; `won` tells the first of them.
+    """
+
+    law: str
+    held: tuple[RuleHeld, ...]
+    notch_changes: int
+    changes: int
+    won: tuple[RuleWon, ...]
 
 
 class Intervention(Noted, frozen=True, kw_only=True, tag="intervention"):
@@ -310,6 +344,7 @@ Note = (
     | Overran
     | StopImpossible
     | LearnedFromStop
+    | DrivenByRules
     | Intervention
     | VehicleUnfit
     | VehicleFit

@@ -20,7 +20,8 @@ import numpy as np
 
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
-from study.papers.single_hop import HOP_STEPS_MAX, HopBench, Rows, new_hops
+from study.papers.single_hop import HOP_STEPS_MAX, HopBench, new_hops
+from study.papers.single_stop import Rows
 from study.papers.yasunobu_train import HOP_M, ORDERS_S, paper_hops
 
 GAINS_PER_S: Final = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
@@ -65,7 +66,9 @@ def tried(settings: Pid) -> Trial:
     """A setting in the nominal case."""
     bench: HopBench = paper_hops("pid", law_settings=LawTables.model_validate({"pid": settings}))
     pattern_mps2, step_s = float(bench.behaviour.stop_deceleration_mps2), float(bench.behaviour.step_s)
-    itaes, changes, misses = [], 0, []
+    itaes: list[float] = []
+    misses: list[float] = []
+    changes = 0
     for order_s in ORDERS_S:
         outcomes, trace = bench.run(new_hops([order_s]), HOP_STEPS_MAX)
         itaes.append(itae_ms(trace, bench.cruise_mps(order_s), pattern_mps2, step_s))

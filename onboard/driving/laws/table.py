@@ -9,17 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Final, Protocol, cast
+from typing import Annotated, Any, Final, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
+from onboard.driving.laws.driver import DRAWN, Driver, DriverRow, driver
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
+from onboard.driving.laws.fuzzy_records import PredictiveFuzzy, PredictiveFuzzyRow
+from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
 from onboard.driving.laws.optimal import Optimal, OptimalRow, optimal
 from onboard.driving.laws.pid import Pid, PidRow, pid
+from onboard.driving.laws.predictive_fuzzy import predictive_fuzzy
+from onboard.notes import Note
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled_lines
 from vehicle.record import dtype_of
@@ -33,7 +38,8 @@ class Law:
     `settings`: the table of a scenario with its figures, whose keys are fields of the row too. `drawn`: fields of the
     row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
     departure, and anew when the train is off it by more than the setting `replan_after_s`; the setting
-    `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC.
+    `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC. `told`: what it
+    has to tell the journal of the run that has just ended.
     """
 
     function: Callable[..., float]
@@ -42,6 +48,7 @@ class Law:
     drawn: tuple[str, ...] = ()
     plans: bool = False
     stops: bool = False
+    told: Callable[[Any], Note | None] | None = None
 
     @property
     def name(self) -> str:
@@ -54,6 +61,8 @@ LAWS: Final = (
     Law(follow_plan, FollowPlanRow, FollowPlan),
     Law(optimal, OptimalRow, Optimal, plans=True),
     Law(pid, PidRow, Pid, stops=True),
+    Law(driver, DriverRow, Driver, drawn=DRAWN),
+    Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True, told=told),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 
@@ -63,6 +72,12 @@ class LawsRow(Protocol):
 
     number: int
     stops: Annotated[int, "1: this law brings the train to the mark by itself"]
+
+
+def told_of_run(laws: LawsRow) -> Note | None:
+    """What the law that drives has to tell the journal of the run that has just ended."""
+    law = LAWS[laws.number]
+    return None if law.told is None else law.told(getattr(laws, law.name))
 
 
 LawsRow.__annotations__.update({law.name: law.row for law in LAWS})

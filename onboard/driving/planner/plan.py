@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from onboard.driving.ahead import LOOK_AHEAD_S
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
-from onboard.driving.notches import LOOK_AHEAD_S
 from onboard.driving.planner.wish import Style
 from vehicle.optimum import Course, Optimum, Profile
 from vehicle.optimum.coast import coast_on, cruise_on

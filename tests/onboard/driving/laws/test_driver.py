@@ -1,0 +1,79 @@
+"""The law `driver`: habits that are drawn, how they show on a hop, and how much drivers scatter."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from onboard.driving.laws.driver import DRAWN, Driver
+from onboard.driving.laws.settings import LawTables
+from onboard.records import NO_INTERVENTION
+from study.papers.driver_scatter import DEFAULT_FACTOR, SIGMAS, Scatter, scatter, widened
+from study.papers.single_hop import HOP_STEPS_MAX, HopBench, Rows, new_hops, one_gradient
+from study.papers.yasunobu_train import HOP_M, paper_bench
+
+
+def ridden(gradient_permille: float = 0.0, order_s: float = 90.0, **drawn: float) -> tuple[np.void, Rows]:
+    """A hop of a driver whose habits are that many deviations off the mean."""
+    tables = LawTables.model_validate({"driver": widened(1.0)})
+    bench = paper_bench("driver", tables, lambda _law, field: drawn.get(field, 0.0))
+    outcomes, trace = HopBench(bench, one_gradient(HOP_M, gradient_permille)).run(
+        new_hops([order_s]), HOP_STEPS_MAX
+    )
+    return outcomes[0], trace
+
+
+@pytest.fixture(scope="module")
+def forty() -> Scatter:
+    return scatter(Driver(), 40)
+
+
+def test_the_defaults_are_the_calibrated_ones() -> None:
+    for name in SIGMAS:
+        assert getattr(Driver(), name) == pytest.approx(getattr(widened(DEFAULT_FACTOR), name), abs=1e-9)
+
+
+def test_drivers_scatter_by_about_a_tenth_at_equal_punctuality_and_without_spread_not_at_all(
+    forty: Scatter,
+) -> None:
+    assert 0.07 <= forty.sigma_share <= 0.13
+    assert forty.late <= 2
+    assert scatter(widened(0.0), 3).sigma_share == 0.0
+
+
+def test_the_same_seed_draws_the_same_drivers() -> None:
+    first, again, other = (scatter(Driver(), 4, seed).energies_kwh.tolist() for seed in (1, 1, 2))
+    assert first == again
+    assert first != other
+
+
+@pytest.mark.parametrize("gradient_permille", [-10.0, 0.0, 10.0])
+@pytest.mark.parametrize("field", DRAWN)
+@pytest.mark.parametrize("deviations", [-2.0, 2.0])
+def test_whatever_the_habit_the_train_stops_at_the_mark(
+    gradient_permille: float, field: str, deviations: float
+) -> None:
+    outcome, _ = ridden(gradient_permille, 95.0, **{field: deviations})
+    assert abs(outcome["error_m"]) < 0.5
+    assert outcome["intervention"] == NO_INTERVENTION
+
+
+def test_habits_show() -> None:
+    """Power taken hard, coasting begun early, a soft brake: each moves what it is about."""
+    soft, hard = ridden(power_drawn=-2.0)[1], ridden(power_drawn=2.0)[1]
+    assert soft["notch"].max() < hard["notch"].max()
+    early, late = ridden(coast_drawn=1.0)[0], ridden(coast_drawn=-1.5)[0]
+    assert early["energy_traction_j"] <= late["energy_traction_j"]
+    gentle, firm = ridden(brake_drawn=-2.0)[1], ridden(brake_drawn=0.5)[1]
+    begins = [float(trace["position_m"][trace["notch"] < 0.0][0]) for trace in (gentle, firm)]
+    assert begins[0] < begins[1] - 30.0
+
+
+def test_a_driver_who_is_late_takes_power_again() -> None:
+    """His order passes while he runs: with 85 s on a climb, and soft power, he hurries; with 110 s he does not."""
+    hurried, trace = ridden(10.0, 85.0, power_drawn=-2.0)
+    calm, _ = ridden(10.0, 110.0, power_drawn=-2.0)
+    assert hurried["speed_max_mps"] > calm["speed_max_mps"] + 2.0
+    assert hurried["power_changes"] >= 2
+    assert hurried["time_s"] < calm["time_s"]
+    assert trace["speed_mps"].max() <= trace["permitted_mps"].max()
