@@ -31,10 +31,10 @@ SHOWN: Final = ("322M", "TAK")  # the hop of the picture
 PRESENT: Final = LAW_NAMES[0]
 BEST: Final = optimal.__name__
 EARLY_S: Final = 10.0
-WITHIN_S: Final = 1.0
+WITHIN_S: Final = 0.3
 ROOM_S: Final = 15.0
 LATE_S: Final = 1.0
-ROUNDS: Final = 5
+ROUNDS: Final = 6
 MARGIN_MAX_S: Final = 60.0
 DRIVERS_DAYS: Final = 5
 ABOVE_BOUND_PERCENT: Final = 3.0
@@ -125,7 +125,7 @@ def told_of(day: Day) -> dict[str, Any]:
         **figures,
         "early_s": _rounded(day.mean_early_s),
         "early_s_sigma": _rounded(pstdev(early)) if early else None,
-        "hops_late": len(day.late),
+        "late_hops": len(day.late),
         "time_margin_s": _rounded(day.time_margin_s),
         "runs": day.runs,
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -41,12 +41,13 @@ class Driving:
         kwh = f"{hop.running_kwh:.2f}".replace("-", "−")
         return f"{self.label}: {kwh} kWh, {hop.run_s:.0f} s"
 
+    def called(self, label: str) -> Driving:
+        """The same under another name."""
+        return replace(self, label=label)
 
-def driving_of(run: Run, train: str, from_station: str | None, label: str | None = None) -> Driving | None:
-    """The hop of a train that begins at a station, its first one if none is named; None where it did not run it.
 
-    Without a label it goes by its law.
-    """
+def driving_of(run: Run, train: str, from_station: str | None) -> Driving | None:
+    """The hop of a train that begins at a station, its first one if none is named; None where it did not run it."""
     hops = [hop for hop in read_hops(run.tables.driving) if hop.train == train]
     known = [hop for hop in hops if hop.from_station in run.line.stations]
     hop = next((hop for hop in known if from_station in (None, hop.from_station)), None)
@@ -57,7 +58,7 @@ def driving_of(run: Run, train: str, from_station: str | None, label: str | None
     end_s = hop.begin_s + hop.run_s if arrival_s is None else float(arrival_s)
     course = run.courses[hop.unit, train]
     samples = course.filter(pl.col("t_s").is_between(hop.begin_s - 1.0, end_s + 0.05))
-    return Driving(hop.law if label is None else label, hop, samples)
+    return Driving(hop.law, hop, samples)
 
 
 def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
