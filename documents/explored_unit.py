@@ -28,6 +28,7 @@ from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.machine import step
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Span, Stop, Tag
 from onboard.duty.records import (
+    ABLE,
     ASK,
     LEAVE,
     RELEASE,
@@ -57,6 +58,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.shown import command_of
 from onboard.duty.turn import Action, DutyParameters
+from onboard.duty.unable import TooSteep
 
 X: Final = PointsNeeded("PX", Position.NORMAL, "X", "terminal")
 _KINDS: Final = {
@@ -86,6 +88,7 @@ PLANS: Final = (
 )
 _TAGS: Final = ({3: 0, 9: 1}, {6: 0, 9: 1})  # by plan: where a tag lies, and its index
 END: Final = 9
+TOO_STEEP: Final = TooSteep("B", "O", 0.0, 40.0, 1.0, 2.0, 0.0, 0.5)
 
 
 class Run(NamedTuple):
@@ -98,6 +101,7 @@ class Run(NamedTuple):
     known: bool = True
     emergency: bool = False
     read: int = -1  # the last tag
+    unable: bool = False  # to reach the next stop, where it stands at one
 
     @property
     def place(self) -> Place:
@@ -119,6 +123,7 @@ class Run(NamedTuple):
             reach=perhaps,
             near={0: 0, END: 1}.get(self.spot, -1),
             passed=int(self.spot == END and not self.moves),
+            unable=TOO_STEEP if self.unable and self.spot == 0 and not self.moves else None,
         )
 
     @property
@@ -235,6 +240,8 @@ def _movement(run: Run) -> Iterator[_Happening]:
         yield Stopped(How.SHORT, -1.0), run._replace(moves=False, emergency=True)
     if run.moves and tag > run.read:
         yield TagPassed(tag, not run.known), run._replace(known=True, read=tag)
+    if run.known and run.spot == 0 and run.state.phase is Phase.STANDING:
+        yield Looked(), run._replace(unable=not run.unable)  # motors fail, or are there again
     if run.known and on_line:
         yield PositionLost(), run._replace(known=False, emergency=True)
 
@@ -248,6 +255,8 @@ def _time(run: Run) -> Iterator[_Happening]:
         yield TimerDue(LEAVE), run
     if not state.released and not run.moves:
         yield TimerDue(RELEASE), run
+    if state.unable is not None:
+        yield TimerDue(ABLE), run
     yield from ((TimerDue(request.timer), run) for request in state.authority.requests)
     yield from ((TimerDue(command.timer), run) for command in state.authority.commands)
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from network.model import Line
 from onboard import notes
+from onboard.ability import Ability, Means, Way
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.driving.laws.table import LawsRow
 from onboard.driving.pace import Pace
@@ -39,6 +40,7 @@ from onboard.duty.records import (
     TagPassed,
     VehicleChecked,
 )
+from onboard.duty.unable import Unable
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
 from onboard.localisation.sighting import sign
 from onboard.localisation.table import READER_NAMES, READERS_ROW, ReadersRow
@@ -115,6 +117,7 @@ class Motion:
         self._ends_m: list[float] = []
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters)
+        self._ability: Final = Ability()
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
         self._off_plan = False
@@ -203,7 +206,8 @@ class Motion:
         marks_m = [target.mark_m for target in mission.targets]
         # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
         within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
-        near = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
+        nearest = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
+        near = nearest if abs(marks_m[nearest] - position_m) < ARRIVED_WITHIN_M else -1
         return Place(
             known=True,
             covered=covered_at(self._line, mission.path, position_m),
@@ -215,16 +219,23 @@ class Motion:
             clear=bisect_right(self._ends_m, rear_m - self._doubt.release_margin_m(standing=False)),
             clear_at_mark=bisect_right(self._ends_m, rear_m),
             reach=bisect_right(joints_m, position_m + 2.0 * self._parameters.standoff_m),
-            near=near if abs(marks_m[near] - position_m) < ARRIVED_WITHIN_M else -1,
+            near=near,
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
             unfit=self.vehicle.unfit,
+            unable=self._unable(mission, near) if stands and near >= 0 else None,
         )
+
+    def _unable(self, mission: Mission, at: int) -> Unable | None:
+        """Why the train could not reach the next stop if it left the one where it stands now."""
+        way = Way(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
+        return self._ability.why_not(way, Means(self._train, self._behaviour, self.load_share, self.vehicle))
 
     def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
         """What the vehicle shows of itself now."""
-        changed = vehicle.unfit != self.vehicle.unfit
-        self.vehicle = vehicle
-        return [VehicleChecked()] if changed else []
+        before, self.vehicle = self.vehicle, vehicle
+        if vehicle.unfit != before.unfit:
+            return [VehicleChecked()]
+        return [Looked()] if vehicle != before else []
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""

@@ -104,6 +104,19 @@ class VehicleFit(Noted, frozen=True, kw_only=True, tag="vehicle_fit"):
     """The vehicle and its brake are in order again."""
 
 
+class UnableToLeave(Noted, frozen=True, kw_only=True, tag="unable_to_leave"):
+    """By its own prediction the train cannot reach its next stop: it stays, asks for no route, and looks again."""
+
+    station: str
+    why: str
+
+
+class AbleToLeave(Noted, frozen=True, kw_only=True, tag="able_to_leave"):
+    """What kept the train from leaving is over."""
+
+    station: str
+
+
 class EmergencyReleased(Noted, frozen=True, kw_only=True, tag="emergency_released"):
     """The driver has acknowledged an emergency stop."""
 
@@ -300,6 +313,8 @@ Note = (
     | Intervention
     | VehicleUnfit
     | VehicleFit
+    | UnableToLeave
+    | AbleToLeave
     | EmergencyReleased
     | TagRead
     | TagDoubted

@@ -107,9 +107,9 @@ class Cabs:
         self._on_board.clocks[slot] = clock
         self.tell(slot, step)
 
-    def vehicle_shows(self, slot: int, step: int, part: VehiclePart, *, good: bool) -> None:
-        """A part of the vehicle is in order or not: its inputs at the unit change."""
-        self.tell(slot, step, self._on_board.vehicle_shows(slot, part, good=good))
+    def vehicle_shows(self, slot: int, step: int, part: VehiclePart, value: float) -> None:
+        """A part of the vehicle is in order or not, or is there in part: its inputs at the unit change."""
+        self.tell(slot, step, self._on_board.vehicle_shows(slot, part, value))
 
     def freeze(self, slot: int, step: int, *, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up, in its order.

@@ -362,9 +362,9 @@ class Simulation:
         """The clock of an on-board unit is set, or goes wrong."""
         self._cabs.set_clock(self.trains.slot_of[stock_id], self._step, clock)
 
-    def _unit_vehicle(self, stock_id: str, part: VehiclePart, good: bool) -> None:
-        """Doors or brake of a train show another state from now on."""
-        self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, good=good)
+    def _unit_vehicle(self, stock_id: str, part: VehiclePart, value: float) -> None:
+        """Doors, brake or motors of a train show another state from now on."""
+        self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, value)
 
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""

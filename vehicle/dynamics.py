@@ -18,12 +18,13 @@ from vehicle.adhesion import (
 )
 from vehicle.brakes import electric_brake_n, service_target_mps2
 from vehicle.compiled import compiled
+from vehicle.energy import NO_FORCE_SHARE, count_wire, count_work
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.records import COMMAND_DELAY_STEPS_MAX, PlantRow, TrainRow
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
 from vehicle.response import approach, dead_time_steps
+from vehicle.source import brake_within_n, pull_within_n
 from vehicle.traction import full_force_n, motored_grip_n, traction_target_n
-from vehicle.wire import wire_power_w
 
 __all__ = ["equivalent_mass_kg", "step"]
 
@@ -84,12 +85,20 @@ def _pull(plant: PlantRow, train: TrainRow, released_mps3: float, dt_s: float) -
 
 
 @compiled
-def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> tuple[float, float]:
-    """Cap the forces by adhesion, share the brake between motors and air; next slip of first and last axle, m/s."""
+def _grip(plant: PlantRow, train: TrainRow, mass: float, held_n: float, dt_s: float) -> tuple[float, float]:
+    """Cap the forces by adhesion and source, share the brake between motors and air, against what holds the train.
+
+    Returns the next slip of first and last axle, m/s.
+    """
     adhesion = adhesion_coefficient(train, plant.adhesion_factor, plant.speed_mps)
     weight_n = mass * GRAVITY_MPS2 * adhesion
     motored_n = motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
     traction_limit_n = plant.motors_share * motored_n
+    inertia = mass * (1.0 + train.rotating_mass_factor)
+    # What the source does not give is not built up either, so that the force comes back within the limit of jerk.
+    plant.traction_built_n = pull_within_n(
+        plant, train, plant.traction_built_n, held_n, inertia, motored_n, dt_s
+    )
     traction_n = min(plant.traction_built_n, traction_limit_n)
     deceleration = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
     asked_n = deceleration * mass * (1.0 + train.rotating_mass_factor)
@@ -97,11 +106,14 @@ def _grip(plant: PlantRow, train: TrainRow, mass: float, dt_s: float) -> tuple[f
 
     regenerative_n = 0.0
     # The emergency brake is air alone, and the motors do not brake while they still pull.
-    # (A lag dies away and never quite ends: a hundredth of the force counts as none.) In a slide it is cut.
-    released = traction_n <= 0.01 * full_force_n(train, plant.load_share, plant.speed_mps)
+    # In a slide it is cut.
+    released = traction_n <= NO_FORCE_SHARE * full_force_n(train, plant.load_share, plant.speed_mps)
     slides = asked_n > brake_n or plant.wheel_speed_mps < plant.speed_mps
     if plant.emergency_deceleration_mps2 < 1e-3 and released and not slides:
         regenerative_n = electric_brake_n(train, plant.motors_share, brake_n, motored_n, plant.speed_mps)
+        change_mps = (traction_n - brake_n - held_n) / inertia * dt_s
+        middle_mps = plant.speed_mps + 0.5 * max(change_mps, -plant.speed_mps)
+        regenerative_n = brake_within_n(plant, train, regenerative_n, middle_mps, motored_n, dt_s)
     plant.traction_force_n = traction_n
     plant.regenerative_force_n = regenerative_n
     plant.air_force_n = brake_n - regenerative_n
@@ -144,17 +156,19 @@ def step(
     """
     _push(plant, notch, emergency)
     _build_up(plant, train, dt_s)
-    mass = mass_kg(train, plant.load_share)
-    slip, last_slip = _grip(plant, train, mass, dt_s)
+    mass, speed = mass_kg(train, plant.load_share), plant.speed_mps
+    running_n = resistance_n(train, mass, speed)
+    gradient_n = gradient_force_n(mass, mean_gradient_permille)
+    curve_n = curve_resistance_n(train, mass, mean_curvature_per_m)
+    slip, last_slip = _grip(plant, train, mass, running_n + gradient_n + curve_n, dt_s)
 
-    speed = plant.speed_mps
     net_n = (
         plant.traction_force_n
         - plant.regenerative_force_n
         - plant.air_force_n
-        - resistance_n(train, mass, speed)
-        - gradient_force_n(mass, mean_gradient_permille)
-        - curve_resistance_n(train, mass, mean_curvature_per_m)
+        - running_n
+        - gradient_n
+        - curve_n
     )
     speed_after = max(0.0, speed + net_n / (mass * (1.0 + train.rotating_mass_factor)) * dt_s)
     distance = 0.5 * (speed + speed_after) * dt_s
@@ -166,7 +180,6 @@ def step(
     plant.acceleration_mps2 = (speed_after - speed) / dt_s
     plant.speed_mps = speed_after
 
-    mean_mps, share = distance / dt_s, plant.motors_share
-    plant.energy_traction_j += wire_power_w(train, share, plant.traction_force_n, mean_mps) * dt_s
-    plant.energy_regenerated_j -= wire_power_w(train, share, -plant.regenerative_force_n, mean_mps) * dt_s
-    plant.energy_auxiliary_j += train.auxiliary_power_w * dt_s
+    count_wire(plant, train, distance / dt_s, dt_s)
+    kinetic_j = 0.5 * mass * (1.0 + train.rotating_mass_factor) * (speed_after * speed_after - speed * speed)
+    count_work(plant, kinetic_j, running_n, gradient_n, curve_n, distance)

@@ -72,6 +72,19 @@ class TrainRow(Protocol):
     efficiency_traction: float
     efficiency_regeneration: float
     auxiliary_power_w: float
+    # losses of one motor, its inverter and its gear in place of the two efficiencies, see vehicle.losses
+    losses_given: Annotated[float, "1: these hold; 0: the efficiencies above"]
+    loss_base_speed_mps: Annotated[float, "full flux up to it; above, flux falls as 1 / speed"]
+    loss_force_n: Annotated[float, "of one motor, to which copper and inverter losses refer"]
+    loss_standby_w: float
+    loss_magnetising_w: float
+    loss_hysteresis_w: float
+    loss_eddy_w: float
+    loss_inverter_w: float
+    loss_copper_w: float
+    loss_gear_share: float
+    motors_cut_out: Annotated[float, "1: as many motors run as lose least; 0: all in service"]
+    magnetised_coasting: Annotated[float, "1: motors stay magnetised when the train coasts"]
     # limits
     speed_max_mps: float
     adhesion_dry: float
@@ -95,6 +108,10 @@ class PlantRow(Protocol):
     brake_factor: Annotated[float, "real over nominal service brake deceleration"]
     emergency_factor: Annotated[float, "real over nominal emergency brake deceleration"]
     motors_share: Annotated[float, "of the motors in service; 1: all"]
+    source_gives_w: Annotated[float, "what wire or battery can give now, auxiliaries among it; +inf: all"]
+    source_takes_w: Annotated[
+        float, "what it can take back now beside the train's own auxiliaries; +inf: all"
+    ]
     travelled_m: Annotated[float, "distance run since the record was made, by the trapezoid"]
     speed_mps: float
     acceleration_mps2: float
@@ -111,9 +128,18 @@ class PlantRow(Protocol):
     regenerative_force_n: float
     air_force_n: float
     sliding: Annotated[int, "1: adhesion exceeded in this step"]
-    energy_traction_j: Annotated[float, "at the wire"]
-    energy_regenerated_j: float
+    energy_traction_j: Annotated[float, "drawn by motors and inverters, at the wire or battery"]
+    energy_regenerated_j: Annotated[float, "given back there"]
     energy_auxiliary_j: float
+    # where it went: traction - regenerated = kinetic + ... + regeneration_loss, to rounding and the step that stops
+    energy_kinetic_j: Annotated[float, "change of kinetic energy, of what turns too"]
+    energy_resistance_j: Annotated[float, "running and starting resistance"]
+    energy_gradient_j: Annotated[float, "lifted; < 0 downhill"]
+    energy_curve_j: float
+    energy_friction_j: Annotated[float, "taken by the air brake"]
+    energy_traction_loss_j: Annotated[float, "in motors and inverters that pull or coast"]
+    energy_regeneration_loss_j: Annotated[float, "in motors and inverters that brake"]
+    energy_rejected_j: Annotated[float, "could have been given back, but the source did not take it"]
     command_head: Annotated[int, "ring buffers of commands, one entry a step, for the dead times"]
     command_notch: Annotated[list[float], COMMAND_DELAY_STEPS_MAX, "> 0 power, < 0 brake, 0 coast"]
     command_emergency: Annotated[list[int], COMMAND_DELAY_STEPS_MAX]

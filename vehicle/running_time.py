@@ -12,14 +12,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.adhesion import DRY, adhesion_coefficient
+from vehicle.adhesion import DRY
 from vehicle.brakes import electric_brake_n
 from vehicle.compiled import compiled
-from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.mass import equivalent_mass_kg
+from vehicle.pull import full_pull_n, grip_n, held_back_n
 from vehicle.records import TrainRow
-from vehicle.resistance import gradient_force_n, resistance_n
-from vehicle.traction import full_force_n, motored_grip_n
-from vehicle.wire import wire_power_w
+from vehicle.wire import power_at_grip_w
 
 STEPS_MAX: Final = 200_000
 ALL_MOTORS: Final = 1.0
@@ -82,19 +81,6 @@ def _held_mps(
 
 
 @compiled
-def _mean_gradient_permille(elevation_m: NDArray[np.float64], front_m: float, length_m: float) -> float:
-    """Mean gradient below the train, permille; the grid's ends continue level."""
-    top = len(elevation_m) - 1
-    front = min(max(front_m, 0.0), float(top))
-    rear = min(max(front_m - length_m, 0.0), float(top))
-    i = min(int(front), top - 1)
-    j = min(int(rear), top - 1)
-    high: float = elevation_m[i] + (elevation_m[i + 1] - elevation_m[i]) * (front - i)
-    low: float = elevation_m[j] + (elevation_m[j + 1] - elevation_m[j]) * (rear - j)
-    return (high - low) / length_m * 1e3
-
-
-@compiled
 def predicted_run(
     train: TrainRow,
     load_share: float,
@@ -107,6 +93,8 @@ def predicted_run(
     dt_s: float,
     initial_mps: float = 0.0,
     until_m: float = math.inf,
+    motors_share: float = ALL_MOTORS,
+    adhesion_factor: float = DRY,
 ) -> tuple[float, float]:
     """Time (s) and net energy at the wire (J: traction + auxiliary - regenerated) from `start_m` to a stop.
 
@@ -115,9 +103,77 @@ def predicted_run(
     `elevation_m[i]` is the height at metre i counted in the direction of travel, curves included
     (`vehicle.resistance.climb_m`), `limit_mps[i]` the limit for the train's front from metre i to i + 1 (train
     length already folded in); both reach beyond ceil(stop_m), and 0 <= start_m <= stop_m. A train that cannot climb
-    gives an infinite time.
+    gives an infinite time; `furthest_m` says where it stands then.
     """
-    mass = mass_kg(train, load_share)
+    time_s, energy_j, _ = _run(
+        train,
+        load_share,
+        elevation_m,
+        limit_mps,
+        start_m,
+        stop_m,
+        cruise_mps,
+        deceleration_mps2,
+        dt_s,
+        initial_mps,
+        until_m,
+        motors_share,
+        adhesion_factor,
+    )
+    return time_s, energy_j
+
+
+@compiled
+def furthest_m(
+    train: TrainRow,
+    load_share: float,
+    motors_share: float,
+    adhesion_factor: float,
+    elevation_m: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    start_m: float,
+    stop_m: float,
+    deceleration_mps2: float,
+    dt_s: float,
+) -> float:
+    """Where the front of a train comes to a stand that leaves `start_m` at full power: before `stop_m`, it has
+    stalled on a gradient there. Arguments as of `predicted_run`.
+    """
+    time_s, _, reached_m = _run(
+        train,
+        load_share,
+        elevation_m,
+        limit_mps,
+        start_m,
+        stop_m,
+        math.inf,
+        deceleration_mps2,
+        dt_s,
+        0.0,
+        math.inf,
+        motors_share,
+        adhesion_factor,
+    )
+    return stop_m if time_s < math.inf else reached_m
+
+
+@compiled
+def _run(
+    train: TrainRow,
+    load_share: float,
+    elevation_m: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    start_m: float,
+    stop_m: float,
+    cruise_mps: float,
+    deceleration_mps2: float,
+    dt_s: float,
+    initial_mps: float,
+    until_m: float,
+    motors_share: float,
+    adhesion_factor: float,
+) -> tuple[float, float, float]:
+    """Time (s), net energy (J) and where the front is then (m); see `predicted_run`."""
     inertia = equivalent_mass_kg(train, load_share)
     first = math.floor(start_m)
     squared = _pattern_squared(limit_mps, start_m, stop_m, deceleration_mps2)
@@ -128,27 +184,27 @@ def predicted_run(
         # Within the last step of the pattern: what is left is one plain stop, no harder than the pattern's.
         if speed <= drop and left <= speed * dt_s:
             last_s = 2.0 * left / speed if speed > 0.0 else 0.0
-            return time_s + last_s, energy_j + train.auxiliary_power_w * last_s
-        adhesion = adhesion_coefficient(train, DRY, speed)
-        grip_n = motored_grip_n(train, mass * GRAVITY_MPS2, adhesion)
-        full_n = min(full_force_n(train, load_share, speed), grip_n)
-        gradient = _mean_gradient_permille(elevation_m, position, train.length_m)
-        resist_n = resistance_n(train, mass, speed) + gradient_force_n(mass, gradient)
+            return time_s + last_s, energy_j + train.auxiliary_power_w * last_s, stop_m
+        full_n = full_pull_n(train, load_share, motors_share, adhesion_factor, speed)
+        resist_n = held_back_n(train, load_share, elevation_m, position, speed)
         free = speed + (full_n - resist_n) / inertia * dt_s
         wanted = max(0.0, min(free, max(cruise_mps, speed - drop)))
         after = _held_mps(squared, limit_mps, first, position, stop_m, speed, wanted, deceleration_mps2, dt_s)
         after = max(after, min(speed - drop, free))
         distance = 0.5 * (speed + after) * dt_s
         if distance <= 0.0:
-            return (time_s, energy_j) if left <= 1e-3 else (math.inf, energy_j)
+            return (time_s if left <= 1e-3 else math.inf), energy_j, position
         force_n = inertia * (after - speed) / dt_s + resist_n
         energy_j += train.auxiliary_power_w * dt_s
-        motors_n = force_n if force_n > 0.0 else -electric_brake_n(train, ALL_MOTORS, -force_n, grip_n, speed)
-        energy_j += wire_power_w(train, ALL_MOTORS, motors_n, distance / dt_s) * dt_s
+        rail_n = grip_n(train, load_share, adhesion_factor, speed)
+        motors_n = force_n
+        if force_n <= 0.0:
+            motors_n = -electric_brake_n(train, motors_share, -force_n, rail_n, speed)
+        energy_j += power_at_grip_w(train, motors_share, motors_n, distance / dt_s, rail_n) * dt_s
         if distance >= min(left, until_m - position):
             share = min(left, until_m - position) / distance
-            return time_s + share * dt_s, energy_j
+            return time_s + share * dt_s, energy_j, min(stop_m, until_m)
         position += distance
         speed = after
         time_s += dt_s
-    return math.inf, energy_j
+    return math.inf, energy_j, position

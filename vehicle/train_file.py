@@ -57,6 +57,7 @@ from network.files.quantity import OUT_OF_RANGE, Quantity
 from network.files.raw import is_list, is_table
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
+from vehicle.loss_file import Losses, set_losses
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 from vehicle.train_checks import check_train
 
@@ -253,6 +254,7 @@ class TrainFile(Record):
     emergency: _Emergency
     regeneration: _Regeneration
     energy: _Energy
+    losses: Losses | None = None
     adhesion: _Adhesion
     sensors: _Sensors
     provenance: Annotated[
@@ -334,6 +336,7 @@ def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:
     plants["brake_factor"] = 1.0
     plants["emergency_factor"] = 1.0
     plants["motors_share"] = 1.0
+    plants["source_gives_w"] = plants["source_takes_w"] = np.inf
     plants["speed_mps"] = speed_mps
     plants["wheel_speed_mps"] = plants["last_wheel_speed_mps"] = speed_mps
     if speed_mps <= 0.0:
@@ -458,6 +461,7 @@ def _row(model: TrainFile) -> NDArray[np.void]:
         brakes.notch_deceleration_mps2
     )
     _set_curve(row, traction)
+    set_losses(row, model.losses)
     row.flags.writeable = False
     return row
 

@@ -41,15 +41,15 @@ class Pace:
         self._replan_after_s: Final = (
             float(getattr(laws, law.name).replan_after_s) if law is not None and law.plans else None
         )
-        self._climb_m: NDArray[np.float64] = np.zeros(1)
-        self._driving_mps: NDArray[np.float64] = np.zeros(1)
+        self.climb_m: NDArray[np.float64] = np.zeros(1)
+        self.driving_mps: NDArray[np.float64] = np.zeros(1)
         self._laid: Laid | None = None
 
     def take_up(self, rows: NDArray[np.void]) -> None:
         """Another path: its rows of PATTERN."""
         self.timed = self._laid = None
-        self._climb_m = np.ascontiguousarray(rows["climb_m"])
-        self._driving_mps = np.ascontiguousarray(rows["driving_mps"])
+        self.climb_m = np.ascontiguousarray(rows["climb_m"])
+        self.driving_mps = np.ascontiguousarray(rows["driving_mps"])
         self._row.plan_rows = 0  # a plan is of the path it was made for
         self._row.cruise_mps = self._row.replan_s = math.inf
 
@@ -73,7 +73,8 @@ class Pace:
         if due_s is not None and there.departure_s is not None:
             dwell_s = parameters.dwell_min_s if there.passengers else 0.0
             due_s = min(due_s, there.departure_s - dwell_s)
-        row.cruise_mps = math.inf
+        row.cruise_mps = row.replan_s = math.inf
+        row.plan_rows = 0
         row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
         self.timed = passing = self.next_passing(there)
         until_m = math.inf if passing is None else passing.position_m
@@ -87,8 +88,8 @@ class Pace:
         row.cruise_mps = cruise_for(
             self._train,
             load_share,
-            self._climb_m,
-            self._driving_mps,
+            self.climb_m,
+            self.driving_mps,
             row.position_m,
             there.mark_m,
             available_s,
@@ -105,8 +106,8 @@ class Pace:
         ahead = Ahead(
             self._train,
             load_share,
-            self._climb_m,
-            self._driving_mps,
+            self.climb_m,
+            self.driving_mps,
             row.position_m,
             mark_m,
             float(row.speed_mps),

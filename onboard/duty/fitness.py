@@ -1,7 +1,8 @@
-"""The state of the vehicle and its brakes in the duty (4.1.3 (2)).
+"""What keeps a train from running: the state of its vehicle and brakes (4.1.3 (2)), and a way that it cannot manage.
 
 Invariant: no train departs while its vehicle is not in order; one on its way is stopped by the emergency brake, and
-that is not released before the vehicle is in order again, the train stands and its driver acknowledges.
+that is not released before the vehicle is in order again, the train stands and its driver acknowledges. None departs
+to a stop that by its unit's own prediction it cannot reach: it says why, and looks again by a timer.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ from typing import Final
 from onboard import notes
 from onboard.duty.records import Order, Phase, VehicleChecked
 from onboard.duty.turn import Turn
+from onboard.duty.unable import Unable
 
 ON_ITS_WAY: Final = (Phase.RUNNING, Phase.ON_SIGHT)
+LOOKS_AGAIN_S: Final = 10.0  # assumed: often enough for a load, motors or a charge that change
 
 
 def checked(turn: Turn, _event: VehicleChecked) -> None:
@@ -33,3 +36,31 @@ def acknowledged(turn: Turn) -> bool:
     if turn.state.place.unfit:
         turn.await_release()
     return not turn.state.place.unfit
+
+
+def unable_now(turn: Turn) -> Unable | None:
+    """What keeps a train from reaching its next stop, whose time to get ready at its stop has come."""
+    state = turn.state
+    ready = state.phase is Phase.STANDING and state.may_ask and state.at + 1 < len(turn.plan.stops)
+    return state.place.unable if ready else None
+
+
+def examine(turn: Turn) -> None:
+    """Says that the train is unable to leave, and why, or that it is able again; unable, it looks again by a timer."""
+    before, why = turn.state.unable, unable_now(turn)
+    if why == before:
+        return
+    turn.set(unable=why)
+    station = turn.stop(turn.state.at).place
+    if why is not None and type(why) is not type(before):
+        turn.note(notes.UnableToLeave(station=station, why=why.words))
+    if why is not None and before is None:
+        turn.timer("able", LOOKS_AGAIN_S)
+    if why is None and turn.state.phase is Phase.STANDING:
+        turn.note(notes.AbleToLeave(station=station))
+
+
+def look_again(turn: Turn) -> None:
+    """The timer of a train that is unable to leave: its place shows what is so now, and it runs as long as needed."""
+    if unable_now(turn) is not None:
+        turn.timer("able", LOOKS_AGAIN_S)

@@ -39,6 +39,7 @@ from onboard.duty import fitness, on_sight
 from onboard.duty.arrival import clear_behind, confirm
 from onboard.duty.plan import Plan, Span
 from onboard.duty.records import (
+    ABLE,
     ASK,
     LEAVE,
     RELEASE,
@@ -210,12 +211,16 @@ def looked(turn: Turn, _event: Looked) -> None:
 
 
 def timer_due(turn: Turn, event: TimerDue) -> None:
-    """A route may be asked for, the train may leave, an emergency stop is acknowledged, or a request is due again."""
+    """A route may be asked for, the train may leave or sees whether it can, an emergency stop is acknowledged, or a
+    request is due again.
+    """
     match event.timer:
         case timer if timer == ASK:
             turn.set(may_ask=True)
         case timer if timer == LEAVE:
             turn.set(may_leave=True)
+        case timer if timer == ABLE:
+            fitness.look_again(turn)
         case timer if timer == RELEASE and turn.state.halted:
             turn.await_release()  # not before register and unit agree
         case timer if timer == RELEASE and not fitness.acknowledged(turn):
@@ -270,6 +275,7 @@ def settle(turn: Turn) -> None:
         throw_wanted(turn)
     begin_or_end_sweep(turn)
     set_limit(turn)
+    fitness.examine(turn)
     if turn.state.phase is Phase.STANDING:
         stand(turn)
     elif turn.state.phase is Phase.RUNNING and turn.state.place.stands:
@@ -366,9 +372,9 @@ def stand(turn: Turn) -> None:
             turn.set(phase=Phase.FINISHED)
             turn.actions.append(Finished(turn.plan.number))
         return
-    if state.may_ask:
+    if state.may_ask and state.unable is None:  # it would hold what it cannot use
         turn.ask(turn.plan.leg_at(turn.stop(state.at).span))
-    if state.may_leave and way_is_free(turn):
+    if state.may_leave and state.unable is None and way_is_free(turn):
         turn.set(phase=Phase.RUNNING)
         turn.note(notes.Departs(station=turn.stop(state.at).place))
         turn.actions.append(Order.DEPART)

@@ -48,7 +48,7 @@ def lose(turn: Turn, _event: PositionLost) -> None:
     """Stops by the emergency brake, then runs on sight to a tag."""
     state = turn.state
     stands_at = state.at if state.phase is Phase.STANDING else None
-    turn.set(phase=Phase.ON_SIGHT, stands_at=stands_at)
+    turn.set(phase=Phase.ON_SIGHT, stands_at=stands_at, unable=None)
     lose_elsewhere(turn, _event)
 
 

@@ -15,6 +15,7 @@ import msgspec
 from onboard.authority.records import Authority, Timer
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.plan import Plan, PointsNeeded
+from onboard.duty.unable import Unable
 
 
 class Phase(Enum):
@@ -33,6 +34,7 @@ class Phase(Enum):
 ASK: Final = Timer("ask")  # a route is asked for some time before the departure
 LEAVE: Final = Timer("leave")  # the departure, after the dwell
 RELEASE: Final = Timer("release")  # the driver's acknowledgement after an emergency stop
+ABLE: Final = Timer("able")  # a train that is unable to leave looks again
 
 
 class Place(msgspec.Struct, frozen=True):
@@ -42,7 +44,8 @@ class Place(msgspec.Struct, frozen=True):
     the safe rear has left, `clear_at_mark` the same for a train whose driver sees that it stands at its mark.
     `here` is the span of the estimate, `reach` the first joint that lies far enough ahead to start for it. `near` is
     the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed. `unfit`: what
-    is wrong with the vehicle, wherever it is; empty: nothing.
+    is wrong with the vehicle, wherever it is; empty: nothing. `unable`: at a stop, why the train could not reach the
+    next one if it left now.
     """
 
     known: bool = False
@@ -58,6 +61,7 @@ class Place(msgspec.Struct, frozen=True):
     near: int = -1
     passed: int = 0
     unfit: str = ""
+    unable: Unable | None = None
 
 
 class Limit(msgspec.Struct, frozen=True):
@@ -73,7 +77,8 @@ class DutyState(msgspec.Struct, frozen=True):
     without a position stands, by its crew. `wanted`: points to be thrown as soon as and whenever they can be;
     `entered`: points sections that the train came onto by their proof. `proved`: spans that the tags read so far prove
     to be behind the train; `freed`: those of them that are to be given back, the arrival being told. `halted`: braked
-    because register and unit contradict each other; `sweeps`: runs on sight through what it holds.
+    because register and unit contradict each other; `sweeps`: runs on sight through what it holds. `unable`: why it
+    may not leave its stop, as its driver was told.
     """
 
     phase: Phase = Phase.OFF
@@ -91,6 +96,7 @@ class DutyState(msgspec.Struct, frozen=True):
     may_ask: bool = False
     may_leave: bool = False
     released: bool = True  # no emergency stop waits for the driver's acknowledgement
+    unable: Unable | None = None
 
 
 # events: people -------------------------------------------------------------------------------------------------
@@ -187,7 +193,7 @@ class Stopped(msgspec.Struct, frozen=True, tag=True):
 
 
 class Looked(msgspec.Struct, frozen=True, tag=True):
-    """The place has changed: a joint was passed, or the radio reaches again."""
+    """The place has changed: a joint was passed, the radio reaches again, or the train can do more or less."""
 
 
 class VehicleChecked(msgspec.Struct, frozen=True, tag=True):
@@ -272,7 +278,8 @@ class Command(msgspec.Struct, frozen=True):
 
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
     and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
-    sight; `confirm`: the driver is asked whether the whole train is at its mark. `orders` are given once.
+    sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
+    leave. `orders` are given once.
     """
 
     drive: bool = False
@@ -291,3 +298,4 @@ class Command(msgspec.Struct, frozen=True):
     waits_for: str = ""
     sweeps: bool = False
     confirm: bool = False
+    unable: Unable | None = None

@@ -45,6 +45,7 @@ def command_of(plan: Plan, state: DutyState) -> Command:
         waits_for=waits_for(plan, state),
         sweeps=state.sweeps,
         confirm=to_confirm(plan, state),
+        unable=state.unable,
     )
 
 
@@ -76,6 +77,8 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
         yield f"vehicle: {state.place.unfit}"
     if state.place.emergency:
         yield "release of the emergency brake"
+    if state.unable is not None:
+        yield f"what takes it to {plan.stops[state.at + 1].place}: {state.unable.words}"
     if to_confirm(plan, state):
         yield "the driver's confirmation that the whole train has arrived"
     if authority.open(Ask.REPORT) is not None and state.place.stands:

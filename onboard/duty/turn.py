@@ -16,7 +16,7 @@ from onboard.authority.records import Ask, AskRoute, Cleared, SetTimer, Write
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.authority.stop_limit import cleared_sections
 from onboard.duty.plan import Leg, Plan, PointsNeeded, Stop
-from onboard.duty.records import ASK, LEAVE, RELEASE, DutyState, Order, SetTimerAt, Told
+from onboard.duty.records import ABLE, ASK, LEAVE, RELEASE, DutyState, Order, SetTimerAt, Told
 
 
 class DutyParameters(msgspec.Struct, frozen=True):
@@ -58,7 +58,7 @@ class Turn:
 
     def timer(self, timer: str, after_s: float, at_s: float = NEVER_S) -> bool:
         """Start a timer, unless its time has passed and its clock time has come; returns whether they have."""
-        named = {"ask": ASK, "leave": LEAVE, "release": RELEASE}[timer]
+        named = {"ask": ASK, "leave": LEAVE, "release": RELEASE, "able": ABLE}[timer]
         if after_s <= 0.0 and at_s <= self.now_s:
             return True
         after_s = max(after_s, 0.0)

@@ -16,7 +16,7 @@ import numpy as np
 
 from network.files.toml_input import Record, one_of
 
-VehiclePart = Literal["doors_closed", "brake_good"]  # as in `onboard.vehicle.Vehicle`
+VehiclePart = Literal["doors_closed", "brake_good", "motors_share"]  # as in `onboard.vehicle.Vehicle`
 
 if TYPE_CHECKING:  # the world is built from scripts, so it cannot be imported here
     from simulation.world.clock import Clock
@@ -51,7 +51,7 @@ class World:
     unit_power: Callable[[str, bool], None]  # stock id, on
     unit_freeze: Callable[[str, bool], None]  # stock id, frozen
     unit_clock: Callable[[str, Clock], None]  # stock id, its clock from now on
-    unit_vehicle: Callable[[str, VehiclePart, bool], None]  # stock id, what shows, whether it is in order
+    unit_vehicle: Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
     step: int = 0
     chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
 

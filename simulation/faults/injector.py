@@ -40,7 +40,7 @@ LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to 
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
-ShowVehicle = Callable[[str, VehiclePart, bool], None]  # stock id, what shows, whether it is in order
+ShowVehicle = Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
 
 
 class Injector:

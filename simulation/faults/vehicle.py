@@ -99,11 +99,15 @@ class MotorsFault(Fault[int]):
         return 0
 
     def put(self, world: World, cut_out: int) -> None:
-        world.trains.set_motors(world.slot(self.target), cut_out)
+        world.unit_vehicle(
+            self.target, "motors_share", world.trains.set_motors(world.slot(self.target), cut_out)
+        )
 
 
 class Motors(MotorsFault):
-    """Motors are cut out: those that are left pull and brake. Nothing tells the unit; without any the train rolls."""
+    """Motors are cut out: those that are left pull and brake. The unit sees it, and stays at a stop where they do not
+    suffice for the way to the next one; without any a train on its way rolls.
+    """
 
     kind = "motors"
     cut_out: MotorCount = Field(description="so many of the train's motors, or all that it has")

@@ -117,10 +117,10 @@ class OnBoard:
         """Whether something of the vehicle is not in order, as its inputs show it."""
         return bool(self._motions[slot].vehicle.unfit)
 
-    def vehicle_shows(self, slot: int, part: VehiclePart, *, good: bool) -> list[Sensed]:
-        """What doors or brake show from now on."""
+    def vehicle_shows(self, slot: int, part: VehiclePart, value: float) -> list[Sensed]:
+        """What doors, brake or motors show from now on."""
         motion = self._motions[slot]
-        events = motion.vehicle_shows(msgspec.structs.replace(motion.vehicle, **{part: good}))
+        events = motion.vehicle_shows(msgspec.structs.replace(motion.vehicle, **{part: value}))
         return [] if slot in self.unpowered else events
 
     def load_is(self, slot: int, share: float) -> None:

@@ -283,13 +283,14 @@ class Trains:
         plant.brake_factor = _reduced(drawn, driving.service_guaranteed_share, reserve)
         plant.emergency_factor = _reduced(1.0, driving.emergency_guaranteed_share, reserve)
 
-    def set_motors(self, slot: int, cut_out: int) -> None:
-        """How many of a train's motors are cut out; what those pulled is gone at once."""
+    def set_motors(self, slot: int, cut_out: int) -> float:
+        """How many of a train's motors are cut out; what those pulled is gone at once. The share that is left."""
         plant, motors = self.plants[slot], float(self.bodies[slot].motors)
         share = max(motors - cut_out, 0.0) / motors
         if share < plant.motors_share:
             plant.traction_built_n *= share / plant.motors_share
         plant.motors_share = share
+        return share
 
     def set_rail(self, slot: int, share: float) -> None:
         """What faults of the rail leave of the weather's adhesion."""

@@ -31,6 +31,7 @@ class Cause(StrEnum):
     POINTS_PROOF = "points proof"  # no proof from the terminal yet
     POINTS_BY_EYE = "points by eye"  # on sight, its crew waits until they lie as needed
     VEHICLE = "vehicle"  # doors or brake
+    UNABLE = "unable"  # by its own prediction it cannot reach its next stop
     EMERGENCY = "emergency"  # the emergency brake is to be acknowledged
     CONTRADICTION = "contradiction"  # register and unit contradict each other
     ON_SIGHT = "on sight"  # its position is unknown, and its crew looks before it goes on

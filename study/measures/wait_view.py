@@ -76,6 +76,7 @@ class View:
     points_refused: dict[str, str] = field(default_factory=dict[str, str])
     crew_waits_at: str = ""
     unfit: str = ""
+    unable: str = ""  # why it may not leave its stop
     emergency: bool = False
     mismatch: str = ""
     powered: bool = True
@@ -119,7 +120,7 @@ def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
     view.doing = Doing.STANDING if view.signed_on else Doing.SIGNING_ON
     view.schedule(t_s, dwells=False)
     view.limit_before, view.limit_why, view.limit_at = None, "no mission", None
-    view.crew_waits_at, view.set_back = "", False
+    view.crew_waits_at, view.set_back, view.unable = "", False, ""
     view.proven.clear()
     view.points_refused.clear()
     view.commanded_s.clear()
@@ -127,7 +128,7 @@ def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
 
 def _restarted(view: View, t_s: float, _event: notes.UnitRestarted) -> None:
     view.doing, view.signed_on, view.mismatch = Doing.ON_SIGHT, False, ""
-    view.emergency = True
+    view.emergency, view.unable = True, ""
     view.requests.clear()
     view.ready_s = t_s
 
@@ -160,7 +161,7 @@ def _mission_done(view: View, _t_s: float, _event: notes.MissionDone) -> None:
 
 
 def _lost_position(view: View, _t_s: float, _event: notes.PositionFault) -> None:
-    view.emergency = True
+    view.emergency, view.unable = True, ""
     if view.doing in (Doing.STANDING, Doing.RUNNING):
         view.doing = Doing.ON_SIGHT
 
@@ -179,6 +180,10 @@ def _unfit(view: View, _t_s: float, event: notes.VehicleUnfit) -> None:
     view.unfit = event.why
     if view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
         view.emergency = True
+
+
+def _unable(view: View, _t_s: float, event: notes.UnableToLeave) -> None:
+    view.unable = event.why
 
 
 def _mismatch(view: View, _t_s: float, event: notes.Mismatch) -> None:
@@ -289,6 +294,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
     notes.EmergencyReleased: _set(emergency=False),
     notes.VehicleUnfit: _unfit,
     notes.VehicleFit: _set(unfit=""),
+    notes.UnableToLeave: _unable,
+    notes.AbleToLeave: _set(unable=""),
     notes.Mismatch: _mismatch,
     notes.Agreed: _set(mismatch=""),
     notes.SignedOn: _signed_on,

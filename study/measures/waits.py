@@ -221,8 +221,9 @@ class _Finder:
             return self._make(Cause.UNIT_FROZEN), math.inf
         if view.mismatch:
             return self._make(Cause.CONTRADICTION, reason=view.mismatch, party=MANAGER), math.inf
-        if view.unfit:
-            return self._make(Cause.VEHICLE, reason=view.unfit), math.inf
+        if view.unfit or view.unable:
+            cause = Cause.VEHICLE if view.unfit else Cause.UNABLE
+            return self._make(cause, reason=view.unfit or view.unable), math.inf
         if view.emergency and view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
             return self._make(Cause.EMERGENCY), math.inf
         return None

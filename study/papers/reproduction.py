@@ -21,6 +21,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "stop-window": "study.papers.stop_window",
     "sugiyama-table5": "study.papers.sugiyama_table5",
     "sugiyama-tags": "study.papers.sugiyama_tags",
+    "yasunobu-energy": "study.papers.yasunobu_energy",
 }
 
 

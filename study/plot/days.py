@@ -51,6 +51,7 @@ CAUSE_COLOURS: Final[Mapping[Cause, str]] = {
     Cause.POINTS_PROOF: "#2f8fc4",
     Cause.POINTS_BY_EYE: "#173f5f",
     Cause.VEHICLE: "#a0568a",
+    Cause.UNABLE: "#cc79a7",
     Cause.EMERGENCY: "#b3261e",
     Cause.CONTRADICTION: "#5c0f0b",
     Cause.ON_SIGHT: "#009e73",

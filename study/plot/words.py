@@ -88,6 +88,7 @@ CAUSES: Final[Mapping[Cause, str]] = {
     Cause.POINTS_PROOF: "転てつ機照査待ち",
     Cause.POINTS_BY_EYE: "転てつ機現地確認",
     Cause.VEHICLE: "車両異常",
+    Cause.UNABLE: "走行不能",
     Cause.EMERGENCY: "非常停止確認待ち",
     Cause.CONTRADICTION: "登録矛盾",
     Cause.ON_SIGHT: "目視運転",

@@ -75,6 +75,18 @@ TELEGRAMS: Final[Schema] = {
     "dropped": pl.Int64,
     "bytes": pl.Int64,
 }
+# Where the energy of a row went, kWh: with the auxiliaries the parts make up the net, but for the residual.
+PARTS_KWH: Final[Schema] = {
+    "kinetic_kwh": pl.Float64,  # change of kinetic energy, of what turns too
+    "resistance_kwh": pl.Float64,  # running and starting resistance
+    "gradient_kwh": pl.Float64,  # lifted; < 0 downhill
+    "curve_kwh": pl.Float64,
+    "friction_kwh": pl.Float64,  # taken by the air brake
+    "traction_loss_kwh": pl.Float64,  # motors and inverters that pull or coast
+    "regeneration_loss_kwh": pl.Float64,  # motors and inverters that brake, and resistors
+    "rejected_kwh": pl.Float64,  # no part: not taken by battery or wire, burnt by resistors
+    "residual_kwh": pl.Float64,  # what the parts leave open
+}
 # One row a train, from where it begins to move to where it ends; layovers have a table of their own.
 ENERGY: Final[Schema] = {
     "unit": pl.String,
@@ -90,6 +102,7 @@ ENERGY: Final[Schema] = {
     "auxiliary_kwh": pl.Float64,
     "standing_kwh": pl.Float64,  # of the auxiliary: at stops, before stop limits, in portals
     "net_kwh": pl.Float64,  # traction and auxiliary, less what came back
+    **PARTS_KWH,
 }
 # One row a train and leg: from a place where it stops to the next, with the stop there. Places: stations, portals.
 ENERGY_LEGS: Final[Schema] = {
@@ -126,6 +139,7 @@ LAYOVERS: Final[Schema] = {
     "regenerated_kwh": pl.Float64,
     "auxiliary_kwh": pl.Float64,
     "net_kwh": pl.Float64,
+    **PARTS_KWH,
 }
 # One row a train and hop of the timetable: the margin as planned, and what was left of it on arrival.
 MARGINS: Final[Schema] = {

@@ -25,7 +25,11 @@ from study.scenario.scenario import load_scenario
 
 ON_LINE_UNIT = (Cause.RUNS, Cause.STOP_LIMIT, Cause.STARTING)
 BEFORE_ITS_TIME = (Cause.DEPARTURE_TIME, Cause.DWELL, Cause.SET_BACK)
-ABNORMAL = (Cause.EMERGENCY, Cause.VEHICLE)  # named first; a unit shows what it asks for before them
+ABNORMAL = (
+    Cause.EMERGENCY,
+    Cause.VEHICLE,
+    Cause.UNABLE,
+)  # named first; a unit shows what it asks for before them
 ON_SIGHT = (Cause.ON_SIGHT, Cause.POINTS_BY_EYE, Cause.STARTING, Cause.RUNS)
 # What a unit shows (`onboard.duty.shown`), and the causes that agree with it.
 AGREES: Mapping[str, tuple[Cause, ...]] = {
@@ -49,6 +53,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
         *ABNORMAL,
     ),
     r"vehicle: ": (Cause.VEHICLE,),
+    r"what takes it to ": (Cause.UNABLE,),
     r"release of the emergency brake": (Cause.EMERGENCY, Cause.VEHICLE),
     r"the driver's confirmation": (Cause.ARRIVAL_BY_EYE, Cause.DEPARTURE_TIME, Cause.DWELL),
     r"the block manager's confirmation": (Cause.ANSWER, *BEFORE_ITS_TIME),

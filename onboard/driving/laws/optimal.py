@@ -83,6 +83,8 @@ def optimal(
         at_mps = np.sqrt(max(speed_mps * speed_mps + 2.0 * share * slope_mps2, 0.0))
         own.off_mps = overspeed_mps(unit, min(cue.limit_mps, at_mps), cue.reaction_s)
         wanted_mps2 = slope_mps2 + cue.own_mps2 - own.follow_gain_per_s * own.off_mps
+        if unit.braking_to_stop == 1:
+            return 0.0  # the stop is TASC's alone
         if slope_mps2 < 0.0:
             return service_notch(train, -wanted_mps2) if wanted_mps2 < 0.0 else 0.0
         force_n = wanted_mps2 * equivalent_mass_kg(train, cue.load_share) * (1.0 - own.force_reserve_share)

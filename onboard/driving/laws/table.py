@@ -19,6 +19,7 @@ from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
 from onboard.driving.laws.optimal import Optimal, OptimalRow, optimal
+from onboard.driving.laws.pid import Pid, PidRow, pid
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled_lines
 from vehicle.record import dtype_of
@@ -52,6 +53,7 @@ LAWS: Final = (
     Law(hold_speed, HoldSpeedRow),
     Law(follow_plan, FollowPlanRow, FollowPlan),
     Law(optimal, OptimalRow, Optimal, plans=True),
+    Law(pid, PidRow, Pid, stops=True),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 

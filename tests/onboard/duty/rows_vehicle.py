@@ -8,16 +8,28 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import (
+    Ask,
+    Renew,
+    SetTimer,
     Write,
 )
+from onboard.duty.fitness import LOOKS_AGAIN_S
 from onboard.duty.records import (
+    ABLE,
+    ASK,
+    LEAVE,
+    Looked,
     Order,
     Phase,
+    PositionLost,
+    TimerDue,
     VehicleChecked,
 )
+from onboard.duty.unable import TooSteep
 from tests.onboard.duty.stage import (
     AT_A,
     BEFORE_7,
+    HOLDS_3,
     HOLDS_ALL,
     HOLDS_REST,
     ON_6,
@@ -25,15 +37,27 @@ from tests.onboard.duty.stage import (
     P5,
     P7,
     RELEASE_LATER,
+    ROUTE_OPEN,
     RUNNING,
     STANDING,
     STATES,
     TO_THE_END,
     Case,
     moved,
+    sent,
 )
 
 CLEARED_TO_8: Final = replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)
+
+TOO_STEEP: Final = TooSteep("B", "6", 300.0, 40.0, 20e3, 32e3, 1.0, 0.5)
+STEEPER: Final = TooSteep("B", "6", 300.0, 40.0, 10e3, 32e3, 1.0, 0.25)
+BEFORE_A_CLIMB: Final = moved(AT_A, unable=TOO_STEEP)
+UNABLE: Final = replace(STANDING, place=BEFORE_A_CLIMB, may_ask=True, unable=TOO_STEEP)
+SAYS_UNABLE: Final = Write(notes.UnableToLeave(station="A", why=TOO_STEEP.words))
+LOOKS_AGAIN: Final = SetTimer(ABLE, LOOKS_AGAIN_S)
+READY: Final = replace(
+    STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_ask=True, may_leave=True
+)
 
 VEHICLE: Final[dict[str, Case]] = {
     **{
@@ -79,5 +103,64 @@ VEHICLE: Final[dict[str, Case]] = {
             may_leave=True,
         ),
         (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), Order.DEPART),
+    ),
+    "unable to reach its next stop it says so when it would ask for a route, asks for none, and looks again": (
+        STANDING,
+        TimerDue(ASK),
+        BEFORE_A_CLIMB,
+        UNABLE,
+        (SAYS_UNABLE, LOOKS_AGAIN),
+    ),
+    "still unable, it looks again": (UNABLE, TimerDue(ABLE), BEFORE_A_CLIMB, UNABLE, (LOOKS_AGAIN,)),
+    "still unable when its time comes, it stays": (
+        UNABLE,
+        TimerDue(LEAVE),
+        BEFORE_A_CLIMB,
+        replace(UNABLE, may_leave=True),
+        (),
+    ),
+    "less able than before: shown, and not said again": (
+        UNABLE,
+        Looked(),
+        moved(AT_A, unable=STEEPER),
+        replace(UNABLE, place=moved(AT_A, unable=STEEPER), unable=STEEPER),
+        (),
+    ),
+    "able again, it asks for its route": (
+        UNABLE,
+        TimerDue(ABLE),
+        AT_A,
+        replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
+        (Write(notes.AbleToLeave(station="A")), Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
+    ),
+    "able again with its way free and its time come, it departs": (
+        replace(READY, place=BEFORE_A_CLIMB, unable=TOO_STEEP),
+        Looked(),
+        AT_A,
+        replace(READY, phase=Phase.RUNNING),
+        (Write(notes.AbleToLeave(station="A")), Write(notes.Departs(station="A")), Order.DEPART),
+    ),
+    "ready in all but what its way asks of it, it does not depart": (
+        replace(READY, may_leave=False),
+        TimerDue(LEAVE),
+        BEFORE_A_CLIMB,
+        replace(READY, place=BEFORE_A_CLIMB, unable=TOO_STEEP),
+        (SAYS_UNABLE, LOOKS_AGAIN),
+    ),
+    "unable and without a position, its crew decides": (
+        replace(UNABLE, may_leave=True),
+        PositionLost(),
+        moved(AT_A, known=False),
+        replace(
+            UNABLE,
+            phase=Phase.ON_SIGHT,
+            place=moved(AT_A, known=False),
+            stands_at=0,
+            unable=None,
+            may_leave=True,
+            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+            released=False,
+        ),
+        (RELEASE_LATER, Renew(Ask.ROUTE), *sent(ROUTE_OPEN)),
     ),
 }

@@ -36,6 +36,7 @@ from onboard.duty.records import (
     SetTimerAt,
 )
 from onboard.duty.turn import DutyParameters
+from onboard.duty.unable import Unable
 
 
 def papers_plan() -> Plan:
@@ -114,7 +115,7 @@ def limit(joint: int, before: str | None, why: str) -> Write:
     return Write(notes.LimitSet(kilometrage_m=kilometrage_m, piece_id=piece, before=before, why=why))
 
 
-def moved(place: Place, **changes: bool | int | str) -> Place:
+def moved(place: Place, **changes: bool | int | str | Unable | None) -> Place:
     return replace(place, **changes)
 
 

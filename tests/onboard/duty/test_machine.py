@@ -26,7 +26,7 @@ from onboard.duty.shown import command_of, waits_for
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
-from tests.onboard.duty.rows_vehicle import VEHICLE
+from tests.onboard.duty.rows_vehicle import UNABLE, VEHICLE
 from tests.onboard.duty.stage import (
     AT_A,
     BEFORE_7,
@@ -177,6 +177,11 @@ def test_what_must_be_swept_is_shown() -> None:
         (
             replace(STANDING, place=moved(AT_A, unfit="doors not closed"), may_leave=True),
             "vehicle: doors not closed",
+        ),
+        (
+            UNABLE,
+            "what takes it to B: a pull of 32.0 kN on 40.0 permille at km 0.300, 100% laden: 20.0 kN can be had with"
+            " 50% of the motors",
         ),
         (
             replace(STANDING, authority=replace(HOLDS_3, requests=(replace(ROUTE_OPEN, refusal="held: 6"),))),

@@ -32,6 +32,7 @@ from onboard.authority import machine as authority_machine
 from onboard.authority import report
 from onboard.authority.machine import TABLE
 from onboard.authority.records import (
+    Ask,
     Authority,
     Cleared,
     Confirmed,
@@ -46,10 +47,11 @@ from onboard.authority.records import (
 )
 from onboard.authority.stop_limit import cleared_sections
 from onboard.authority.tables import Result, Standing
-from onboard.duty import machine, on_sight
+from onboard.duty import fitness, machine, on_sight
 from onboard.duty import turn as duty_turn
 from onboard.duty.plan import Plan
 from onboard.duty.records import (
+    ABLE,
     ASK,
     LEAVE,
     RELEASE,
@@ -135,6 +137,8 @@ def timers_named(run: Run) -> set[Timer]:
     named = {one.timer for one in (*state.authority.requests, *state.authority.commands) if one.sent}
     if not state.released:
         named.add(RELEASE)
+    if state.unable is not None:
+        named.add(ABLE)
     last = len(PLANS[run.plan].stops) - 1
     if state.phase is Phase.STANDING and state.at < last:
         named |= {timer for timer, over in ((ASK, state.may_ask), (LEAVE, state.may_leave)) if not over}
@@ -192,7 +196,20 @@ def check_contradiction_stops(before: Run, step: Step) -> None:
                 raise AssertionError(step.event)
 
 
+def check_stays_where_it_is_unable(before: Run, step: Step) -> None:
+    """It neither leaves nor asks for a route, and shows its driver why."""
+    after = step.run
+    if after.state.phase is not Phase.STANDING or not after.state.may_ask or after.place.unable is None:
+        assert after.state.phase is Phase.STANDING or after.state.unable is None
+        assert after.place.unable is None or Order.DEPART not in step.actions
+        return
+    assert after.state.unable == after.place.unable == command_of(PLANS[after.plan], after.state).unable
+    asked = after.state.authority.open(Ask.ROUTE)
+    assert asked is None or before.state.authority.open(Ask.ROUTE) is not None
+
+
 def check(before: Run, step: Step) -> None:
+    check_stays_where_it_is_unable(before, step)
     check_contradiction_stops(before, step)
     check_holds_what_was_granted(before, step)
     check_drops_what_is_clear(before, step)
@@ -262,6 +279,7 @@ SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
     "waits for the arrival tag": (machine, "clear_behind", clears_by_the_odometer),
     "withdraws throws under the front": (machine, "points_perhaps_under", lambda *_: ()),
     "withdraws throws when the position is lost": (on_sight, "Withdrawn", lambda _: Withdrawn(())),
+    "stays where it is unable": (fitness, "unable_now", lambda _: None),
     "stops where register and unit contradict each other": (machine, "react", lambda _: None),
     "waits until they agree": (authority_machine, "TABLE", {**TABLE, (Standing.ON_LINE, Confirmed): forgets}),
 }

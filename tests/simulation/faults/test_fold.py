@@ -42,7 +42,7 @@ class World:
     weather: float = 0.5
     power: dict[str, bool] = field(default_factory=lambda: {"K1": True, "B-W": True})
     frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
-    vehicle: dict[str, bool] = field(default_factory=lambda: {"doors_closed": True, "brake_good": True})
+    vehicle: dict[str, float] = field(default_factory=lambda: {"doors_closed": True, "brake_good": True})
     clocks: dict[str, Clock] = field(default_factory=lambda: {"K1": Clock(), "B-W": Clock()})
 
     def __post_init__(self) -> None:
@@ -60,7 +60,7 @@ class World:
             tag_faults={},
             set_rail=lambda _slot, share: setattr(self, "rail_share", share),
             set_brake=lambda _slot, reserve: setattr(self, "brake_reserve", reserve),
-            set_motors=lambda _slot, cut_out: setattr(self, "cut_out", cut_out),
+            set_motors=self.set_motors,
         )
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
         self.wayside: Any = SimpleNamespace(
@@ -88,6 +88,11 @@ class World:
             lambda _unit, part, good: self.vehicle.update({part: good}),
         )
         self.injector.start(0)
+
+    def set_motors(self, _slot: int, cut_out: int) -> float:
+        """Of four motors."""
+        self.cut_out = cut_out
+        return 1.0 - cut_out / 4
 
     def run_to(self, step_now: int) -> None:
         while (item := self.agenda.pop_due(step_now)) is not None:
@@ -171,8 +176,8 @@ def test_motors_cut_out_one_after_the_other_add_up() -> None:
     seen = []
     for second in (0, 2, 6, 12, 30):
         world.run_to(second * 10)
-        seen.append(world.cut_out)
-    assert seen == [0, 2, 3, 2, 0]
+        seen.append((world.cut_out, world.vehicle.get("motors_share", 1.0)))
+    assert seen == [(0, 1.0), (2, 0.5), (3, 0.25), (2, 0.5), (0, 1.0)]
 
 
 def test_doors_and_brake_are_two_things() -> None:

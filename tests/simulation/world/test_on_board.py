@@ -127,7 +127,7 @@ def test_a_timer_runs_out_by_the_units_own_clock(cab: Cab, drift: float) -> None
 
 def test_what_the_vehicle_shows_outlives_a_boot_of_its_unit(cab: Cab) -> None:
     cab.on_board.power_off(0)
-    assert cab.on_board.vehicle_shows(0, "doors_closed", good=False) == []
+    assert cab.on_board.vehicle_shows(0, "doors_closed", False) == []
     cab.on_board.power_on(0)
     answered = cab.on_board.tell(0, 60.0, cab.on_board.switch_on(0, cab.duty, 0))
     assert answered is not None

@@ -1,0 +1,104 @@
+"""Whether the train can reach its next stop from where it stands, by its unit's own model of train and way.
+
+Each examination answers None, or the reason (`onboard.duty.unable`); the first one counts. `onboard.motion` asks
+wherever the train stands at a stop and makes `Place.unable` of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard.duty.mission import Mission, Target
+from onboard.duty.unable import TooSteep, Unable
+from onboard.records import BehaviourRow
+from onboard.vehicle import Vehicle
+from vehicle.adhesion import DRY
+from vehicle.pull import full_pull_n, held_back_n, mean_gradient_permille
+from vehicle.records import TrainRow
+from vehicle.running_time import furthest_m
+
+PREDICTION_STEP_S: Final = 0.5
+STANDS_MPS: Final = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """What is before a train that stands at a stop: where its front is, heights and limits by the metre."""
+
+    mission: Mission
+    at: int  # the stop where it stands
+    front_m: float
+    climb_m: NDArray[np.float64]
+    limit_mps: NDArray[np.float64]
+
+    @property
+    def there(self) -> Target | None:
+        """The next stop, if any."""
+        return self.mission.targets[self.at + 1] if self.at + 1 < len(self.mission.targets) else None
+
+
+@dataclass(frozen=True, slots=True)
+class Means:
+    """What the train has for it, as its unit knows it."""
+
+    train: TrainRow
+    behaviour: BehaviourRow
+    load_share: float
+    vehicle: Vehicle
+
+
+def why_not(way: Way, means: Means) -> Unable | None:
+    """What keeps the train from its next stop; None: nothing that the unit knows of."""
+    return too_steep(way, means)
+
+
+def too_steep(way: Way, means: Means) -> TooSteep | None:
+    """Where the train would stall on a gradient, or could not even start, at full power, on dry rail."""
+    there, train, load, share = way.there, means.train, means.load_share, means.vehicle.motors_share
+    if there is None:
+        return None
+    reached_m = furthest_m(
+        train,
+        load,
+        share,
+        DRY,
+        way.climb_m,
+        way.limit_mps,
+        way.front_m,
+        max(there.mark_m, way.front_m),
+        means.behaviour.stop_deceleration_mps2,
+        PREDICTION_STEP_S,
+    )
+    if reached_m >= there.mark_m:
+        return None
+    piece_id, kilometrage_m = way.mission.path.locate(reached_m)
+    return TooSteep(
+        station=there.station_id or there.section_id,
+        piece_id=piece_id,
+        kilometrage_m=round(kilometrage_m, 1),
+        gradient_permille=round(mean_gradient_permille(way.climb_m, reached_m, train.length_m), 2),
+        pull_n=round(full_pull_n(train, load, share, DRY, STANDS_MPS)),
+        needed_n=round(held_back_n(train, load, way.climb_m, reached_m, STANDS_MPS)),
+        load_share=load,
+        motors_share=share,
+    )
+
+
+class Ability:
+    """Remembers the last answer, which holds until way, load or vehicle are others."""
+
+    def __init__(self) -> None:
+        self._asked: tuple[object, ...] | None = None
+        self._answer: Unable | None = None
+
+    def why_not(self, way: Way, means: Means) -> Unable | None:
+        """As the function of this name."""
+        asked = (way.mission, way.at, round(way.front_m, 1), means.load_share, means.vehicle)
+        same = self._asked is not None and self._asked[0] is way.mission and self._asked[1:] == asked[1:]
+        if not same:
+            self._asked, self._answer = asked, why_not(way, means)
+        return self._answer

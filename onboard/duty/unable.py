@@ -1,0 +1,37 @@
+"""Why a train may not depart now although its time has come: what the way to its next stop asks of it, and what it has.
+
+Pure data, a type a reason, which `onboard.motion` finds and the duty acts on (`onboard.duty.fitness`). Another reason
+is another type here, in the union at the end, and one more examination in `onboard.ability`.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class TooSteep(msgspec.Struct, frozen=True, tag=True):
+    """The train cannot start, or would come to a stand, on a gradient of its way: it has less pull than that needs.
+
+    `gradient_permille` with its curves and as a mean over the train, whose front is at `kilometrage_m` of `piece_id`.
+    """
+
+    station: str
+    piece_id: str
+    kilometrage_m: float
+    gradient_permille: float
+    pull_n: float
+    needed_n: float
+    load_share: float
+    motors_share: float
+
+    @property
+    def words(self) -> str:
+        """What is missing, in words."""
+        return (
+            f"a pull of {self.needed_n / 1e3:.1f} kN on {self.gradient_permille:.1f} permille at km"
+            f" {self.kilometrage_m / 1e3:.3f}, {self.load_share:.0%} laden: {self.pull_n / 1e3:.1f} kN can be had with"
+            f" {self.motors_share:.0%} of the motors"
+        )
+
+
+Unable = TooSteep
