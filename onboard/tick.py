@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.board import BoardRow, SensedRow
-from onboard.driving.notches import drive, own_deceleration_mps2
+from onboard.driving.ahead import own_deceleration_mps2
+from onboard.driving.notches import drive
 from onboard.driving.stopping import hold, issued, ride_over_slide
 from onboard.driving.supervision import supervise
 from onboard.localisation.table import read_all

@@ -12,56 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.board import BoardRow
+from onboard.driving.ahead import LOOK_AHEAD_S, limit_mps, pattern_mps
 from onboard.driving.laws.power import overspeed_mps
 from onboard.driving.laws.table import ask
 from onboard.driving.stopping import stop_command_mps2
-from onboard.driving.supervision import RESERVE_M, path_index
 from onboard.driving.tasc import DesignRow
 from onboard.records import EMERGENCY_INTERVENTION, MODE_DRIVE, NO_INTERVENTION, BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
-from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.records import TrainRow
-from vehicle.resistance import resistance_n
 
-LOOK_AHEAD_S = 1.0
 BRAKE_OVERSPEED_MPS = 0.5  # between stations the brake is left alone below this
 CURVE_BAND_MPS = 0.5  # this near a falling curve the brake follows it
 INCHING_M = 0.5  # assumed: a train this near its mark comes to rest where it is
-
-
-@compiled
-def own_deceleration_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void], load_share: float) -> float:
-    """What slows the train without any brake: gradient, curves and running resistance, by the unit's own map."""
-    here = path[path_index(unit, unit.position_m)]
-    behind = path[path_index(unit, unit.position_m - train.length_m)]
-    climb_m = here.climb_m - behind.climb_m
-    gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
-    resistance = resistance_n(train, mass_kg(train, load_share), unit.speed_mps)
-    slope_mps2 = gravity_share * climb_m / train.length_m
-    return float(slope_mps2 + resistance / equivalent_mass_kg(train, load_share))
-
-
-@compiled
-def pattern_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], position_m: float) -> float:
-    """Speed to keep at a path coordinate by the limits: the driving curve, and well under the permitted speed.
-
-    That one counts from where the front may be at the furthest, so with a wide bound it is the lower.
-    """
-    furthest_m = position_m + unit.bound_ahead_m + RESERVE_M
-    permitted = path[path_index(unit, furthest_m)].permitted_mps - 2.0 * behaviour.service_margin_mps
-    return float(max(min(path[path_index(unit, position_m)].driving_mps, permitted), 0.0))
-
-
-@compiled
-def limit_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> float:
-    """Speed that driving stays under, whatever its law: the limits here and ahead, and the permitted speed."""
-    here = pattern_mps(unit, behaviour, path, unit.position_m)
-    ahead = pattern_mps(unit, behaviour, path, unit.position_m + max(unit.speed_mps * LOOK_AHEAD_S, 1.0))
-    limit = min(here, ahead)
-    limit = min(limit, unit.permitted_mps - behaviour.service_margin_mps)
-    limit = min(limit, unit.restricted_mps - behaviour.driving_margin_mps)
-    return float(max(limit, 0.0))
 
 
 @compiled

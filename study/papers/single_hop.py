@@ -17,11 +17,14 @@ from numpy.typing import NDArray
 
 from network.profile import PROFILE
 from onboard.driving.laws.cue import PLAN
+from onboard.driving.laws.table import LAWS
 from onboard.driving.pattern import pattern_of
+from onboard.driving.planner.plan import Ahead, Laid, planned
 from onboard.duty.timekeeping import cruise_for
 from onboard.records import MODE_DRIVE
 from simulation.world.kernel import Track, sample, step_one
 from simulation.world.records import TRACE, StockRow
+from simulation.world.ride import COASTS
 from study.papers.single_stop import FAR_M, Rows
 from study.papers.single_train import BEYOND_M, Bench
 from vehicle.compiled import compiled
@@ -34,8 +37,8 @@ TRIED_S: Final = 15.0  # this far to either side of the time that is asked for
 NONE_S: Final = np.inf  # running time of a train that never came to rest
 
 Floats = NDArray[np.float64]
-# Rows of PLAN on the grid of the way's path for an ordered running time, s, and a load
-Planner = Callable[["HopBench", float, float], Rows]
+# a plan on the grid of the way's path, for an ordered running time, s, and a load
+Planner = Callable[["HopBench", float, float], Laid]
 
 
 class HopRow(Protocol):
@@ -45,6 +48,7 @@ class HopRow(Protocol):
     cruise_mps: Annotated[float, "cruising speed that the unit has chosen for it"]
     plan_offset: int
     plan_rows: Annotated[int, "0: no plan"]
+    plan_due_s: Annotated[float, "when the train stands at the mark by its plan"]
     load_share: float
     gradient_off_permille: Annotated[
         float, "of the real track beyond the way's own; the unit knows nothing of it"
@@ -64,12 +68,13 @@ class HopOutcomeRow(Protocol):
     energy_traction_j: Annotated[float, "at the wire"]
     energy_regenerated_j: float
     energy_auxiliary_j: float
-    power_changes: Annotated[int, "of the notch, into, out of or between power notches"]
-    brake_changes: Annotated[int, "all others"]
-    coasting_s: Annotated[float, "moving with neither power nor brake"]
+    power_changes: Annotated[int, "counted as on the line (`simulation.world.ride`), as are the next four"]
+    brake_changes: int
+    coasting_s: float
+    jerk_max_mps3: float
+    jolt_mps2: Annotated[float, "deceleration that ends when the train comes to rest"]
     speed_max_mps: float
     deceleration_max_mps2: float
-    rest_mps2: Annotated[float, "deceleration that ends when the train comes to rest"]
     intervention: Annotated[int, "the strongest of supervision"]
     verdict: int
     events: Annotated[int, "all that the tick reported"]
@@ -96,26 +101,34 @@ def leave(row: StockRow, hop: HopRow, begin_m: float, mark_m: float) -> None:
     unit.target_stop_m, unit.stop_limit_m = mark_m, mark_m + hop.stop_limit_m
     unit.due_s, unit.cruise_mps = hop.order_s, hop.cruise_mps
     unit.plan_offset, unit.plan_rows = hop.plan_offset, hop.plan_rows
+    unit.plan_due_s = hop.plan_due_s
 
 
 @compiled
-def keep_hop(outcome: HopOutcomeRow, row: StockRow, before_notch: float, events: int) -> None:
-    """Take one more step into the outcome, `before_notch` being the notch that was given in the step before."""
+def keep_hop(outcome: HopOutcomeRow, row: StockRow, events: int) -> None:
+    """Take one more step into the outcome."""
     plant, unit = row.plant, row.board.unit
     outcome.steps += 1
     outcome.events |= events
     outcome.intervention = max(outcome.intervention, unit.intervention)
+    outcome.speed_max_mps = max(outcome.speed_max_mps, plant.speed_mps)
     if plant.speed_mps > 0.0:
-        outcome.speed_max_mps = max(outcome.speed_max_mps, plant.speed_mps)
         outcome.deceleration_max_mps2 = max(outcome.deceleration_max_mps2, -plant.acceleration_mps2)
-        outcome.rest_mps2 = -plant.acceleration_mps2
-        if unit.notch == 0.0:
-            outcome.coasting_s += row.board.behaviour.step_s
-        if unit.notch != before_notch:
-            if unit.notch > 0.0 or before_notch > 0.0:
-                outcome.power_changes += 1
-            else:
-                outcome.brake_changes += 1
+
+
+@compiled
+def end_hop(outcome: HopOutcomeRow, row: StockRow, stands: bool, mark_m: float) -> None:
+    """Take what the whole hop has come to into the outcome."""
+    plant, ride = row.plant, row.ride
+    outcome.time_s = outcome.steps * row.board.behaviour.step_s if stands else NONE_S
+    outcome.error_m = row.truth.position_m - mark_m
+    outcome.energy_traction_j = plant.energy_traction_j
+    outcome.energy_regenerated_j = plant.energy_regenerated_j
+    outcome.energy_auxiliary_j = plant.energy_auxiliary_j
+    outcome.power_changes, outcome.brake_changes = ride.power_changes, ride.brake_changes
+    outcome.coasting_s = ride.time_s[COASTS]
+    outcome.jerk_max_mps3, outcome.jolt_mps2 = ride.jerk_max_mps3, ride.jolt_mps2
+    outcome.verdict = row.board.tasc.verdict
 
 
 @compiled
@@ -138,21 +151,14 @@ def run_hop(
     leave(row, hop, begin_m, mark_m)
     moved = False
     for i in range(HOP_STEPS_MAX):
-        before_notch = row.board.unit.notch
         _, events = step_one(row, track, i + 1)
         if i < trace.shape[0]:
             sample(trace[i], row, i + 1, 0)
-        keep_hop(outcome, row, before_notch, events)
+        keep_hop(outcome, row, events)
         moved = moved or row.plant.speed_mps > 0.0
         if moved and row.plant.speed_mps <= 0.0:
             break
-    stands = moved and row.plant.speed_mps <= 0.0
-    outcome.time_s = outcome.steps * row.board.behaviour.step_s if stands else NONE_S
-    outcome.error_m = row.truth.position_m - mark_m
-    outcome.energy_traction_j = row.plant.energy_traction_j
-    outcome.energy_regenerated_j = row.plant.energy_regenerated_j
-    outcome.energy_auxiliary_j = row.plant.energy_auxiliary_j
-    outcome.verdict = row.board.tasc.verdict
+    end_hop(outcome, row, moved and row.plant.speed_mps <= 0.0, mark_m)
 
 
 @compiled
@@ -253,12 +259,34 @@ class Timed:
         return int(self.outcome["power_changes"] + self.outcome["brake_changes"])
 
 
+def own_plan(bench: HopBench, order_s: float, load_share: float) -> Laid:
+    """The plan that the unit lays for itself at a departure, on its own map."""
+    return planned(
+        Ahead(
+            bench.train,
+            load_share,
+            np.ascontiguousarray(bench.pattern["climb_m"]),
+            np.ascontiguousarray(bench.pattern["driving_mps"]),
+            bench.begin_m,
+            bench.mark_m,
+            0.0,
+            float(bench.behaviour.stop_deceleration_mps2),
+            order_s,
+        )
+    )
+
+
 class HopBench:
     """A bench's train on one way: makes as many hops as are asked for, in one compiled call."""
 
     def __init__(self, bench: Bench, way: Way, planner: Planner | None = None) -> None:
-        """`planner` lays a plan for each hop, for laws that follow one."""
-        self.bench, self.way, self.planner = bench, way, planner
+        """`planner` lays a plan for each hop; if left out, the unit's own does for laws that follow one.
+
+        No law plans anew on its way: nothing here comes upon it that a plan has not taken in.
+        """
+        self.bench, self.way = bench, way
+        law = LAWS[int(bench.prepared.view(np.recarray)[0].board.laws.number)]
+        self.planner = own_plan if planner is None and law.plans else planner
         self.begin_m = bench.begin_m
         self.mark_m = self.begin_m + way.length_m
         row = bench.prepared.view(np.recarray)[0]
@@ -271,6 +299,7 @@ class HopBench:
         self.profile = np.zeros(limit_mps.size, dtype=PROFILE)
         self.profile["limit_mps"] = limit_mps
         self._cruise: dict[tuple[float, float], float] = {}
+        self._laid: dict[tuple[float, float], Laid] = {}
 
     def cruise_mps(self, order_s: float, load_share: float = 0.0) -> float:
         """The cruising speed that the unit chooses for an ordered running time, as at a departure on the line."""
@@ -293,15 +322,19 @@ class HopBench:
 
         The unit chooses its cruising speed for each order, and the planner, if there is one, lays its plan.
         """
-        plans: list[Rows] = []
+        laid: list[Laid] = []
         for index, hop in enumerate(hops):
             order_s, load_share = float(hop["order_s"]), float(hop["load_share"])
             hops["cruise_mps"][index] = self.cruise_mps(order_s, load_share)
             if self.planner is not None:
-                plans.append(self.planner(self, order_s, load_share))
-                hops["plan_offset"][index] = sum(plan.size for plan in plans[:-1])
-                hops["plan_rows"][index] = plans[-1].size
-        plan = np.concatenate(plans) if plans else np.zeros(0, dtype=PLAN)
+                key = (order_s, load_share)
+                if key not in self._laid:
+                    self._laid[key] = self.planner(self, order_s, load_share)
+                hops["plan_offset"][index] = sum(plan.rows.size for plan in laid)
+                laid.append(self._laid[key])
+                hops["plan_rows"][index] = laid[-1].rows.size
+                hops["plan_due_s"][index] = laid[-1].running_time_s
+        plan = np.concatenate([plan.rows for plan in laid]) if laid else np.zeros(0, dtype=PLAN)
         track = Track(self.profile, self.pattern, plan, np.zeros(0))
         row = self.bench.prepared.view(np.recarray)[0]
         row.board.unit.path_rows, row.truth.profile_rows = self.pattern.size, self.profile.size

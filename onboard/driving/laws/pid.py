@@ -42,20 +42,18 @@ class Pid(Record):
     integral_gain_per_s2: Annotated[
         IntegralGain, about("the same for the sum of what it was off; 0: no integral", TUNED)
     ] = 0.1
-    derivative_gain: Annotated[
-        DerivativeGain, about("the same for its change; 0: no derivative", TUNED)
-    ] = 0.8
+    derivative_gain: Annotated[DerivativeGain, about("the same for its change; 0: no derivative", TUNED)] = (
+        0.8
+    )
     derivative_lag_s: Annotated[
         Lag, about("time constant of the change's smoothing", "assumed: three readings of the tachometer")
     ] = 0.3
-    integral_band_mps: Annotated[
-        SpeedMarginMps,
-        about("further off the pattern nothing is summed", "assumed: 5 km/h, so that a start winds nothing up"),
-    ] = 5.0 / 3.6
     brake_above_mps: Annotated[
         SpeedMarginMps,
-        about("no brake at a constant target until it is passed by this", "assumed: 2 km/h, usual in ATO"),
-    ] = 2.0 / 3.6
+        about(
+            "no brake at a constant target until it is passed by this", "assumed: 1.8 km/h, as for every law"
+        ),
+    ] = 0.5
     dead_band_mps2: Annotated[
         AccelerationBand,
         about("a notch is kept while what it gives is this near the demand", "assumed: half a brake notch"),
@@ -72,7 +70,6 @@ class PidRow(Protocol):
     integral_gain_per_s2: float
     derivative_gain: float
     derivative_lag_s: float
-    integral_band_mps: float
     brake_above_mps: float
     dead_band_mps2: float
     notch_hold_s: float
@@ -108,10 +105,9 @@ def pid(
     most_mps2 = full_force_n(train, cue.load_share, unit.speed_mps) / inertia_kg
     least_mps2 = -service_target_mps2(train, -train.brake_notches)
     leaves_brake = not stops and demand_mps2 < 0.0 and own.error_mps > -own.brake_above_mps
-    # No winding up: not beyond what the train can or may give, and not on the way to a far target.
-    if not leaves_brake and least_mps2 < demand_mps2 < most_mps2:
-        if abs(own.error_mps) < own.integral_band_mps:
-            own.integral_m += own.error_mps * behaviour.step_s
+    # No winding up: nothing is summed while the train cannot, or may not, give what is asked for.
+    if least_mps2 < demand_mps2 < most_mps2 and not leaves_brake:
+        own.integral_m += own.error_mps * behaviour.step_s
     if leaves_brake:
         demand_mps2 = 0.0
     own.wanted_mps2 = min(max(demand_mps2, least_mps2), most_mps2)
@@ -120,7 +116,7 @@ def pid(
 
 @compiled
 def feed_back(own: PidRow, unit: UnitRow, error_mps: float, stops: int, step_s: float) -> None:
-    """Take up what the speed is off the pattern now; at a stand and where the stop pattern takes over all begins anew."""
+    """Take up what the speed is off the pattern now; at a stand, and where the pattern changes, all begins anew."""
     if unit.speed_mps == 0.0 or stops != own.stops:
         own.stops = stops
         own.integral_m = own.change_mps2 = 0.0

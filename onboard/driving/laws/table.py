@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
+from onboard.driving.laws.fuzzy_records import PredictiveFuzzy, PredictiveFuzzyRow
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
 from onboard.driving.laws.optimal import Optimal, OptimalRow, optimal
 from onboard.driving.laws.pid import Pid, PidRow, pid
+from onboard.driving.laws.predictive_fuzzy import predictive_fuzzy
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled_lines
 from vehicle.record import dtype_of
@@ -54,6 +56,7 @@ LAWS: Final = (
     Law(follow_plan, FollowPlanRow, FollowPlan),
     Law(optimal, OptimalRow, Optimal, plans=True),
     Law(pid, PidRow, Pid, stops=True),
+    Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
+from onboard.driving.planner.plan import Laid
 from onboard.records import NO_INTERVENTION
 from study.papers.single_hop import (
     HopBench,
-    Rows,
     Way,
     new_hops,
     one_gradient,
@@ -52,9 +52,8 @@ def test_the_trace_is_the_run(course: HopBench) -> None:
     trace = course.traced(found)
     assert trace.size * 0.1 == pytest.approx(float(found.outcome["time_s"]))
     assert trace["position_m"][-1] == pytest.approx(HOP_M + float(found.outcome["error_m"]))
-    moving = trace[:-1]
-    changes = np.diff(moving["notch"], prepend=0.0) != 0.0
-    assert changes[moving["speed_mps"] > 0.0].sum() == found.notch_changes
+    power = np.maximum(trace["notch"], 0.0)
+    assert (np.diff(power, prepend=0.0) != 0.0).sum() == found.outcome["power_changes"]
     assert trace["speed_mps"].max() == found.outcome["speed_max_mps"]
 
 
@@ -96,12 +95,12 @@ def test_limits_on_the_way_are_kept() -> None:
 def test_a_planner_lays_a_plan_for_every_hop() -> None:
     """Each hop has its own: coasting from where its order says."""
 
-    def planner(course: HopBench, order_s: float, _load_share: float) -> Rows:
+    def planner(course: HopBench, order_s: float, _load_share: float) -> Laid:
         plan = np.zeros(course.pattern.size, dtype=PLAN)
         plan["speed_mps"], plan["mode"] = 16.0, PLAN_HOLD
         plan["mode"][int(course.begin_m + 4.0 * order_s) :] = PLAN_COAST
         plan["time_left_s"] = -1000.0  # never late
-        return plan
+        return Laid(plan, order_s)
 
     course = HopBench(paper_bench("follow_plan"), one_gradient(HOP_M), planner)
     outcomes, _ = course.run(new_hops([100.0, 150.0]))

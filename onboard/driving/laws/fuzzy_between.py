@@ -1,0 +1,171 @@
+"""Rules C-1 to C-5: between stations (駅間走行制御, CSC). Yasunobu, Miyamoto and Ihara, 4.1 and 5.2."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard.driving.ahead import LOOK_AHEAD_S, pattern_mps
+from onboard.driving.laws.cue import CueRow
+from onboard.driving.laws.fuzzy_choice import (
+    STEPS_AT_ONCE,
+    SURE,
+    begin_choice,
+    changed_by,
+    comfort,
+    half_way,
+    offer,
+    weaker,
+)
+from onboard.driving.laws.fuzzy_model import STEP_S, run_on
+from onboard.driving.laws.fuzzy_records import PredictiveFuzzyRow, Premise, Rule
+from onboard.driving.laws.fuzzy_sets import dangerous, runs_exactly, runs_slowly, runs_well, safe, saves
+from onboard.driving.supervision import RESERVE_M, path_index
+from onboard.records import BehaviourRow, UnitRow
+from vehicle.compiled import compiled
+from vehicle.records import TrainRow
+
+C_1, C_2, C_3 = int(Rule.C_1), int(Rule.C_2), int(Rule.C_3)
+C_4, C_5 = int(Rule.C_4), int(Rule.C_5)
+SAFETY, COMFORT = int(Premise.SAFETY), int(Premise.COMFORT)
+ENERGY, SPEED = int(Premise.ENERGY), int(Premise.SPEED)
+LEAST_TARGET_MPS: Final = 0.5  # no margin makes a train stand between stations
+
+
+@compiled
+def limit_in_s(
+    own: PredictiveFuzzyRow, unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]
+) -> float:
+    """t_s: until the present speed is above what is permitted, s; negative: what the brake needs to be under it.
+
+    The paper's X_d is where a lower limit begins; the permitted speed falls towards it by the guaranteed brake.
+    """
+    speed = unit.train_mps
+    permitted = min(unit.permitted_mps, unit.restricted_mps)
+    if speed > permitted:
+        return (permitted - speed) / behaviour.stop_deceleration_mps2
+    if speed <= 0.0:
+        return np.inf
+    furthest_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
+    for metre in range(1, int(speed * own.safe_s) + 2):
+        if path[path_index(unit, furthest_m + metre)].permitted_mps < speed:
+            return metre / speed
+    return np.inf
+
+
+@compiled
+def target_mps(
+    own: PredictiveFuzzyRow,
+    unit: UnitRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+    position_m: float,
+    speed_mps: float,
+) -> float:
+    """V_t where the train is predicted to be: a little less than limits leave there, and than it means to hold."""
+    here = pattern_mps(unit, behaviour, path, position_m)
+    ahead = pattern_mps(unit, behaviour, path, position_m + max(speed_mps * LOOK_AHEAD_S, 1.0))
+    limit = min(here, ahead, unit.restricted_mps - behaviour.driving_margin_mps)
+    return max(min(limit - own.target_margin_mps, own.hold_mps), LEAST_TARGET_MPS)
+
+
+@compiled
+def speed_off(
+    own: PredictiveFuzzyRow,
+    cue: CueRow,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+    notch: float,
+) -> tuple[float, float]:
+    """V_p(N) and its V_t, m/s."""
+    steps = max(int(own.foresight_s / STEP_S + 0.5), 1)
+    speed, position, _ = run_on(own, cue, unit, train, path, notch, steps, False)
+    return speed, target_mps(own, unit, behaviour, path, position, speed)
+
+
+@compiled
+def energy_grade(
+    own: PredictiveFuzzyRow,
+    cue: CueRow,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+) -> float:
+    """ES: that coasting keeps the time, and that it does not become too fast by it (a descent)."""
+    if own.coasts == 0:
+        return 0.0
+    grade = saves(unit.position_m, own.coast_to_m, own.energy_m)
+    speed, target = speed_off(own, cue, unit, train, behaviour, path, 0.0)
+    if speed > target + own.allowed_mps:
+        return 0.0
+    if grade < 0.5:
+        own.coasts = 0
+    return grade
+
+
+@compiled
+def choose_between(
+    own: PredictiveFuzzyRow,
+    cue: CueRow,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+) -> None:
+    """Try C-1 to C-5; what wins is in `best_rule` and `best_notch`."""
+    begin_choice(own, unit.notch)
+    in_s = limit_in_s(own, unit, behaviour, path)
+    is_safe = safe(in_s, own.safe_s)
+    if own.c_1 == 1:
+        offer(own, C_1, half_way(train, unit.notch), dangerous(in_s, own.safe_s), SAFETY)
+    if own.c_2 == 1:
+        grade, premise = weaker(is_safe, SAFETY, comfort(own, unit.notch, 0.0), COMFORT)
+        saving = energy_grade(own, cue, unit, train, behaviour, path)
+        grade, premise = weaker(grade, premise, saving, ENERGY)
+        offer(own, C_2, 0.0, grade, premise)
+    if own.best_grade >= SURE:
+        return
+    full = train.power_notches
+    if own.c_3 == 1:
+        grade, premise = weaker(is_safe, SAFETY, comfort(own, unit.notch, full), COMFORT)
+        speed, target = speed_off(own, cue, unit, train, behaviour, path, full)
+        grade, premise = weaker(grade, premise, runs_slowly(speed, target), SPEED)
+        offer(own, C_3, full, grade, premise)
+    if own.c_4 == 1:
+        speed, target = speed_off(own, cue, unit, train, behaviour, path, unit.notch)
+        well = runs_well(speed, target, own.allowed_mps)
+        grade, premise = weaker(is_safe, SAFETY, well, SPEED)
+        offer(own, C_4, unit.notch, grade, premise)
+    if own.c_5 == 0 or own.best_grade >= SURE:
+        return
+    try_speeds(own, cue, unit, train, behaviour, path, is_safe)
+
+
+@compiled
+def try_speeds(
+    own: PredictiveFuzzyRow,
+    cue: CueRow,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+    is_safe: float,
+) -> None:
+    """C-5: of the notches within n steps, the one that meets the target most exactly."""
+    best, exact = unit.notch, 0.0
+    for n in range(-STEPS_AT_ONCE, STEPS_AT_ONCE + 1):
+        candidate = changed_by(train, unit.notch, n)
+        if n == 0 or candidate == unit.notch:
+            continue
+        speed, target = speed_off(own, cue, unit, train, behaviour, path, candidate)
+        grade = runs_exactly(speed, target, own.allowed_mps)
+        if grade > exact:
+            best, exact = candidate, grade
+    grade, premise = weaker(is_safe, SAFETY, comfort(own, unit.notch, best), COMFORT)
+    grade, premise = weaker(grade, premise, exact, SPEED)
+    offer(own, C_5, best, grade, premise)
