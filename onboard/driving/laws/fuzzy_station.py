@@ -76,6 +76,8 @@ def choose_at_station(
         offer(own, T_2_1, 0.0, free, RUNNING_TIME)
         return train.power_notches
     brakes = unit.notch < 0.0 or own.stops == 1
+    if own.stops == 1:
+        begun = 1.0  # B地点を過ぎ: it has been passed, also where the brake has since taken off more than planned
     if own.t_1 == 1 and brakes:
         miss_m = stops_at_m(own, cue, unit, train, path, min(unit.notch, 0.0)) - mark_m
         allowed_m = max(own.stop_allowed_m, own.stop_allowed_share * (mark_m - unit.position_m))
