@@ -23,6 +23,7 @@ from study.report.data import Run as RunSeen
 from study.report.hop import write_hop
 from study.run.driving import read_hops
 from study.run.run import CarrierKind, Link, Run, execute
+from study.scenario.law_choice import driven_by
 from study.scenario.scenario import Scenario, load_scenario
 
 SCENARIO: Final = "karasuyama_weekday"
@@ -88,9 +89,7 @@ def drive(scenario: Scenario, law: str, time_margin_s: float) -> Run:
     """The scenario's day with every stock driven by one law that aims to arrive so much before the time."""
     setup = scenario.setup
     unit = setup.unit.model_copy(update={"time_margin_s": time_margin_s})
-    driving = setup.driving.model_copy(update={"law": law, "law_of": {}})
-    laws = dict.fromkeys(setup.trains, law)
-    changed = replace(setup, unit=unit, driving=driving, laws=laws)
+    changed = replace(driven_by(setup, law), unit=unit)
     return execute(replace(scenario, setup=changed), Link.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
