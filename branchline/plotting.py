@@ -27,7 +27,8 @@ def plot(
         str | None, typer.Option("--format", help="png, svg or csv; default by --out, else png.")
     ] = None,
     beside: Annotated[
-        list[Path] | None, typer.Option("--with", help="Another run directory, shown with it; may be repeated.")
+        list[Path] | None,
+        typer.Option("--with", help="Another run directory, shown with it; may be repeated."),
     ] = None,
     lang: Annotated[str, typer.Option("--lang", help="en or ja.")] = "en",
     out: Annotated[

@@ -16,14 +16,17 @@ from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train, lowered_by
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.measures.driving import JOULE_PER_KWH, DrivenHop
+from study.measures.driving import DrivenHop
 from study.measures.running_times import Hop, planned_hops
+from study.run.energy_parts import JOULE_PER_KWH
 from vehicle.optimum import Course, least_energy, least_time
 from vehicle.optimum.bound import lower_bound_j
 from vehicle.resistance import climb_m
 from vehicle.train_file import Receiver
 
-JUST_POSSIBLE: Final = 1.005  # of the least time: faster trains count as this fast, which only lowers their bound
+JUST_POSSIBLE: Final = (
+    1.005  # of the least time: faster trains count as this fast, which only lowers their bound
+)
 Key = tuple[str, str, str]  # train, from, to
 
 

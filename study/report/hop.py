@@ -75,7 +75,9 @@ def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
     low_m, high_m = _extent_m(driven)
     speed.set_xlim(*((low_m, high_m) if direction is Direction.DOWN else (high_m, low_m)))
     breaks_m, limit_mps = limits_mps(run.line, alignment, direction)
-    speed.step(breaks_m, limit_mps * KMH_PER_MPS, where="post", color=INK, lw=0.9, label="speed limit of the line")
+    speed.step(
+        breaks_m, limit_mps * KMH_PER_MPS, where="post", color=INK, lw=0.9, label="speed limit of the line"
+    )
     for index, (one, strip) in enumerate(zip(driven, strips, strict=True)):
         colour = UNIT_COLOURS[index % len(UNIT_COLOURS)]
         at_m = one.samples["kilometrage_m"].to_numpy()
@@ -98,9 +100,10 @@ def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
 
 def _extent_m(driven: Sequence[Driving]) -> tuple[float, float]:
     """Lowest and highest kilometrage, with a little room at both ends."""
-    ends_m = [float(end) for one in driven for end in (one.samples["kilometrage_m"].min(), one.samples["kilometrage_m"].max())]  # type: ignore[arg-type]
-    room_m = max(0.015 * (max(ends_m) - min(ends_m)), 1.0)
-    return min(ends_m) - room_m, max(ends_m) + room_m
+    ends_m = np.concatenate([one.samples["kilometrage_m"].to_numpy() for one in driven])
+    low_m, high_m = float(ends_m.min()), float(ends_m.max())
+    room_m = max(0.015 * (high_m - low_m), 1.0)
+    return low_m - room_m, high_m + room_m
 
 
 def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
@@ -113,20 +116,24 @@ def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
     axes.tick_params(axis="y", labelsize=6)
     axes.spines[:].set_color(RULE)
-    axes.set_ylabel(one.label, rotation=0, ha="right", va="center", fontsize=7, color=colour)
     hop = one.hop
     changes = f"{hop.power_changes} power,\n{hop.brake_changes} brake"
-    axes.annotate(
-        changes,
-        (1.0, 0.5),
-        xycoords="axes fraction",
-        xytext=(4, 0),
-        textcoords="offset points",
-        ha="left",
-        va="center",
-        fontsize=6.5,
-        annotation_clip=False,
-    )
+    for text, at, aside_pt, place, colour_of, size_pt in (
+        (one.label, (0.0, 0.5), -24, "right", colour, 7.0),
+        (changes, (1.0, 0.5), 4, "left", INK, 6.5),
+    ):
+        axes.annotate(
+            text,
+            at,
+            xycoords="axes fraction",
+            xytext=(aside_pt, 0),
+            textcoords="offset points",
+            ha=place,
+            va="center",
+            fontsize=size_pt,
+            color=colour_of,
+            annotation_clip=False,
+        )
 
 
 def write_hop(runs: Sequence[Run], which: tuple[str, str], folder: Path) -> tuple[Path, ...]:
