@@ -66,6 +66,11 @@ class HopLeast:
     bound_kwh: float
     flat_out: bool
 
+    @property
+    def key(self) -> Key:
+        """What names the hop of the timetable."""
+        return self.train, self.from_station, self.to_station
+
 
 @dataclass(frozen=True, slots=True)
 class Least:
