@@ -21,6 +21,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "stop-window": "study.papers.stop_window",
     "sugiyama-table5": "study.papers.sugiyama_table5",
     "sugiyama-tags": "study.papers.sugiyama_tags",
+    "ttobench": "study.papers.ttobench",
     "yasunobu-energy": "study.papers.yasunobu_energy",
 }
 
@@ -106,6 +107,7 @@ class Options:
     seed: int = 1
     link: str = "simulated"
     out: str | None = None
+    data: str | None = None  # where reference data of others lies, see `reference_data`
     quick: bool = False  # a short slice for CI; says so in its remarks
 
 

@@ -148,6 +148,8 @@ def kink_terms(
     s0: float, s1: float, y0: float, y1: float, cost: float, x: float, weight: float
 ) -> tuple[float, float]:
     """Slope and curvature by x that cost * max(x, 0) leaves when its own unknown is eliminated."""
+    if cost <= 0.0:
+        return 0.0, 0.0
     d0, d1 = y0 / s0, y1 / s1
     t1 = (weight - y1 * (s0 - x - s1)) / s1
     both = d0 + d1
@@ -323,6 +325,9 @@ def moved(
         for k in range(2):
             j = 2 * k
             value, change, cost = (x.f, df, kink) if k == 0 else (-x.f - x.elec, -df - de, mesh.regenerated)
+            ds[i, j] = ds[i, j + 1] = 0.0
+            if cost <= 0.0:
+                continue
             d0, d1 = y[i, j] / s[i, j], y[i, j + 1] / s[i, j + 1]
             off = s[i, j] - value - s[i, j + 1]
             t1 = (weight - y[i, j + 1] * off) / s[i, j + 1]
