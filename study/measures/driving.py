@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
-from typing import Final
 
 from simulation.result import EnergyRecord, Phase
 from simulation.world.ride import BRAKES, COASTS, CRUISES, Ride, together
