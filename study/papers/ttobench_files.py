@@ -203,6 +203,22 @@ def read_train(file: Path) -> BenchTrain:
     )
 
 
+def read_tracks(folder: Path) -> dict[str, Track]:
+    """Every track of a folder by its id. Raises InputError."""
+    tracks = [read_track(file) for file in sorted(folder.glob("*.json"))]
+    if not tracks:
+        raise InputError(str(folder), "", None, "tracks, a JSON file each")
+    return {track.id: track for track in tracks}
+
+
+def read_trains(folder: Path) -> dict[str, BenchTrain]:
+    """Every train of a folder by its id. Raises InputError."""
+    trains = [read_train(file) for file in sorted(folder.glob("*.json"))]
+    if not trains:
+        raise InputError(str(folder), "", None, "trains, a JSON file each")
+    return {train.id: train for train in trains}
+
+
 def course_of(
     track: Track,
     train: BenchTrain,

