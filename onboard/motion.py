@@ -180,7 +180,7 @@ class Motion:
         row.path_offset, row.path_rows = path.offset, len(path.rows)
         self._pace.take_up(path.rows)
         row.mode = MODE_HOLD
-        row.target_stop_m = row.position_m
+        row.target_stop_m = row.mark_m = row.position_m
         self._expect_tag()
 
     def taken_plan(self) -> Laid | None:
@@ -418,7 +418,7 @@ class Motion:
             marks_m = [t.mark_m for t in mission.targets if t.mark_m > row.position_m + 1.0]
             aim_m = min(marks_m, default=math.inf)
         if aim_m != row.target_stop_m:
-            row.target_stop_m = aim_m
+            row.target_stop_m = row.mark_m = aim_m
             row.braking_to_stop = 0
         may_run = command.drive and row.intervention != EMERGENCY_INTERVENTION
         row.mode = MODE_DRIVE if may_run else MODE_HOLD
@@ -434,7 +434,7 @@ class Motion:
         if Order.DEPART in command.orders:
             row.braking_to_stop = 0
         if Order.DEPART in command.orders or Order.RESUME in command.orders:
-            row.target_stop_m = row.position_m
+            row.target_stop_m = row.mark_m = row.position_m
         if command.target is not None:
             there = mission.targets[command.target]
             anew = self._found or self._off_plan or self._pace.passed_by(there)
@@ -454,4 +454,4 @@ class Motion:
         aim_m = aim_within(mark_m, limit_m, self._parameters.standoff_m)
         if aim_m > row.target_stop_m + 0.01:
             row.braking_to_stop = 0
-        row.target_stop_m = aim_m
+        row.target_stop_m, row.mark_m = aim_m, mark_m

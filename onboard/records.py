@@ -62,6 +62,7 @@ class UnitRow(Protocol):
     # driving
     mode: int
     target_stop_m: Annotated[float, "where the front is to stop"]
+    mark_m: Annotated[float, "the mark itself: further than `target_stop_m` while the stop limit lies before it"]
     due_s: Annotated[float, "when it should be there, since midnight; +inf: no matter when"]
     cruise_mps: float
     replan_s: Annotated[float, "off its plan by more than this a train asks for another; +inf: it has asked"]

@@ -236,7 +236,6 @@ WHEEL_FACTOR: Final = Quantity(
     "factor of a wheel", "", ((0.9, 1.1),), "a new wheel of 860 mm against one worn to 780 mm, either way"
 )
 SLOWNESS: Final = Quantity("factor of a throw", "", ((1.0, 100.0),), "assumed: a hundred times as slow")
-SPEED_FACTOR: Final = Quantity("factor on a speed", "", ((1.0, 10.0),), "assumed: more holds nothing back")
 READING_FACTOR: Final = Quantity("factor of a reading", "", ((0.0, 10.0),), "assumed: ten times too much")
 BIT_ERROR_FACTOR: Final = Quantity(
     "factor of bit errors", "", ((0.0, 10_000.0),), "assumed: from Sugiyama, table 7, to nearly every bit"
@@ -326,7 +325,6 @@ Sigma = Annotated[float, SIGMA]
 BrakeFactor = Annotated[float, BRAKE_FACTOR]
 WheelFactor = Annotated[float, WHEEL_FACTOR]
 Slowness = Annotated[float, SLOWNESS]
-SpeedFactor = Annotated[float, SPEED_FACTOR]
 ReadingFactor = Annotated[float, READING_FACTOR]
 BitErrorFactor = Annotated[float, BIT_ERROR_FACTOR]
 Stretch = Annotated[float, STRETCH]

@@ -58,16 +58,17 @@ def limit_in_s(
 @compiled
 def target_mps(
     own: PredictiveFuzzyRow,
+    cue: CueRow,
     unit: UnitRow,
     behaviour: BehaviourRow,
     path: NDArray[np.void],
     position_m: float,
     speed_mps: float,
 ) -> float:
-    """V_t where the train is predicted to be: a little less than limits leave there, and than it means to hold."""
+    """V_t where the train is predicted to be: a little less than limits leave here and there, or what it holds."""
     here = pattern_mps(unit, behaviour, path, position_m)
     ahead = pattern_mps(unit, behaviour, path, position_m + max(speed_mps * LOOK_AHEAD_S, 1.0))
-    limit = min(here, ahead, unit.restricted_mps - behaviour.driving_margin_mps)
+    limit = min(here, ahead, cue.limit_mps)
     return max(min(limit - own.target_margin_mps, own.hold_mps), LEAST_TARGET_MPS)
 
 
@@ -84,7 +85,7 @@ def speed_off(
     """V_p(N) and its V_t, m/s."""
     steps = max(int(own.foresight_s / STEP_S + 0.5), 1)
     speed, position, _ = run_on(own, cue, unit, train, path, notch, steps, False)
-    return speed, target_mps(own, unit, behaviour, path, position, speed)
+    return speed, target_mps(own, cue, unit, behaviour, path, position, speed)
 
 
 @compiled
@@ -96,16 +97,19 @@ def energy_grade(
     behaviour: BehaviourRow,
     path: NDArray[np.void],
 ) -> float:
-    """ES: that coasting keeps the time, and that it does not become too fast by it (a descent)."""
+    """ES: that coasting keeps the time. Where the train would become too fast by it (a descent), there is none to save.
+
+    That lasts until coasting would leave it well below its target, so that a brake is not taken and left in turn.
+    """
     if own.coasts == 0:
+        own.descends = 0
         return 0.0
     grade = saves(unit.position_m, own.coast_to_m, own.energy_m)
-    speed, target = speed_off(own, cue, unit, train, behaviour, path, 0.0)
-    if speed > target + own.allowed_mps:
-        return 0.0
     if grade < 0.5:
         own.coasts = 0
-    return grade
+    speed, target = speed_off(own, cue, unit, train, behaviour, path, 0.0)
+    own.descends = 1 if speed > target + (0.5 - own.descends) * 2.0 * own.allowed_mps else 0
+    return 0.0 if own.descends == 1 else grade
 
 
 @compiled
@@ -124,7 +128,7 @@ def choose_between(
     if own.c_1 == 1:
         offer(own, C_1, half_way(train, unit.notch), dangerous(in_s, own.safe_s), SAFETY)
     if own.c_2 == 1:
-        grade, premise = weaker(is_safe, SAFETY, comfort(own, unit.notch, 0.0), COMFORT)
+        grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, 0.0), COMFORT)
         saving = energy_grade(own, cue, unit, train, behaviour, path)
         grade, premise = weaker(grade, premise, saving, ENERGY)
         offer(own, C_2, 0.0, grade, premise)
@@ -132,7 +136,7 @@ def choose_between(
         return
     full = train.power_notches
     if own.c_3 == 1:
-        grade, premise = weaker(is_safe, SAFETY, comfort(own, unit.notch, full), COMFORT)
+        grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, full), COMFORT)
         speed, target = speed_off(own, cue, unit, train, behaviour, path, full)
         grade, premise = weaker(grade, premise, runs_slowly(speed, target), SPEED)
         offer(own, C_3, full, grade, premise)
@@ -156,16 +160,16 @@ def try_speeds(
     path: NDArray[np.void],
     is_safe: float,
 ) -> None:
-    """C-5: of the notches within n steps, the one that meets the target most exactly."""
-    best, exact = unit.notch, 0.0
+    """C-5: the notch within n steps that meets the target exactly; where comfort decides, the more exact one."""
+    best, best_grade, best_premise, best_exact = unit.notch, 0.0, SPEED, 0.0
     for n in range(-STEPS_AT_ONCE, STEPS_AT_ONCE + 1):
         candidate = changed_by(train, unit.notch, n)
         if n == 0 or candidate == unit.notch:
             continue
         speed, target = speed_off(own, cue, unit, train, behaviour, path, candidate)
-        grade = runs_exactly(speed, target, own.allowed_mps)
-        if grade > exact:
-            best, exact = candidate, grade
-    grade, premise = weaker(is_safe, SAFETY, comfort(own, unit.notch, best), COMFORT)
-    grade, premise = weaker(grade, premise, exact, SPEED)
-    offer(own, C_5, best, grade, premise)
+        exact = runs_exactly(speed, target, own.allowed_mps)
+        grade, premise = weaker(is_safe, SAFETY, comfort(own, train, unit.notch, candidate), COMFORT)
+        grade, premise = weaker(grade, premise, exact, SPEED)
+        if grade > best_grade or (grade == best_grade and exact > best_exact):
+            best, best_grade, best_premise, best_exact = candidate, grade, premise, exact
+    offer(own, C_5, best, best_grade, best_premise)

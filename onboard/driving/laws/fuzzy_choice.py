@@ -55,11 +55,15 @@ def half_way(train: TrainRow, notch: float) -> float:
 
 
 @compiled
-def comfort(own: PredictiveFuzzyRow, notch: float, candidate: float) -> float:
-    """CG of a candidate: one that changes nothing is comfortable."""
-    if candidate == notch or own.changed <= 0.0:
+def comfort(own: PredictiveFuzzyRow, train: TrainRow, notch: float, candidate: float) -> float:
+    """CG of a candidate: of the last change and of the one that it would be, the greater counts.
+
+    One that changes nothing is comfortable.
+    """
+    if candidate == notch:
         return 1.0
-    return comfortable(own.held_s, own.changed, own.half_comfort_s)
+    change = abs(steps_of(train, candidate) - steps_of(train, notch))
+    return comfortable(own.held_s, max(own.changed, change), own.half_comfort_s)
 
 
 @compiled

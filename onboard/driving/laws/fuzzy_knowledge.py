@@ -18,7 +18,9 @@ from onboard.driving.laws.fuzzy_model import STEP_S, run_on
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzyRow
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
+from vehicle.mass import equivalent_mass_kg, mass_kg
 from vehicle.records import TrainRow
+from vehicle.resistance import resistance_n
 from vehicle.response import dead_time_steps
 
 GRID_M: Final = 10.0  # pieces of a coast,
@@ -70,6 +72,31 @@ def coast(
         if left_m < 0.5:
             return time + cue.reaction_s + speed / brake_mps2, added, position
     return np.inf, np.inf, position
+
+
+@compiled
+def hold_mps(
+    own: PredictiveFuzzyRow,
+    cue: CueRow,
+    unit: UnitRow,
+    train: TrainRow,
+    mark_m: float,
+) -> float:
+    """Speed to hold so that coasting from it, where that is of use, brings the train to the mark in its time, m/s.
+
+    The cruising speed V takes it there without coasting. A coast of s from V to uV, slowed evenly as on the level,
+    takes (1 - u)/(1 + u) s/V longer than holding V, which holding more makes good; s is the whole way at the most.
+    """
+    cruise = unit.cruise_mps
+    way_m = mark_m - unit.position_m
+    if own.c_2 == 0 or not np.isfinite(cue.due_s) or not np.isfinite(cruise) or way_m <= 0.0:
+        return cruise
+    share = own.coast_share
+    mass = mass_kg(train, cue.load_share)
+    resistance = resistance_n(train, mass, cruise * (1.0 + share) / 2.0)
+    slowed = resistance / equivalent_mass_kg(train, cue.load_share)
+    coast_m = min((1.0 - share * share) * cruise * cruise / (2.0 * slowed), way_m)
+    return cruise * (1.0 + (1.0 - share) / (1.0 + share) * coast_m / way_m)
 
 
 @compiled

@@ -6,7 +6,7 @@ from enum import IntEnum
 from typing import Annotated, Final, Protocol
 
 from network.files.kinds import about
-from network.files.quantities import Distance, Reaction, Share, ShareAbove0, SpeedFactor, SpeedMarginMps, Wait
+from network.files.quantities import Distance, Reaction, Share, ShareAbove0, SpeedMarginMps, Wait
 from network.files.toml_input import Record
 
 
@@ -94,13 +94,13 @@ class PredictiveFuzzy(Record):
         Reaction,
         about("speeds are predicted this far ahead", "assumed: machinery answers within one, and three to act"),
     ] = 4.0
-    cruise_share: Annotated[
-        SpeedFactor,
+    coast_share: Annotated[
+        ShareAbove0,
         about(
-            "a train that is to coast holds at most this many times its cruising speed",
-            "assumed: from there to a third of it by coasting, the mean is the cruising speed",
+            "a long coast is meant to end at this share of the speed held before it",
+            "assumed: on the level the best is where holding and coasting cost alike, about half",
         ),
-    ] = 1.5
+    ] = 0.5
     coast_least_share: Annotated[
         ShareAbove0,
         about("and coasts down to this share of what it holds", "assumed: slower, it hinders what follows"),
@@ -135,7 +135,7 @@ class PredictiveFuzzyRow(Protocol):
     stop_allowed_m: float
     stop_allowed_share: float
     foresight_s: float
-    cruise_share: float
+    coast_share: float
     coast_least_share: float
     estimates: int
     estimate_s: float
@@ -160,9 +160,11 @@ class PredictiveFuzzyRow(Protocol):
     held_s: Annotated[float, "t_c: since the last change of notch"]
     changed: Annotated[float, "N_c: by so many steps"]
     # the hop
+    cruise_mps: Annotated[float, "for which that was worked out"]
     hold_mps: Annotated[float, "speed to hold, limits apart"]
     coasts: Annotated[int, "1: coasting from here to the brake keeps the time, or did when it began"]
     coast_to_m: Annotated[float, "X_k"]
+    descends: Annotated[int, "1: coasting would become too fast"]
     look_s: Annotated[float, "when that is looked at next"]
     stops: Annotated[int, "1: the brake for the stop has begun"]
     # the rule that is winning while rules are tried, and those of the last tick

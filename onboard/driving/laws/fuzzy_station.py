@@ -84,11 +84,11 @@ def choose_at_station(
         grade, premise = weaker(begun, RUNNING_TIME, stops_well(miss_m, allowed_m), ACCURACY)
         offer(own, T_1, min(unit.notch, 0.0), grade, premise)
     if own.t_2_1 == 1 and own.stops == 0:
-        grade, premise = weaker(free, RUNNING_TIME, comfort(own, unit.notch, 0.0), COMFORT)
+        grade, premise = weaker(free, RUNNING_TIME, comfort(own, train, unit.notch, 0.0), COMFORT)
         offer(own, T_2_1, 0.0, grade, premise)
     first = -brake_step(train)
     if own.t_2_2 == 1 and not brakes:
-        grade, premise = weaker(begun, RUNNING_TIME, comfort(own, unit.notch, first), COMFORT)
+        grade, premise = weaker(begun, RUNNING_TIME, comfort(own, train, unit.notch, first), COMFORT)
         offer(own, T_2_2, first, grade, premise)
     if own.t_3 == 1 and brakes and own.best_grade < SURE:
         try_changes(own, cue, unit, train, path, mark_m, begun)
@@ -107,17 +107,17 @@ def try_changes(
     mark_m: float,
     begun: float,
 ) -> None:
-    """T-3: of the brakes within n steps, the one that stops most exactly; comfort is the same for all of them."""
+    """T-3: the brake within n steps that stops exactly; where comfort decides, the more exact one."""
     allowed_m = max(own.stop_allowed_m, own.stop_allowed_share * (mark_m - unit.position_m))
-    best, exact = unit.notch, 0.0
+    best, best_grade, best_premise, best_exact = unit.notch, 0.0, ACCURACY, 0.0
     for n in range(-STEPS_AT_ONCE, STEPS_AT_ONCE + 1):
         candidate = min(changed_by(train, unit.notch, n), 0.0)
         if n == 0 or candidate == unit.notch:
             continue
         miss_m = stops_at_m(own, cue, unit, train, path, candidate) - mark_m
-        grade = stops_exactly(miss_m, allowed_m)
-        if grade > exact:
-            best, exact = candidate, grade
-    grade, premise = weaker(begun, RUNNING_TIME, comfort(own, unit.notch, best), COMFORT)
-    grade, premise = weaker(grade, premise, exact, ACCURACY)
-    offer(own, T_3, best, grade, premise)
+        exact = stops_exactly(miss_m, allowed_m)
+        grade, premise = weaker(begun, RUNNING_TIME, comfort(own, train, unit.notch, candidate), COMFORT)
+        grade, premise = weaker(grade, premise, exact, ACCURACY)
+        if grade > best_grade or (grade == best_grade and exact > best_exact):
+            best, best_grade, best_premise, best_exact = candidate, grade, premise, exact
+    offer(own, T_3, best, best_grade, best_premise)

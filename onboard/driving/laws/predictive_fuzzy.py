@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.fuzzy_between import choose_between
 from onboard.driving.laws.fuzzy_choice import forget_hop, steps_of, write_down
-from onboard.driving.laws.fuzzy_knowledge import look_ahead
+from onboard.driving.laws.fuzzy_knowledge import hold_mps, look_ahead
 from onboard.driving.laws.fuzzy_model import GAP_S, STEP_S, forget, keep_up
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzyRow
 from onboard.driving.laws.fuzzy_station import choose_at_station
@@ -46,13 +46,14 @@ def predictive_fuzzy(
         unit.stop_limit_m - unit.position_m - unit.bound_ahead_m,
         LIMIT_MARGIN_M,
     )
-    own.hold_mps = unit.cruise_mps
-    if own.c_2 == 1 and np.isfinite(cue.due_s):
-        own.hold_mps *= own.cruise_share
+    due_m = max(unit.mark_m, unit.target_stop_m)  # a stop limit may still lie before it
+    if unit.cruise_mps != own.cruise_mps:
+        own.cruise_mps = unit.cruise_mps
+        own.hold_mps = hold_mps(own, cue, unit, train, due_m)
     cue.ceiling_mps = own.hold_mps
     if unit.train_mps <= 0.0 and (mark_m - unit.position_m < AT_MARK_M or unit.braking_to_stop == 1):
         return -behaviour.standing_brake_notch
-    look_ahead(own, cue, unit, train, behaviour, path, mark_m)
+    look_ahead(own, cue, unit, train, behaviour, path, due_m)
     notch_at_most = train.power_notches
     if np.isfinite(mark_m):
         notch_at_most = choose_at_station(own, cue, unit, train, behaviour, path, mark_m)
@@ -74,6 +75,7 @@ def attend(own: PredictiveFuzzyRow, cue: CueRow, unit: UnitRow, train: TrainRow)
         forget(own, cue, unit, train)
         forget_hop(own)
         own.coasts = own.stops = 0
+        own.cruise_mps = -1.0  # none yet
         own.look_s = cue.now_s
     else:
         before = own.notches[own.head]
