@@ -21,8 +21,7 @@ def hops_table(run: Seen) -> pl.DataFrame:
     """The table `driving` of all runs shown, of the train and the station where the hop begins, with the run's name."""
     choice = run.choice
     tables = [
-        read.tables.driving.insert_column(0, pl.Series("run", [name] * read.tables.driving.height, pl.String))
-        for name, read in _shown(run)
+        read.tables.driving.select(pl.lit(name).alias("run"), pl.all()) for name, read in _shown(run)
     ]
     table = pl.concat(tables)
     if choice.train is not None:
