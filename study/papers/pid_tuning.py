@@ -65,7 +65,9 @@ def tried(settings: Pid) -> Trial:
     """A setting in the nominal case."""
     bench: HopBench = paper_hops("pid", law_settings=LawTables.model_validate({"pid": settings}))
     pattern_mps2, step_s = float(bench.behaviour.stop_deceleration_mps2), float(bench.behaviour.step_s)
-    itaes, changes, misses = [], 0, []
+    itaes: list[float] = []
+    misses: list[float] = []
+    changes = 0
     for order_s in ORDERS_S:
         outcomes, trace = bench.run(new_hops([order_s]), HOP_STEPS_MAX)
         itaes.append(itae_ms(trace, bench.cruise_mps(order_s), pattern_mps2, step_s))

@@ -37,8 +37,8 @@ TRIED_S: Final = 15.0  # this far to either side of the time that is asked for
 NONE_S: Final = np.inf  # running time of a train that never came to rest
 
 Floats = NDArray[np.float64]
-# a plan on the grid of the way's path, for an ordered running time, s, and a load
-Planner = Callable[["HopBench", float, float], Laid]
+# a plan on the grid of the way's path, for an ordered running time, s, and a load; None: there is none
+Planner = Callable[["HopBench", float, float], Laid | None]
 
 
 class HopRow(Protocol):
@@ -259,7 +259,9 @@ class Timed:
         return int(self.outcome["power_changes"] + self.outcome["brake_changes"])
 
 
-def own_plan(bench: HopBench, order_s: float, load_share: float) -> Laid:
+def own_plan(
+    bench: HopBench, order_s: float, load_share: float, regeneration_share: float = 1.0
+) -> Laid | None:
     """The plan that the unit lays for itself at a departure, on its own map."""
     return planned(
         Ahead(
@@ -272,6 +274,7 @@ def own_plan(bench: HopBench, order_s: float, load_share: float) -> Laid:
             0.0,
             float(bench.behaviour.stop_deceleration_mps2),
             order_s,
+            regeneration_share,
         )
     )
 
@@ -299,7 +302,7 @@ class HopBench:
         self.profile = np.zeros(limit_mps.size, dtype=PROFILE)
         self.profile["limit_mps"] = limit_mps
         self._cruise: dict[tuple[float, float], float] = {}
-        self._laid: dict[tuple[float, float], Laid] = {}
+        self._laid: dict[tuple[float, float], Laid | None] = {}
 
     def cruise_mps(self, order_s: float, load_share: float = 0.0) -> float:
         """The cruising speed that the unit chooses for an ordered running time, as at a departure on the line."""
@@ -330,10 +333,11 @@ class HopBench:
                 key = (order_s, load_share)
                 if key not in self._laid:
                     self._laid[key] = self.planner(self, order_s, load_share)
-                hops["plan_offset"][index] = sum(plan.rows.size for plan in laid)
-                laid.append(self._laid[key])
-                hops["plan_rows"][index] = laid[-1].rows.size
-                hops["plan_due_s"][index] = laid[-1].running_time_s
+                found = self._laid[key]
+                if found is not None:
+                    hops["plan_offset"][index] = sum(plan.rows.size for plan in laid)
+                    hops["plan_rows"][index], hops["plan_due_s"][index] = found.rows.size, found.takes_s
+                    laid.append(found)
         plan = np.concatenate([plan.rows for plan in laid]) if laid else np.zeros(0, dtype=PLAN)
         track = Track(self.profile, self.pattern, plan, np.zeros(0))
         row = self.bench.prepared.view(np.recarray)[0]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
+from onboard.driving.laws.driver import DRAWN, Driver, DriverRow, driver
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy, PredictiveFuzzyRow
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
@@ -56,6 +57,7 @@ LAWS: Final = (
     Law(follow_plan, FollowPlanRow, FollowPlan),
     Law(optimal, OptimalRow, Optimal, plans=True),
     Law(pid, PidRow, Pid, stops=True),
+    Law(driver, DriverRow, Driver, drawn=DRAWN),
     Law(predictive_fuzzy, PredictiveFuzzyRow, PredictiveFuzzy, stops=True),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
