@@ -20,9 +20,7 @@ def _shown(run: Seen) -> list[tuple[str, RunRead]]:
 def hops_table(run: Seen) -> pl.DataFrame:
     """The table `driving` of all runs shown, of the train and the station where the hop begins, with the run's name."""
     choice = run.choice
-    tables = [
-        read.tables.driving.select(pl.lit(name).alias("run"), pl.all()) for name, read in _shown(run)
-    ]
+    tables = [read.tables.driving.select(pl.lit(name).alias("run"), pl.all()) for name, read in _shown(run)]
     table = pl.concat(tables)
     if choice.train is not None:
         table = table.filter(pl.col("train") == choice.train)
