@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -17,12 +17,20 @@ def bench(
         list[str] | None, typer.Argument(help="Scenarios to measure; default karasuyama_weekday.")
     ] = None,
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
+    part: Annotated[
+        list[str] | None, typer.Option("--part", help="links or laws; may be repeated. Default: all.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Measure the same day three ways: SUMO alone, full system, full system over Zenoh."""
-    from study.evaluate.bench import bench as measure
+    """Measure the same day: SUMO alone, full system, full system over Zenoh; and by its driving laws."""
+    from study.evaluate.parts import PARTS, part_of
 
-    found = [measure(scenario, rounds, tell) for scenario in scenarios or ["karasuyama_weekday"]]
+    measures = {name: part_of(name) for name in part or PARTS}
+    found = [
+        {"part": name, **measure(scenario, rounds, tell)}
+        for scenario in scenarios or ["karasuyama_weekday"]
+        for name, measure in measures.items()
+    ]
     outcome = judged(all(figures["same_digest"] for figures in found))
     if as_json:
         print_json({"scenarios": found}, outcome)
@@ -32,14 +40,27 @@ def bench(
     end(outcome)
 
 
+_HEADS: Final = {
+    "wall_s": "wall s",
+    "wall_s_min": "min",
+    "wall_s_max": "max",
+    "of_sumo_alone": "of SUMO",
+    "of_simulated_links": "of simulated",
+    "peak_mb": "peak MB",
+    "us_per_query": "us a query",
+    "us_per_telegram": "us a telegram",
+    "us_per_stretch": "us a stretch",
+    "us_per_stretch_beyond_sumo": "beyond SUMO",
+}
+
+
 def _print_bench(figures: dict[str, Any]) -> None:
-    head = f"{figures['scenario']}, {figures['trains']} trains: medians of {figures['rounds']} rounds"
-    sys.stdout.write(head + "\n")
-    _print_table(("", "wall s", "min", "max", "of SUMO", "of simulated", "peak MB"), figures["rows"])
-    sys.stdout.write(f"microseconds, {figures['stretches']} stretches\n")
-    heads = ("", "queries", "telegrams", "us a query", "us a telegram", "us a stretch", "beyond SUMO")
-    _print_table(heads, figures["parts"])
-    sys.stdout.write(f"{figures['computed']}\n")
+    sys.stdout.write(f"{figures['scenario']}, {figures['part']}: medians of {figures['rounds']} rounds\n")
+    _print_table(figures["rows"])
+    if "parts" in figures:
+        sys.stdout.write(f"microseconds, {figures['stretches']} stretches\n")
+        _print_table(figures["parts"])
+        sys.stdout.write(f"{figures['computed']}\n")
     for budget in figures["budgets"]:
         kept = "kept" if budget["kept"] else "NOT KEPT"
         sys.stdout.write(
@@ -55,7 +76,9 @@ def _print_bench(figures: dict[str, Any]) -> None:
     tell(f"the full runs gave {same}")
 
 
-def _print_table(heads: tuple[str, ...], rows: list[dict[str, object]]) -> None:
+def _print_table(rows: list[dict[str, object]]) -> None:
+    """The rows under their keys; the first column is what a row is of."""
+    heads = ("", *(_HEADS.get(key, key.replace("_", " ")) for key in list(rows[0])[1:]))
     for line in (heads, *(tuple(_short(value) for value in row.values()) for row in rows)):
         sys.stdout.write(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]) + "\n")
 

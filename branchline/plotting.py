@@ -26,6 +26,10 @@ def plot(
     form: Annotated[
         str | None, typer.Option("--format", help="png, svg or csv; default by --out, else png.")
     ] = None,
+    beside: Annotated[
+        list[Path] | None,
+        typer.Option("--with", help="Another run directory, shown with it; may be repeated."),
+    ] = None,
     lang: Annotated[str, typer.Option("--lang", help="en or ja.")] = "en",
     out: Annotated[
         Path | None, typer.Option("--out", help="File to write; default <kind>[-train][-station].<format>.")
@@ -48,7 +52,12 @@ def plot(
 
     shown, written_as = kind_of(kind), format_of(form, out)
     choice = Choice(
-        train, station, time_of("--from", from_time), time_of("--to", to_time), "ja" if lang == "ja" else "en"
+        train,
+        station,
+        time_of("--from", from_time),
+        time_of("--to", to_time),
+        "ja" if lang == "ja" else "en",
+        tuple(read_run(directory) for directory in beside or ()),
     )
     read = read_run(Path(run))
     path = Path(default_name(shown, choice, written_as)) if out is None else out

@@ -20,7 +20,7 @@ from simulation.judge.checkers import Violation
 from simulation.judge.rail import Slippery
 from simulation.motion_digest import motion_digest
 from simulation.world.records import TRACE_EVERY_STEPS
-from simulation.world.ride import Ride
+from simulation.world.ride import NO_RIDE, Ride
 
 
 class Ending(StrEnum):
@@ -109,7 +109,7 @@ class EnergyRecord:
     auxiliary_j: float
     parts: EnergyParts = EnergyParts()
     rejected_j: float = 0.0
-    ride: Ride = Ride()
+    ride: Ride = NO_RIDE
 
     @property
     def residual_j(self) -> float:

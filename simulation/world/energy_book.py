@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from onboard.duty.mission import Target
 from simulation.result import PARTS, EnergyParts, EnergyRecord, Phase
 from simulation.setup import STEP_S, STEPS_PER_S
-from simulation.world.ride import Ride, taken
+from simulation.world.ride import NO_RIDE, taken
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -125,7 +125,7 @@ class EnergyBook:
             now.auxiliary_j - since.auxiliary_j,
             now.parts.since(since.parts),
             now.rejected_j - since.rejected_j,
-            taken(self._trains.rides[slot]) if account.phase is Phase.RUNNING else Ride(),
+            taken(self._trains.rides[slot]) if account.phase is Phase.RUNNING else NO_RIDE,
         )
         (account.leg if on_leg else self.records).append(record)
         account.since_step, account.since = step, now

@@ -67,6 +67,9 @@ class Ride:
         return (self.jerk_squared_m2ps5 / moving_s) ** 0.5 if moving_s > 0.0 else 0.0
 
 
+NO_RIDE: Final = Ride()
+
+
 @compiled
 def manner_of(notch: float, emergency: bool, acceleration_mps2: float) -> int:
     """In which manner a train goes under a command that moves it so."""

@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
-from typing import Final
 
 from simulation.result import EnergyRecord, Phase
 from simulation.world.ride import BRAKES, COASTS, CRUISES, Ride, together
+from study.run.energy_parts import JOULE_PER_KWH
 from vehicle.train_file import Receiver
 
-JOULE_PER_KWH: Final = 3.6e6
 Ends = tuple[str, str, str]  # train, from, to
 
 
@@ -128,32 +127,32 @@ def _hop(
         ride.jerk_max_mps3,
         ride.jerk_rms_mps3,
         ride.jolt_mps2,
-        *_shares(ride),
-        late_s,
-        stop_error_m,
+        **_shares(ride),
+        late_s=late_s,
+        stop_error_m=stop_error_m,
     )
 
 
-def _shares(ride: Ride) -> tuple[float, ...]:
-    """Coasting, cruising and braking, each of the time and of the way, percent."""
-    return tuple(
-        100.0 * part[manner] / whole if whole > 0.0 else 0.0
-        for manner in (COASTS, CRUISES, BRAKES)
-        for part, whole in ((ride.time_s, ride.moving_s), (ride.way_m, ride.moved_m))
-    )
+def _shares(ride: Ride) -> dict[str, float]:
+    """Coasting, cruising and braking, each of the time and of the way, percent: the fields of a hop by name."""
+    return {
+        f"{name}_{of}_percent": 100.0 * part[manner] / whole if whole > 0.0 else 0.0
+        for name, manner in (("coasting", COASTS), ("cruising", CRUISES), ("braking", BRAKES))
+        for of, part, whole in (("time", ride.time_s, ride.moving_s), ("way", ride.way_m, ride.moved_m))
+    }
 
 
 def driven(hops: Sequence[DrivenHop]) -> Driven | None:
     """Hops together; None of none. The jerk's mean square is over all their time."""
     if not hops:
         return None
-    run_s, way_m = sum(hop.run_s for hop in hops), sum(hop.distance_m for hop in hops)
+    run_s = sum(hop.run_s for hop in hops)
     late = [hop.late_s for hop in hops if hop.late_s is not None]
 
-    def share(name: str) -> tuple[float, float]:
-        of_time = sum(getattr(hop, f"{name}_time_percent") * hop.run_s for hop in hops)
-        of_way = sum(getattr(hop, f"{name}_way_percent") * hop.distance_m for hop in hops)
-        return of_time / run_s if run_s > 0.0 else 0.0, of_way / way_m if way_m > 0.0 else 0.0
+    def share(name: str) -> float:
+        weights = [hop.run_s if name.endswith("time_percent") else hop.distance_m for hop in hops]
+        weighed = sum(getattr(hop, name) * weight for hop, weight in zip(hops, weights, strict=True))
+        return weighed / sum(weights) if sum(weights) > 0.0 else 0.0
 
     return Driven(
         len(hops),
@@ -165,9 +164,12 @@ def driven(hops: Sequence[DrivenHop]) -> Driven | None:
         max(hop.jerk_max_mps3 for hop in hops),
         (sum(hop.jerk_rms_mps3**2 * hop.run_s for hop in hops) / run_s) ** 0.5 if run_s > 0.0 else 0.0,
         max(hop.jolt_mps2 for hop in hops),
-        *share("coasting"),
-        *share("cruising"),
-        *share("braking"),
+        share("coasting_time_percent"),
+        share("coasting_way_percent"),
+        share("cruising_time_percent"),
+        share("cruising_way_percent"),
+        share("braking_time_percent"),
+        share("braking_way_percent"),
         -fmean(late) if late else None,
         sum(time_s > 0.0 for time_s in late),
     )

@@ -16,15 +16,16 @@ from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train, lowered_by
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.measures.driving import JOULE_PER_KWH, DrivenHop
+from study.measures.driving import DrivenHop
 from study.measures.running_times import Hop, planned_hops
-from vehicle.optimum import Course, TooShort, least_energy
+from study.run.energy_parts import JOULE_PER_KWH
+from vehicle.optimum import Course, least_energy, least_time
 from vehicle.optimum.bound import lower_bound_j
 from vehicle.resistance import climb_m
 from vehicle.train_file import Receiver
 
 JUST_POSSIBLE: Final = (
-    1.0005  # of the least time: a train that was faster than its course counts as this fast
+    1.005  # of the least time: faster trains count as this fast, which only lowers their bound
 )
 Key = tuple[str, str, str]  # train, from, to
 
@@ -64,6 +65,11 @@ class HopLeast:
     least_kwh: float
     bound_kwh: float
     flat_out: bool
+
+    @property
+    def key(self) -> Key:
+        """What names the hop of the timetable."""
+        return self.train, self.from_station, self.to_station
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,13 +141,10 @@ def course_of(setup: Setup, hop: Hop, load_share: float, allowed: Allowed) -> Co
 
 
 def _least(course: Course, hop: DrivenHop, time_s: float) -> HopLeast:
-    """The least of a course in that time; in its least time where it cannot be run as fast."""
-    flat_out = False
-    try:
-        best = least_energy(course, time_s)
-    except TooShort as error:
-        flat_out, time_s = True, error.least_s * JUST_POSSIBLE
-        best = least_energy(course, time_s)
+    """The least of a course in that time; in hardly more than its least time where it cannot be run faster."""
+    just_s = float(least_time(course).time_s[-1]) * JUST_POSSIBLE
+    flat_out, time_s = time_s < just_s, max(time_s, just_s)
+    best = least_energy(course, time_s)
     return HopLeast(
         hop.train,
         hop.from_station,

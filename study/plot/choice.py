@@ -26,6 +26,7 @@ class Choice:
     from_s: float | None = None
     to_s: float | None = None
     language: Language = "en"
+    beside: tuple[RunRead, ...] = ()  # other runs, shown with it
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,9 @@ def seen(read: RunRead, choice: Choice) -> Seen:
     planned = [number for number in read.timetable.trains if number in ran]
     _known("--train", choice.train, [*planned, *sorted(ran.difference(planned))])
     _known("--station", choice.station, read.line.stations)
+    for other in choice.beside:
+        if other.line.id != read.line.id:
+            raise InputError("command line", "--with", other.line.id, f"a run of the line {read.line.id}")
     window_s = _window_s(Run(read.line, read.timetable, read.tables).window_s, choice)
     return Seen(read.line, read.timetable, read.tables, read, choice, window_s)
 

@@ -15,7 +15,7 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
-from study.plot import battery, days, energy, stations
+from study.plot import battery, days, energy, laws, stations
 from study.plot.choice import Seen
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
@@ -32,6 +32,7 @@ class Chosen(Enum):
     TRAIN = "--train"
     STATION = "--station"
     TIME = "--from, --to"
+    RUNS = "--with"
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +93,7 @@ def _stop_errors(run: Seen) -> Figure | None:
     return draw_stop_errors(run, run.read.summary)
 
 
-_ALL: Final = frozenset(Chosen)
+_ALL: Final = frozenset({Chosen.TRAIN, Chosen.STATION, Chosen.TIME})
 _TIME: Final = frozenset({Chosen.TIME})
 _TRAIN: Final = frozenset({Chosen.TRAIN})
 _STATION: Final = frozenset({Chosen.STATION})
@@ -179,6 +180,15 @@ _KINDS: Final = (
         battery.battery_table,
         battery.draw_battery,
         _TIME,
+    ),
+    Kind(
+        "laws",
+        "One hop as driven: speed, gradient, notches",
+        "一駅間の運転：速度・勾配・ノッチ",
+        laws.hops_table,
+        laws.draw_laws,
+        _TRAIN | _STATION | {Chosen.RUNS},
+        _TRAIN,
     ),
     Kind(
         "margins",

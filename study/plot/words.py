@@ -113,6 +113,8 @@ CAUSES: Final[Mapping[Cause, str]] = {
     Cause.STABLED: "留置",
 }
 _PATTERNS: Final = (
+    (re.compile(r"(.+): (−?[\d.]+) kWh, (\d+) s"), r"\1：\2 kWh、\3秒"),
+    (re.compile(r"(\d+) power,\n(\d+) brake"), r"力行 \1回\n制動 \2回"),
     (re.compile(r"mean ([+−-][\d.]+) m"), r"平均 \1 m"),
     (re.compile(r"mean ± σ, σ = ([\d.]+) m"), r"平均±σ、σ = \1 m"),
     (

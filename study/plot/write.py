@@ -71,6 +71,7 @@ def _chosen(choice: Choice) -> dict[Chosen, float | str | None]:
         Chosen.TRAIN: choice.train,
         Chosen.STATION: choice.station,
         Chosen.TIME: choice.from_s if choice.from_s is not None else choice.to_s,
+        Chosen.RUNS: ", ".join(read.name for read in choice.beside) or None,
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -41,12 +41,13 @@ class Driving:
         kwh = f"{hop.running_kwh:.2f}".replace("-", "−")
         return f"{self.label}: {kwh} kWh, {hop.run_s:.0f} s"
 
+    def called(self, label: str) -> Driving:
+        """The same under another name."""
+        return replace(self, label=label)
 
-def driving_of(run: Run, train: str, from_station: str | None, label: str | None = None) -> Driving | None:
-    """The hop of a train that begins at a station, its first one if none is named; None where it did not run it.
 
-    Without a label it goes by its law.
-    """
+def driving_of(run: Run, train: str, from_station: str | None) -> Driving | None:
+    """The hop of a train that begins at a station, its first one if none is named; None where it did not run it."""
     hops = [hop for hop in read_hops(run.tables.driving) if hop.train == train]
     known = [hop for hop in hops if hop.from_station in run.line.stations]
     hop = next((hop for hop in known if from_station in (None, hop.from_station)), None)
@@ -57,7 +58,7 @@ def driving_of(run: Run, train: str, from_station: str | None, label: str | None
     end_s = hop.begin_s + hop.run_s if arrival_s is None else float(arrival_s)
     course = run.courses[hop.unit, train]
     samples = course.filter(pl.col("t_s").is_between(hop.begin_s - 1.0, end_s + 0.05))
-    return Driving(hop.law if label is None else label, hop, samples)
+    return Driving(hop.law, hop, samples)
 
 
 def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
@@ -99,13 +100,10 @@ def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
 
 def _extent_m(driven: Sequence[Driving]) -> tuple[float, float]:
     """Lowest and highest kilometrage, with a little room at both ends."""
-    ends_m = [
-        float(end)
-        for one in driven
-        for end in (one.samples["kilometrage_m"].min(), one.samples["kilometrage_m"].max())
-    ]  # type: ignore[arg-type]
-    room_m = max(0.015 * (max(ends_m) - min(ends_m)), 1.0)
-    return min(ends_m) - room_m, max(ends_m) + room_m
+    ends_m = np.concatenate([one.samples["kilometrage_m"].to_numpy() for one in driven])
+    low_m, high_m = float(ends_m.min()), float(ends_m.max())
+    room_m = max(0.015 * (high_m - low_m), 1.0)
+    return low_m - room_m, high_m + room_m
 
 
 def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
@@ -118,20 +116,24 @@ def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
     axes.tick_params(axis="y", labelsize=6)
     axes.spines[:].set_color(RULE)
-    axes.set_ylabel(one.label, rotation=0, ha="right", va="center", fontsize=7, color=colour)
     hop = one.hop
     changes = f"{hop.power_changes} power,\n{hop.brake_changes} brake"
-    axes.annotate(
-        changes,
-        (1.0, 0.5),
-        xycoords="axes fraction",
-        xytext=(4, 0),
-        textcoords="offset points",
-        ha="left",
-        va="center",
-        fontsize=6.5,
-        annotation_clip=False,
-    )
+    for text, at, aside_pt, place, colour_of, size_pt in (
+        (one.label, (0.0, 0.5), -24, "right", colour, 7.0),
+        (changes, (1.0, 0.5), 4, "left", INK, 6.5),
+    ):
+        axes.annotate(
+            text,
+            at,
+            xycoords="axes fraction",
+            xytext=(aside_pt, 0),
+            textcoords="offset points",
+            ha=place,
+            va="center",
+            fontsize=size_pt,
+            color=colour_of,
+            annotation_clip=False,
+        )
 
 
 def write_hop(runs: Sequence[Run], which: tuple[str, str], folder: Path) -> tuple[Path, ...]:

@@ -1,4 +1,4 @@
-"""Driving as the table `driving` of a run, and back: what a report, a comparison or an experiment reads is one table."""
+"""Driving as the table `driving` of a run, and back: what a report, a comparison or an experiment reads."""
 
 from __future__ import annotations
 

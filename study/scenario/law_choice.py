@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from network.errors import InputError
 from network.files.toml_input import one_of
 from onboard.driving.laws.table import LAW_NAMES
 from simulation.settings import Driving
+from simulation.setup import Setup
 
 
 def laws_of(file: str, driving: Driving, stock_ids: Sequence[str]) -> dict[str, str]:
@@ -25,3 +27,9 @@ def _named(file: str, key: str, name: str) -> str:
     if name not in LAW_NAMES:
         raise InputError(file, key, name, f"a driving law: {one_of(LAW_NAMES, name)}")
     return name
+
+
+def driven_by(setup: Setup, law: str) -> Setup:
+    """The same run with every stock driven by one law; its settings are those of the setup."""
+    driving = setup.driving.model_copy(update={"law": law, "law_of": {}})
+    return replace(setup, driving=driving, laws=dict.fromkeys(setup.trains, law))

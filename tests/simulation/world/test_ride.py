@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from onboard.records import MODE_DRIVE, MODE_HOLD, UNIT
+from onboard.records import MODE_DRIVE, MODE_HOLD, UNIT, UnitRow
 from simulation.result import Phase
 from simulation.world import ride as counted
 from simulation.world.energy_book import EnergyBook
@@ -19,21 +19,25 @@ from study.run.drill import find_drill
 from study.run.run import simulated
 from study.scenario.scenario import load_scenario
 from vehicle.record import dtype_of
-from vehicle.records import PLANT
+from vehicle.records import PLANT, PlantRow
 
 STEP_S: Final = 0.1
 RIDE: Final = dtype_of(RideRow)
 Step = tuple[float, float]  # notch, acceleration that it makes, m/s2
 
 
-def row_of(dtype: np.dtype[np.void]) -> Any:
-    return np.zeros(1, dtype=dtype).view(np.recarray)[0]
+def new_ride() -> RideRow:
+    row: RideRow = np.zeros(1, dtype=RIDE).view(np.recarray)[0]
+    return row
 
 
-def driven(steps: Sequence[Step], mode: int = MODE_DRIVE, ride: Any = None, speed_mps: float = 0.0) -> Any:
+def driven(
+    steps: Sequence[Step], mode: int = MODE_DRIVE, ride: RideRow | None = None, speed_mps: float = 0.0
+) -> RideRow:
     """The ride of a body moved by hand, in steps of 0.1 s."""
-    ride = row_of(RIDE) if ride is None else ride
-    unit, plant = row_of(UNIT), row_of(PLANT)
+    ride = new_ride() if ride is None else ride
+    unit: UnitRow = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+    plant: PlantRow = np.zeros(1, dtype=PLANT).view(np.recarray)[0]
     unit.mode, plant.speed_mps = mode, speed_mps
     for notch, acceleration_mps2 in steps:
         before_mps, before_mps2 = plant.speed_mps, plant.acceleration_mps2
@@ -67,7 +71,7 @@ def test_a_hop_worked_out_by_hand() -> None:
 
 def test_what_is_put_in_while_held_counts_for_nothing_and_the_start_counts_from_there() -> None:
     ride = driven([(-4.0, 0.0), (-2.0, 0.0), (-4.0, 0.0)], MODE_HOLD)
-    assert (ride.power_changes, ride.brake_changes, ride.time_s.sum()) == (0, 0, 0.0)
+    assert (ride.power_changes, ride.brake_changes, sum(ride.time_s)) == (0, 0, 0.0)
     driven([(5.0, 0.0), (5.0, 0.3)], ride=ride)  # the brake goes and power comes before the train moves
     assert (ride.power_changes, ride.brake_changes) == (1, 1)
 

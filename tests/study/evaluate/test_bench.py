@@ -13,9 +13,12 @@ import numpy as np
 import pytest
 
 from host.party import Advance
+from network.errors import InputError
 from network.model import Direction
 from simulation.carriers.carrier import Carrier, Truth
+from study.evaluate import laws
 from study.evaluate.bench import BUDGET, BUSY_BUDGET, Metered, Recorder, parts, replay, report
+from study.evaluate.parts import PARTS, part_of
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 from sumo_cfg.build import net_for
@@ -211,3 +214,25 @@ def test_sumo_alone_ends_where_the_full_system_ended(
         assert alone[unit][0] == edge
         assert alone[unit][1] == pytest.approx(at_m, abs=SAME_M)
         assert alone[unit][2] == speed_mps == 0.0
+
+
+def test_the_time_of_laws_is_a_ratio_of_medians() -> None:
+    """Of 2, 3 and 10 s the median is 3; of 3, 3.6 and 3.6 s it is 3.6: 1.2 times, which is just allowed."""
+    present, best = laws.COMPARED
+    rounds = {present: [2.0, 10.0, 3.0], best: [3.6, 3.0, 3.6]}
+    figures = {law: [{"wall_s": s, "digest": law} for s in walls] for law, walls in rounds.items()}
+    found = laws.report(figures)
+    assert [row["of_present"] for row in found["rows"]] == [1.0, 1.2]
+    assert found["budgets"][0]["kept"]
+    assert found["same_digest"]
+    figures[best][0]["wall_s"] = figures[best][1]["wall_s"] = 3.7
+    figures[best][2]["digest"] = "another"
+    found = laws.report(figures)
+    assert not found["budgets"][0]["kept"]
+    assert not found["same_digest"]
+
+
+def test_every_part_of_the_bench_is_there_and_another_is_refused() -> None:
+    assert all(callable(part_of(name)) for name in PARTS)
+    with pytest.raises(InputError, match="--part"):
+        part_of("no_such_part")

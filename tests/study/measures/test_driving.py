@@ -28,7 +28,7 @@ def run_of(
 ) -> EnergyRecord:
     joules = (figure * JOULE_PER_KWH for figure in kwh)
     return EnergyRecord(
-        unit, train, True, Phase.RUNNING, *ends.split("-"), *times_s, ride.moved_m, *joules, 9e6, ride
+        unit, train, True, Phase.RUNNING, *ends.split("-"), *times_s, ride.moved_m, *joules, 9e6, ride=ride
     )
 
 

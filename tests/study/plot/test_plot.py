@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -214,3 +215,21 @@ def test_settings_of_matplotlib_come_back(read: RunRead, tmp_path: Path) -> None
     before = dict(mpl.rcParams)
     write_plot(read, kind_of("punctuality"), Choice(), Format.SVG, tmp_path / "a.svg")
     assert dict(mpl.rcParams) == before
+
+
+def test_one_hop_is_drawn_of_several_runs_and_a_run_of_another_line_is_refused(read: RunRead) -> None:
+    kind = kind_of("laws")
+    train, station = OF_ONE_TRAIN[str(read.settings.id)]
+    table = kind.table(seen(read, Choice(train, station, beside=(read, read))))
+    assert len(table) == 3 * len(kind.table(seen(read, Choice(train, station))))
+    with drawing():
+        figure = figure_of(seen(read, Choice(train, beside=(read,))), kind)
+        assert not cut_texts(figure)
+    assert len(figure.axes) == 4  # speed, gradient, and the notches of each
+    names = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert sum("kWh" in name for name in names) == 2
+    other = replace(read, line=replace(read.line, id="elsewhere"))
+    with pytest.raises(InputError, match="a run of the line"):
+        seen(read, Choice(train, beside=(other,)))
+    with pytest.raises(InputError, match="--with"):
+        write_plot(read, kind_of("margins"), Choice(beside=(read,)), Format.CSV, Path("never.csv"))
