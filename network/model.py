@@ -9,7 +9,7 @@ pieces is a node, so a third track or a junction is data, not code.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 
 
@@ -148,6 +148,20 @@ class Station:
 
 
 @dataclass(frozen=True, slots=True)
+class Charger:
+    """Where sets with a battery charge (充電設備): a station, the names of its tracks, and what it gives at most, W.
+
+    `connect_s` is from a stand to the first current (pantograph up, checks), `disconnect_s` from the last to a start.
+    """
+
+    station_id: str
+    tracks: tuple[str, ...]
+    power_w: float
+    connect_s: float
+    disconnect_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Tag:
     """A tag on the track (地上子), read by trains of any direction named in `directions`."""
 
@@ -249,3 +263,4 @@ class Line:
     points: Mapping[str, Points]
     tags: Mapping[int, Tag]
     assumed: tuple[str, ...]  # what the line file marks as assumed, for reports
+    chargers: Mapping[str, Charger] = field(default_factory=dict[str, Charger])  # by station id

@@ -20,6 +20,7 @@ from network.model import Line
 from onboard import notes
 from onboard.ability import Ability, Means, Way
 from onboard.authority.coverage import covered_at, next_coverage_m
+from onboard.charge import ChargeWatch
 from onboard.driving.laws.table import LawsRow
 from onboard.driving.pace import Pace
 from onboard.driving.planner.plan import Laid
@@ -104,6 +105,7 @@ class Motion:
         self.command = Command()
         self.load_share = 0.0
         self.vehicle = IN_ORDER
+        self.charge: ChargeWatch | None = None  # of a set that runs on a battery
         self.notes: list[notes.Note] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
@@ -228,7 +230,9 @@ class Motion:
     def _unable(self, mission: Mission, at: int) -> Unable | None:
         """Why the train could not reach the next stop if it left the one where it stands now."""
         way = Way(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
-        return self._ability.why_not(way, Means(self._train, self._behaviour, self.load_share, self.vehicle))
+        means = Means(self._train, self._behaviour, self.load_share, self.vehicle)
+        too_weak = self._ability.why_not(way, means)
+        return too_weak if too_weak is not None or self.charge is None else self.charge.why_not(mission, at)
 
     def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
         """What the vehicle shows of itself now."""

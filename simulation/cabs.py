@@ -17,6 +17,7 @@ from simulation.faults.fault import VehiclePart
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.books import Books
+from simulation.world.charging import Charging
 from simulation.world.clock import Clock
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.on_board import OnBoard
@@ -45,6 +46,7 @@ class Cabs:
         self._agenda = agenda
         self._journal = journal
         self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal, wayside)
+        self.charging: Charging | None = None
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
@@ -146,6 +148,8 @@ class Cabs:
             return "its unit to be switched on"
         if slot in self._frozen:
             return "its unit, which is frozen"
+        if self.charging is not None and self.charging.empty(slot):
+            return "power: its battery is empty"
         if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
         return self._on_board.shown(slot).waits_for

@@ -20,6 +20,7 @@ from simulation.judge.checkers import Checkers
 from simulation.result import Waiting
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
+from simulation.world.charging import Charging
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from simulation.world.roster import Duty, stabled_at_start
@@ -72,6 +73,7 @@ class Duties:
         self._next = dict.fromkeys(trains.stock_ids, 0)
         self._stage = [Stage.OUTSIDE] * len(trains.stock_ids)
         self._becoming: list[Duty] = []
+        self.charging: Charging | None = None
         cabs.told = self.told
 
     def open(self, step: int) -> None:
@@ -221,6 +223,8 @@ class Duties:
         stock_id = self._trains.stock_ids[slot]
         self._stage[slot] = Stage.ON_LINE
         self._trains.place(slot, duty)
+        if self.charging is not None:
+            self.charging.enters(slot, step)
         length_m = float(self._trains.kinds[slot].length_m)
         position_m = float(self._trains.truths[slot].position_m)
         under = tuple(
@@ -240,6 +244,8 @@ class Duties:
     def _begin(self, slot: int, duty: Duty, step: int) -> None:
         self._on_board.load_is(slot, float(self._trains.plants[slot].load_share))
         self._books.begin_train(slot, duty, step)
+        if self.charging is not None:
+            self.charging.begins(slot, duty, step)
 
     def _finish(self, slot: int, step: int) -> None:
         """The journey is done: turn back, leave the line, or stand."""
@@ -260,6 +266,8 @@ class Duties:
     def _leave(self, slot: int, step: int) -> None:
         stock_id = self._trains.stock_ids[slot]
         self._books.close_energy(slot, step)
+        if self.charging is not None:
+            self.charging.leaves(slot, step)
         self._trains.remove(slot)
         self._checkers.left(stock_id)
         self._journal.write(step / STEPS_PER_S, WORLD, Left(unit_id=stock_id))

@@ -14,6 +14,7 @@ import numpy as np
 from host.parties import Parties
 from host.units import Units
 from network.model import Leg
+from onboard.duty.records import Looked
 from onboard.duty.records import TagPassed as TagBelieved
 from onboard.records import EVENT_STOPPED
 from radio.air import Air
@@ -32,6 +33,7 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
 from simulation.world.books import Books
+from simulation.world.charging import Charging
 from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
@@ -107,6 +109,11 @@ class Simulation:
             self._agenda,
             self.journal,
         )
+        self._charging = None
+        if setup.battery is not None:
+            self._charging = Charging(setup, setup.battery, self.trains, self._books, duties)
+            self.trains.charger_is = self._charger_is
+        self.on_board.charging = self._duties.charging = self._cabs.charging = self._charging
         self._trace = np.zeros(TRACE_ROWS_FIRST, dtype=TRACE)
         self._trace_used = 0
         self._sheet = new_sheet(len(self.trains.stock_ids))
@@ -275,6 +282,8 @@ class Simulation:
             self._compare(moving, self._observe(moving))
         for slot, passed, events in bits:
             self._report(slot, passed, events)
+        if self._charging is not None:
+            self._charging.look(self._step)
 
     def _observe(self, slots: list[int]) -> list[Truth]:
         """Truth to the checkers; only trains that moved can have changed anything."""
@@ -333,6 +342,8 @@ class Simulation:
             cabs.rear_passed(slot, step)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
+        if self._charging is not None:
+            self._charging.passed(slot, passed, step)
         if passed & PASSED_TAG:
             tag_id, read_id, odometer_m = trains.read_tag(slot)
             self.journal.write(self.now_s, WORLD, TagPassed(unit_id=trains.stock_ids[slot], tag_id=tag_id))
@@ -366,6 +377,13 @@ class Simulation:
         """Doors, brake or motors of a train show another state from now on."""
         self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, value)
 
+    def _charger_is(self, station_id: str, works: bool) -> None:
+        """A charger fails or is mended; every unit is asked anew whether its train can go on."""
+        if self._charging is not None:
+            self._charging.charger_is(station_id, works=works, step=self._step)
+            for slot in self.trains.active():
+                self._cabs.tell(slot, self._step, (Looked(),))
+
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""
         self._cabs.set_back(self.trains.slot_of[stock_id], self._step, hold_s)
@@ -381,6 +399,8 @@ class Simulation:
 
     def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
         self._books.close(self._step)
+        if self._charging is not None:
+            self._charging.close(self._step)
         arrived = self._books.arrived
         trains = self.setup.timetable.trains.values()
         planned = tuple(t.number for t in trains if t.revenue)
@@ -419,4 +439,5 @@ class Simulation:
             courses=self.injector.courses,
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
+            battery=() if self._charging is None else tuple(self._charging.records),
         )

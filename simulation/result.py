@@ -117,6 +117,43 @@ class EnergyRecord:
         return self.traction_j - self.regenerated_j - self.parts.sum_j()
 
 
+class BatteryEvent(StrEnum):
+    """Why a battery was written down; empty: it was time to."""
+
+    NONE = ""
+    ENTERS = "enters"
+    DEPARTS = "departs"
+    STANDS = "stands"
+    CONNECTED = "connected"  # to a charger or wire, from now on
+    DISCONNECTED = "disconnected"
+    LEAVES = "leaves"  # the line
+    RAN_BEYOND = "ran beyond"  # off the line, on its battery
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryRecord:
+    """A battery at one moment: state of charge, energy between empty and that, and what its counters show, J.
+
+    `station`: where it stands; empty elsewhere. `supply_w`: what charger or wire gives at most. Given and taken are at
+    its terminals, supplied is what chargers and wires gave to the train. See `vehicle.battery.BatteryRow`.
+    """
+
+    stock_id: str
+    number: str
+    t_s: float
+    event: BatteryEvent
+    station: str
+    soc: float
+    stored_j: float
+    supply_w: float
+    given_j: float
+    taken_j: float
+    lost_j: float
+    supplied_j: float
+    missing_j: float
+    spilled_j: float
+
+
 @dataclass(frozen=True, slots=True)
 class Waiting:
     """A train that did not finish: where it is, whether it stands there, and what it waits for."""
@@ -173,6 +210,7 @@ class RunResult:
     # By stock id, empty where no train learned; then the waves of the last stop that counted.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     learned_from: Mapping[str, StopWaves] = field(default_factory=dict[str, StopWaves])
+    battery: tuple[BatteryRecord, ...] = ()  # of sets that run on one, in order of time
 
     @property
     def digest(self) -> str:

@@ -20,6 +20,7 @@ from onboard.records import BEHAVIOUR
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from radio.keys import KeyRing, key_ring
+from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
 from simulation.settings import (
     NO_TUNING,
@@ -80,6 +81,7 @@ class Setup:
     load: Load = field(default_factory=Load)
     limits: Limits = field(default_factory=Limits)
     operation: Operation = field(default_factory=Operation)
+    battery: BatterySettings | None = None  # None: all trains run from a wire
 
     @property
     def believed_line(self) -> Line:

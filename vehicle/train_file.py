@@ -1,7 +1,7 @@
 """Reads a train file (TOML) into a TRAIN row, and makes PLANT rows.
 
 Keys end in their unit. Where people write other units than SI the ending says so and the value is converted:
-`_kmh` and `_kmhps` (km/h, km/h/s), `_t`, `_kn`, `_kw`, `_mm`. Every figure must be named in `[provenance]`,
+`_kmh` and `_kmhps` (km/h, km/h/s), `_t`, `_kn`, `_kw`, `_kwh`, `_mm`. Every figure must be named in `[provenance]`,
 by its key (`"body.length_m"`) or its table (`"body"`), with a source or a text that begins with "assumed".
 """
 
@@ -57,6 +57,7 @@ from network.files.quantity import OUT_OF_RANGE, Quantity
 from network.files.raw import is_list, is_table
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
+from vehicle.battery_file import BatteryTable, battery_row
 from vehicle.loss_file import Losses, set_losses
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 from vehicle.train_checks import check_train
@@ -73,9 +74,18 @@ UNITS: Final = (
     ("_kn", "_n", 1e3, 1.0),
     ("_kw", "_w", 1e3, 1.0),
     ("_mm", "_m", 1.0, 1e3),
+    ("_kwh", "_j", 3.6e6, 1.0),
     ("_t", "_kg", 1e3, 1.0),
 )
-WRITTEN: Final = {"_kmhps": "km/h/s", "_kmh": "km/h", "_kn": "kN", "_kw": "kW", "_mm": "mm", "_t": "t"}
+WRITTEN: Final = {
+    "_kmhps": "km/h/s",
+    "_kmh": "km/h",
+    "_kn": "kN",
+    "_kw": "kW",
+    "_mm": "mm",
+    "_t": "t",
+    "_kwh": "kWh",
+}
 
 
 class _Body(Record):
@@ -257,6 +267,7 @@ class TrainFile(Record):
     losses: Losses | None = None
     adhesion: _Adhesion
     sensors: _Sensors
+    battery: Annotated[BatteryTable | None, about("its traction battery")] = None
     provenance: Annotated[
         dict[str, Annotated[Prose, Field(min_length=1)]],
         about('source of each figure, by key ("body.length_m") or table, or "assumed: why"'),
@@ -267,8 +278,8 @@ class TrainFile(Record):
 class TrainType:
     """A kind of train; `row` is one TRAIN record, shape (1,), read-only: hand `row[0]` to the compiled laws.
 
-    `regenerated_to` is what takes regenerated energy. `sources` and `assumed` hold "key: text" of the file's
-    provenance, for reports.
+    `regenerated_to` is what takes regenerated energy; `battery` one BATTERY record, if it has one. `sources` and
+    `assumed` hold "key: text" of the file's provenance, for reports.
     """
 
     id: str
@@ -277,6 +288,7 @@ class TrainType:
     assumed: tuple[str, ...]
     row: NDArray[np.void]
     regenerated_to: Receiver = Receiver.OTHER_TRAINS
+    battery: NDArray[np.void] | None = None
 
 
 def shipped_train(name: str) -> Path:
@@ -322,7 +334,8 @@ def train_of(raw: Mapping[str, Any], file: str) -> TrainType:
     sources = tuple(text for text in texts if text not in assumed)
     row = _row(model)
     check_train(file, row[0], written, lambda key: _value_at(raw, key.split(".", 1)))
-    return TrainType(model.id, model.name, sources, assumed, row, model.energy.regenerated_to)
+    battery = None if model.battery is None else battery_row(model.battery)
+    return TrainType(model.id, model.name, sources, assumed, row, model.energy.regenerated_to, battery)
 
 
 def new_plant(n: int, speed_mps: float = 0.0) -> NDArray[np.void]:

@@ -14,6 +14,7 @@ from typing import Final
 from network.errors import InputError
 from network.files import line_checks as check
 from network.files import line_schema as schema
+from network.files.chargers import chargers_of
 from network.files.joints import Draft, Joiner
 from network.files.line_schema import DIRECTIONS, LineFile
 from network.files.toml_input import one_of, parse_toml, read_text
@@ -80,6 +81,7 @@ def line_of(entry: LineFile, file: str) -> Line:
         points={p.id: _points(p) for p in entry.points},
         tags=_tags(file, entry, pieces),
         assumed=tuple(entry.line.assumed),
+        chargers=chargers_of(file, entry.chargers, stations),
     )
     keys = {s.id: f"sections[{i}]" for i, s in enumerate(entry.sections)}
     check.check_overlaps(file, line, {draft.id: draft.key for draft in drafts.values()})

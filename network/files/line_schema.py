@@ -12,9 +12,11 @@ from pydantic import Field
 from network.files.kinds import ROWS_MAX, TABLES_MAX, TEXTS_MAX, about
 from network.files.names import Identifier, Prose, Title
 from network.files.quantities import (
+    BatteryPowerKw,
     Bearing,
     CantMm,
     Coordinate,
+    CurrentA,
     GradientPermille,
     Height,
     Kilometrage,
@@ -24,6 +26,8 @@ from network.files.quantities import (
     TagId,
     ThrowTime,
     Transition,
+    VoltageV,
+    Wait,
 )
 from network.files.toml_input import Record
 from network.model import Direction
@@ -174,6 +178,25 @@ class StationTable(Record):
     ]
 
 
+class ChargerTable(Record):
+    """`[[chargers]]`: at a station, where sets charge their batteries; what it gives is the least of both limits."""
+
+    station: Annotated[str, about("station id")]
+    tracks: Annotated[
+        list[str] | None, Field(min_length=1), about("names of the tracks; left out: all of the station")
+    ] = None
+    power_kw: Annotated[BatteryPowerKw, about("greatest power to a train, behind its converter")]
+    voltage_v: Annotated[VoltageV, about("of the bar or wire")]
+    current_max_a: Annotated[
+        CurrentA | None, about("greatest current to a train that stands; left out: as the power asks for")
+    ] = None
+    connect_s: Annotated[Wait, about("from a stand to the first current", "assumed: pantograph up")] = 20.0
+    disconnect_s: Annotated[Wait, about("from the last current to a start", "assumed: pantograph down")] = (
+        15.0
+    )
+    origin: Annotated[Prose, Field(min_length=1), about('source of its figures, or "assumed: why"')]
+
+
 class TagTable(Record):
     """`[[tags]]`: in `section` when that is a single piece, else on `piece`."""
 
@@ -209,4 +232,7 @@ class LineFile(Record):
         list[TagTable],
         Field(max_length=ROWS_MAX),
         about("tags, by the rule of network.tag_layout or by hand"),
+    ] = Field(default_factory=list)
+    chargers: Annotated[
+        list[ChargerTable], Field(max_length=TABLES_MAX), about("where batteries are charged")
     ] = Field(default_factory=list)

@@ -87,6 +87,28 @@ DEAD_TIME: Final = Quantity(
 LAG: Final = Quantity(
     "lag", "s", ((0.0, 30.0),), "greatest: filling of brake cylinders in position G, 18 to 30 s (UIC 540)"
 )
+BATTERY_ENERGY: Final = Quantity(
+    "energy of a traction battery",
+    "kWh",
+    ((1.0, 10_000.0),),
+    "greatest assumed: twice the battery of a locomotive of 2.4 MWh, twice over; least: a cart",
+)
+BATTERY_POWER: Final = Quantity(
+    "power of a traction battery or charger",
+    "kW",
+    ((1.0, 20_000.0),),
+    "greatest: as the power at the rim; least assumed",
+)
+VOLTAGE: Final = Quantity(
+    "direct voltage", "V", ((24.0, 4000.0),), "24 V of a starter battery; 3 kV wires may have 3.9 kV"
+)
+CURRENT: Final = Quantity("direct current", "A", ((1.0, 10_000.0),), "assumed: a whole train on 1.5 kV")
+RESISTANCE_OHM: Final = Quantity(
+    "internal resistance of a battery", "ohm", ((0.0, 10.0),), "assumed: a worn pack of small cells"
+)
+CONSUMPTION: Final = Quantity(
+    "energy a kilometre", "kWh/km", ((0.0, 100.0),), "assumed: a heavy freight train on battery"
+)
 EFFICIENCY: Final = Quantity("efficiency", "", ((0.05, 1.0),), "least: a steam locomotive, 5 to 10 %")
 EFFICIENCY_OR_0: Final = Quantity("efficiency of regeneration", "", ((0.0, 1.0),), "0: nothing is given back")
 MOTOR_LOSS: Final = Quantity(
@@ -201,6 +223,8 @@ DERIVATIVE_GAIN: Final = Quantity(
 ACCELERATION_BAND: Final = Quantity(
     "band about an acceleration", "m/s^2", ((0.0, 1.0),), "assumed: several notches of any train"
 )
+OWN_WAY: Final = Quantity("way beyond a portal", "km", ((0.0, 1000.0),), "assumed: a day of a local set")
+CHARGE_TIME: Final = Quantity("time of charging", "min", ((0.0, 1440.0),), "a day")
 DISTANCE: Final = Quantity(
     "distance to a place", "m", ((0.0, 10_000.0),), "assumed: beyond any section of a branch line"
 )
@@ -272,6 +296,14 @@ Deceleration = Annotated[float, DECELERATION]
 Jerk = Annotated[float, JERK]
 DeadTime = Annotated[float, DEAD_TIME]
 Lag = Annotated[float, LAG]
+BatteryEnergyJ = Annotated[float, BATTERY_ENERGY.in_unit("J", 3.6e6)]
+BatteryPowerW = Annotated[float, BATTERY_POWER.in_unit("W", 1e3)]
+BatteryPowerKw = Annotated[float, BATTERY_POWER]
+HeatingKw = Annotated[float, AUXILIARY_POWER]
+VoltageV = Annotated[float, VOLTAGE]
+CurrentA = Annotated[float, CURRENT]
+ResistanceOhm = Annotated[float, RESISTANCE_OHM]
+Consumption = Annotated[float, CONSUMPTION]
 Efficiency = Annotated[float, EFFICIENCY]
 EfficiencyOr0 = Annotated[float, EFFICIENCY_OR_0]
 MotorLossW = Annotated[float, MOTOR_LOSS.in_unit("W", 1e3)]
@@ -312,6 +344,8 @@ IntegralGain = Annotated[float, INTEGRAL_GAIN]
 DerivativeGain = Annotated[float, DERIVATIVE_GAIN]
 AccelerationBand = Annotated[float, ACCELERATION_BAND]
 Distance = Annotated[float, DISTANCE]
+OwnWay = Annotated[float, OWN_WAY]
+ChargeTime = Annotated[float, CHARGE_TIME]
 PositionBound = Annotated[float, POSITION_BOUND]
 ReadError = Annotated[float, READ_ERROR]
 WheelError = Annotated[float, WHEEL_ERROR]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from network.errors import InputError
+from network.files.chargers import without_track as chargers_without_track
 from network.files.line_schema import (
     DirectionName,
     JointTable,
@@ -55,6 +56,11 @@ def without_track(entry: LineFile, track_id: str, file: str, key: str) -> LineFi
     if track_id not in tracks:
         raise asked.error(f"a platform track, {one_of(tracks, track_id)}")
     stations = [_without_platform(station, asked) for station in entry.stations]
+    chargers = entry.chargers
+    for station in entry.stations:
+        for track in station.tracks:
+            if track.section == track_id:
+                chargers = chargers_without_track(chargers, station.id, track.name)
     lost_legs = _lost_legs(entry, asked)
     names = " and ".join(lost_legs)
     note = f"track {track_id}: taken out; points {names} became plain track without a limit of their own"
@@ -64,6 +70,7 @@ def without_track(entry: LineFile, track_id: str, file: str, key: str) -> LineFi
             "sections": [section for section in entry.sections if section.id != track_id],
             "joints": [joint for joint in entry.joints if track_id not in (joint.low, joint.high)],
             "stations": stations,
+            "chargers": chargers,
             "tags": [tag for tag in entry.tags if track_id not in (tag.section, tag.piece)],
         }
     )

@@ -40,6 +40,7 @@ class Names:
     people: tuple[str, ...] = ()
     routes: tuple[str, ...] = ()
     pieces: tuple[str, ...] = ()
+    chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
 
 
 @dataclass(slots=True)

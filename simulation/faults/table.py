@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
+from simulation.faults.chargers import ChargerDead
 from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff, Restart
 from simulation.faults.fault import Fault
@@ -38,5 +39,6 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Stuck,
     NoDetection,
     Slow,
+    ChargerDead,
 )
 FAULTS: Final[Mapping[str, type[Fault[Any]]]] = {kind.kind: kind for kind in KINDS}

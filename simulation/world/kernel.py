@@ -16,6 +16,7 @@ from onboard.records import MODE_DRIVE, UnitRow
 from onboard.tick import tick
 from simulation.sensors.scene import NO_TAG_M
 from simulation.sensors.table import sense_all
+from simulation.world.charge_control import drain, offer, steer
 from simulation.world.records import (
     PASSED_FROM_A_STAND,
     PASSED_FRONT,
@@ -182,7 +183,14 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     plant.last_axle_released = 1 if protects and row.sensed.wheel_slide < 0 else 0
     emergency = dead or unit.emergency != 0
     count_notches(row.ride, unit, plant, notch)
+    battery = row.battery
+    traction_j, regenerated_j = plant.energy_traction_j, plant.energy_regenerated_j
+    if battery.fitted != 0:
+        offer(battery, plant, step_s)
     move(plant, row.body, notch, emergency, gradient, curvature, step_s)
+    if battery.fitted != 0:
+        drain(battery, plant, row.body, traction_j, regenerated_j, step_s)
+        steer(battery, row.charging, plant.speed_mps, step * step_s)
     count_motion(row.ride, plant, before_mps, before_mps2, emergency, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
     found = passed(truth, track.tag_positions_m, row.body.length_m)

@@ -23,6 +23,7 @@ from onboard.notes import Note
 from onboard.unit import Answer, Report
 from simulation.faults.fault import VehiclePart
 from simulation.setup import Setup
+from simulation.world.charging import Charging
 from simulation.world.clock import Clock
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -33,6 +34,7 @@ class OnBoard:
 
     def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
         self.unpowered: Final[set[int]] = set()
+        self.charging: Charging | None = None
         self.clocks: Final = [Clock()] * len(trains.stock_ids)
         self._setup: Final = setup
         self._trains: Final = trains
@@ -78,6 +80,9 @@ class OnBoard:
         if slot in self.unpowered:
             return None
         motion = self._motions[slot]
+        if self.charging is not None:
+            motion.charge = self.charging.watch_of(slot)
+            self.charging.now(slot, now_s)
         report = Report(motion.place(), tuple(happened))
         clock = self.clocks[slot]
         own_s = clock.shows(now_s)

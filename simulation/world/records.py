@@ -10,7 +10,9 @@ from typing import Annotated, Final, Protocol
 from onboard.board import BoardRow, SensedRow
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.table import SensorsRow
+from simulation.world.charge_control import ChargingRow
 from simulation.world.ride import RideRow
+from vehicle.battery import BatteryRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
 
@@ -47,6 +49,8 @@ class StockRow(Protocol):
     truth: Annotated[TruthRow, "where it really is"]
     plant: Annotated[PlantRow, "the state of its body and machinery"]
     body: Annotated[TrainRow, "the train as it is; its board holds the train as believed"]
+    battery: Annotated[BatteryRow, "its traction battery, if it is followed"]
+    charging: Annotated[ChargingRow, "its pantograph at a charger"]
     scene: Annotated[SceneRow, "what there is to be sensed"]
     sensors: Annotated[SensorsRow, "its sensors"]
     sensed: Annotated[SensedRow, "what its sensors show"]

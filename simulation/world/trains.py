@@ -95,6 +95,9 @@ class Trains:
         self.duties: list[Duty | None] = [None] * n
         self.premises = Premises(self.tachometers, self.units)
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
+        self.charger_is: Callable[[str, bool], None] = lambda _station, _works: (
+            None
+        )  # who is told of a charger
         self.rail_is: Callable[[int, float], None] = lambda _slot, _share: None  # who is told of the adhesion
         self._brake_factors = np.ones(n)
         self._brake_drawn = np.ones(n)  # of the leg

@@ -9,6 +9,7 @@ from network.errors import InputError, one_line
 from network.model import SectionKind
 from network.timetable import clock
 from simulation.setup import Setup
+from study.feasibility.charge import charge_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, lasting, minute
@@ -43,6 +44,7 @@ def feasibility(setup: Setup) -> Feasibility:
         *timing_of(setup, day),
         *passings_of(setup, day),
         *equipment_of(setup, day),
+        *charge_of(setup, day),
     ]
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
     sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]

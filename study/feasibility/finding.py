@@ -42,6 +42,7 @@ class Kind(Enum):
     LAYOVER = "layover"
     TAG = "tag missing"
     COVERAGE = "no radio"
+    CHARGE = "charge"  # of a battery
     CIRCLE = "trains wait for each other"
     LATE = "lateness"  # what adds up
 

@@ -23,7 +23,9 @@ from vehicle.optimum.bound import lower_bound_j
 from vehicle.resistance import climb_m
 from vehicle.train_file import Receiver
 
-JUST_POSSIBLE: Final = 1.0005  # of the least time: a train that was faster than its course counts as this fast
+JUST_POSSIBLE: Final = (
+    1.0005  # of the least time: a train that was faster than its course counts as this fast
+)
 Key = tuple[str, str, str]  # train, from, to
 
 

@@ -180,7 +180,10 @@ def standing_figures(scenario: Scenario) -> tuple[Figure, ...]:
     day = day_of(scenario, PRESENT, scenario.setup.unit.time_margin_s)
     allowed = Allowed.as_units_drive(scenario.setup)
     margins = day.run.tables.margins
-    whole_s = {(t, a, b): s for t, a, b, s in margins.select("train", "from_station", "to_station", "planned_s").iter_rows()}
+    whole_s = {
+        (t, a, b): s
+        for t, a, b, s in margins.select("train", "from_station", "to_station", "planned_s").iter_rows()
+    }
     same, whole = Least.of(day.least(allowed)), Least.of(day.least(allowed, whole_s))
     return (
         Figure("the present law as shipped", told_of(day), f"{PRESENT}, time_margin_s as in the scenario"),
@@ -257,7 +260,12 @@ def drivers_figures(days: Sequence[Day]) -> tuple[Figure, ...]:
 def parameters(scenario: Scenario, days: Sequence[Day]) -> tuple[Parameter, ...]:
     """What was chosen, and why."""
     return (
-        Parameter("scenario", scenario.id, "", "the line's own day, on the plain carrier: kernel and units as on SUMO"),
+        Parameter(
+            "scenario",
+            scenario.id,
+            "",
+            "the line's own day, on the plain carrier: kernel and units as on SUMO",
+        ),
         Parameter("laws", ", ".join(day.law for day in days), "", "every law of the table of laws"),
         Parameter("arrival before the time", EARLY_S, "s", "assumed: what units aim at as shipped"),
         Parameter("room that a hop must leave", ROOM_S, "s", "assumed: that, and 5 s to choose in"),
@@ -274,9 +282,13 @@ def reproduce(options: Options) -> Reproduction:
     least = {day.law: Least.of(day.least(allowed)) for day in days}
     drivers: list[Figure] = []
     for law in drawn_laws():
-        more = [] if options.quick else [
-            punctual_day(load_scenario(SCENARIO, options.seed + n), law) for n in range(1, DRIVERS_DAYS)
-        ]
+        more = (
+            []
+            if options.quick
+            else [
+                punctual_day(load_scenario(SCENARIO, options.seed + n), law) for n in range(1, DRIVERS_DAYS)
+            ]
+        )
         drivers += drivers_figures([*(day for day in days if day.law == law), *more])
     remarks = [
         "The margin that trains aim at is the only thing that is set for each law; the figures say what it came to.",
@@ -287,7 +299,10 @@ def reproduce(options: Options) -> Reproduction:
     if options.quick:
         remarks.append("A short slice: one round trip instead of the day, and one day of drivers.")
     if options.out is not None:
-        runs = [RunSeen(day.run.scenario.setup.line, day.run.scenario.setup.timetable, day.run.tables) for day in days]
+        runs = [
+            RunSeen(day.run.scenario.setup.line, day.run.scenario.setup.timetable, day.run.tables)
+            for day in days
+        ]
         written = write_hop(runs, SHOWN, Path(options.out))
         remarks.append(f"Wrote {', '.join(path.name for path in written)}.")
     return Reproduction(

@@ -12,6 +12,7 @@ from network.errors import InputError
 # name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
 REPRODUCTIONS: Final[Mapping[str, str]] = {
     "line-driving": "study.papers.line_driving",
+    "battery-day": "study.papers.battery_day",
     "line-stops": "study.papers.line_stops",
     "oda-scale-track": "study.papers.oda_scale_track",
     "oda-vision": "study.papers.oda_vision",

@@ -162,10 +162,14 @@ def _parameters() -> tuple[Parameter, ...]:
     return (
         Parameter("library", "TTOBench 1.5", "", "nuorail/ttobench, BSD-2"),
         Parameter("points of the mesh", POINTS, "", "assumed: the gap falls with their square"),
-        Parameter("deceleration without a limit in the file", 1.0, "m/s^2", "assumed: a metro's service brake"),
+        Parameter(
+            "deceleration without a limit in the file", 1.0, "m/s^2", "assumed: a metro's service brake"
+        ),
         Parameter("train without a length", "a point", "", "the files; others by their length"),
         Parameter("adhesion, fading of the electric brake, auxiliaries", "none", "", "the files have none"),
-        Parameter("from and to", "first and last stop, at a stand", "", "the authors' instance; theirs at 1 m/s"),
+        Parameter(
+            "from and to", "first and last stop, at a stand", "", "the authors' instance; theirs at 1 m/s"
+        ),
     )
 
 

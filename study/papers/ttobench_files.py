@@ -165,8 +165,10 @@ def read_train(file: Path) -> BenchTrain:
         "rotating_mass_factor": number("rho", raw.rho, "%", 1e-2),
         "cars": 1.0,
         "motored_mass_share": 1.0,
-        "resistance_motored_constant_n_per_kn": number("rolling resistance r0", raw.r0, "kN", 1e3) / weight_kn,
-        "resistance_motored_linear_n_per_kn_kmh": number("rolling resistance r1", raw.r1, "kN/(km/h)", 1e3) / weight_kn,
+        "resistance_motored_constant_n_per_kn": number("rolling resistance r0", raw.r0, "kN", 1e3)
+        / weight_kn,
+        "resistance_motored_linear_n_per_kn_kmh": number("rolling resistance r1", raw.r1, "kN/(km/h)", 1e3)
+        / weight_kn,
         "resistance_air_n_per_kmh2": number("rolling resistance r2", raw.r2, "kN/(km/h)^2", 1e3),
         "traction_force_max_n": number("max traction force", raw.force, "kN", 1e3),
         "traction_power_max_w": number("max traction power", raw.power, "kW", 1e3),
@@ -183,13 +185,24 @@ def read_train(file: Path) -> BenchTrain:
     }
     for key, value in values.items():
         row[key] = value
-    if min(length_m, *(values[key] for key in ("traction_force_max_n", "traction_power_max_w", "speed_max_mps"))) <= 0.0:
+    if (
+        min(
+            length_m,
+            *(values[key] for key in ("traction_force_max_n", "traction_power_max_w", "speed_max_mps")),
+        )
+        <= 0.0
+    ):
         raise InputError(name, "", None, "length, force, power and speed above 0")
     perfect = row.copy()
     perfect["efficiency_traction"] = perfect["efficiency_regeneration"] = 1.0
     tunnel: tuple[tuple[float, float], ...] = ()
     if raw.tunnel is not None:
-        _units(name, "tunnel resistance", raw.tunnel.units, {"cross section": "m^2", "coefficient": "kN/(km/h)^2"})
+        _units(
+            name,
+            "tunnel resistance",
+            raw.tunnel.units,
+            {"cross section": "m^2", "coefficient": "kN/(km/h)^2"},
+        )
         tunnel = tuple((area, factor * 1e3 * KMH_PER_MPS**2) for area, factor in raw.tunnel.values)
     return BenchTrain(
         raw.metadata.id,

@@ -15,7 +15,7 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
-from study.plot import days, energy, stations
+from study.plot import battery, days, energy, stations
 from study.plot.choice import Seen
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
@@ -170,6 +170,14 @@ _KINDS: Final = (
         "時間帯別電力量",
         energy.energy_hours_table,
         energy.draw_energy_hours,
+        _TIME,
+    ),
+    Kind(
+        "battery",
+        "State of charge of each set",
+        "編成別の充電状態",
+        battery.battery_table,
+        battery.draw_battery,
         _TIME,
     ),
     Kind(

@@ -74,7 +74,9 @@ def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
     low_m, high_m = _extent_m(driven)
     speed.set_xlim(*((low_m, high_m) if direction is Direction.DOWN else (high_m, low_m)))
     breaks_m, limit_mps = limits_mps(run.line, alignment, direction)
-    speed.step(breaks_m, limit_mps * KMH_PER_MPS, where="post", color=INK, lw=0.9, label="speed limit of the line")
+    speed.step(
+        breaks_m, limit_mps * KMH_PER_MPS, where="post", color=INK, lw=0.9, label="speed limit of the line"
+    )
     for index, (one, strip) in enumerate(zip(driven, strips, strict=True)):
         colour = UNIT_COLOURS[index % len(UNIT_COLOURS)]
         at_m = one.samples["kilometrage_m"].to_numpy()
@@ -97,7 +99,11 @@ def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
 
 def _extent_m(driven: Sequence[Driving]) -> tuple[float, float]:
     """Lowest and highest kilometrage, with a little room at both ends."""
-    ends_m = [float(end) for one in driven for end in (one.samples["kilometrage_m"].min(), one.samples["kilometrage_m"].max())]  # type: ignore[arg-type]
+    ends_m = [
+        float(end)
+        for one in driven
+        for end in (one.samples["kilometrage_m"].min(), one.samples["kilometrage_m"].max())
+    ]  # type: ignore[arg-type]
     room_m = max(0.015 * (max(ends_m) - min(ends_m)), 1.0)
     return min(ends_m) - room_m, max(ends_m) + room_m
 

@@ -10,6 +10,7 @@ import polars as pl
 
 from study.measures.punctuality import punctuality
 from study.measures.station_papers import track_occupation
+from study.report.battery import battery_tables
 from study.report.data import Run, place_name
 from study.report.drill import DrillShown, Mark, MarkKind
 from study.report.driving import driving_tables
@@ -35,6 +36,7 @@ def tables_shown(
         _punctuality(run),
         *energy_tables(run, facts),
         *driving_tables(run),
+        *battery_tables(run, facts),
         *_margins(run),
         *_learned(tuned),
         *_telegrams(run.tables.telegrams),

@@ -80,6 +80,8 @@ def tables_of(
         driving=make_table("driving"),
         comparisons=make_table("comparisons"),
         waits=make_table("waits"),
+        battery=make_table("battery"),
+        charges=make_table("charges"),
         events=_events(result),
     )
 

@@ -37,6 +37,7 @@ from study.report.beside import Beside
 from study.report.drill import DrillShown
 from study.report.parts import Part
 from study.report.report import write_report
+from study.run.battery import battery_summary, battery_tables
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
 from study.run.directory import (
@@ -167,6 +168,7 @@ def execute(
         driving=driving_table(result, setup, booked.margins, booked.stops),
         comparisons=opinions,
         waits=waits_table(waits_of(result, setup)),
+        **battery_tables(result.battery, setup),
     )
     broken = broken_by(result, setup)
     summary = {
@@ -177,6 +179,7 @@ def execute(
         "digest": result.digest,
         "motion_digest": result.motion_digest,
         **summarise(tables, setup.timetable),
+        "battery": battery_summary(tables.battery, setup),
         "empty_workings_planned": len(result.empty_planned),
         "empty_workings_arrived": len(result.empty_arrived),
         "invariants_broken": len(result.violations),

@@ -212,6 +212,42 @@ WAITS: Final[Schema] = {
     "until_s": pl.Float64,
     "reason": pl.String,
 }
+# One row a moment of a set that runs on a battery: each half minute and at each of its events; sums are of the day.
+BATTERY: Final[Schema] = {
+    "t_s": pl.Float64,
+    "unit": pl.String,
+    "train": pl.String,  # off the line the one before
+    "event": pl.String,  # simulation.result.BatteryEvent
+    "station": pl.String,  # where it stands; "" elsewhere
+    "soc": pl.Float64,  # 0 to 1
+    "soc_low": pl.Float64,  # low end of the window
+    "soc_kept": pl.Float64,  # with what is to be kept back
+    "stored_kwh": pl.Float64,  # between empty and that state of charge
+    "above_low_kwh": pl.Float64,
+    "power_kw": pl.Float64,  # at the terminals, the mean since the row before; > 0 out
+    "supply_kw": pl.Float64,  # what charger or wire gives at most
+    "given_kwh": pl.Float64,  # at the terminals, out
+    "taken_kwh": pl.Float64,  # at the terminals, in
+    "lost_kwh": pl.Float64,  # in its resistance
+    "supplied_kwh": pl.Float64,  # by chargers and wires, to battery and train
+    "missing_kwh": pl.Float64,  # asked for and not to be had
+    "spilled_kwh": pl.Float64,  # came back and was not taken
+}
+# One row a charge, from the first current to the last.
+CHARGES: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,  # that leaves with it
+    "station": pl.String,  # "": off the line
+    "from_s": pl.Float64,
+    "to_s": pl.Float64,
+    "soc_from": pl.Float64,
+    "soc_to": pl.Float64,
+    "gained_kwh": pl.Float64,
+    "next_way_kwh": pl.Float64,  # what the battery lost from there to the next charge
+    "margin_kwh": pl.Float64,  # above what is to be kept back, at the next charge
+    "minutes": pl.Float64,
+    "minutes_suffice": pl.Float64,  # so that it comes there with just that; none: no time would do
+}
 # Interventions, refusals, faults: what a person should hear of.
 EVENTS: Final[Schema] = {
     "t_s": pl.Float64,
@@ -232,6 +268,8 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "driving": DRIVING,
     "comparisons": COMPARISONS,
     "waits": WAITS,
+    "battery": BATTERY,
+    "charges": CHARGES,
     "events": EVENTS,
 }
 
@@ -271,6 +309,8 @@ class RunTables:
     driving: pl.DataFrame
     comparisons: pl.DataFrame
     waits: pl.DataFrame
+    battery: pl.DataFrame
+    charges: pl.DataFrame
     events: pl.DataFrame
 
     def __post_init__(self) -> None:

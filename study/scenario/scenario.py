@@ -24,6 +24,7 @@ from network.files.toml_input import one_of
 from network.timetable import Timetable
 from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
+from study.scenario.battery_choice import check_battery, heated
 from study.scenario.belief import belief_of
 from study.scenario.fleet_file import (
     check_grip,
@@ -80,12 +81,13 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     timetable, times_data, of_timetable = patched_timetable(file, line, pile.files.get("timetable", ()))
     check_parties(str(file), str(line_file), line, timetable)
     stock, loaded = _trains(path, model, timetable, pile)
-    trains = {stock_id: loaded[name][0] for stock_id, name in stock.items()}
+    trains = heated({stock_id: loaded[name][0] for stock_id, name in stock.items()}, model.battery)
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), model.scatter, trains)
     check_vision(str(path), model.vision, line.stations)
     check_margins(str(path), model.driving)
+    check_battery(str(path), model.battery, timetable, trains)
     check_grip(str(path), model.driving, trains, line.max_speed_mps)
     setup = Setup(
         name=model.id,
@@ -107,6 +109,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         load=model.trains,
         limits=model.limits,
         operation=model.operation,
+        battery=model.battery,
     )
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))

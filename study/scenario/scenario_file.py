@@ -16,6 +16,7 @@ from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
+from simulation.battery_settings import BatterySettings
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
@@ -77,6 +78,7 @@ class PatchTable(Record):
     trains: Annotated[TableWords | None, about("on [trains]")] = None
     limits: Annotated[TableWords | None, about("on [limits]")] = None
     operation: Annotated[TableWords | None, about("on [operation]")] = None
+    battery: Annotated[TableWords | None, about("on [battery]")] = None
     fault: Annotated[ListWords | None, about("on [[fault]]")] = None
     act: Annotated[ListWords | None, about("on [[act]]")] = None
     expect: Annotated[ListWords | None, about("on [[expect]]")] = None
@@ -112,6 +114,9 @@ class ScenarioFile(Record):
     vision: Vision = NO_VISION
     limits: Limits = Field(default_factory=Limits)
     operation: Operation = Field(default_factory=Operation)
+    battery: Annotated[
+        BatterySettings | None, about("trains that have a battery run on it; left out: all run from a wire")
+    ] = None
     belief: Annotated[BeliefTable | None, about("what units go by where it is not what is so")] = None
     patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(
         default_factory=PatchTable

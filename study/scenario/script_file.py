@@ -96,6 +96,7 @@ def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
         people=tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))),
         routes=tuple(route.id for route in all_routes(line)),
         pieces=tuple(line.pieces),
+        chargers=() if setup.battery is None else tuple(line.chargers),
     )
 
 

@@ -80,7 +80,9 @@ class Costs(NamedTuple):
 
 
 @compiled
-def least_integrand(cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float) -> float:
+def least_integrand(
+    cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float
+) -> float:
     """H of one end of a stretch: a lower bound of the integrand over all speeds and forces."""
     speed, resist = cells.speed, cells.resist
     drag = stretch.drag_least if mu >= 0.0 else stretch.drag_most
@@ -194,7 +196,9 @@ def ceilings(way: Way, table: Floats) -> Floats:
 
 
 @compiled
-def slope_of(mesh: Mesh, table: Floats, i: int, low: float, high: float, a: float, mu: float, second: float) -> float:
+def slope_of(
+    mesh: Mesh, table: Floats, i: int, low: float, high: float, a: float, mu: float, second: float
+) -> float:
     """mu' for which the run's own speed is where H is least, on a piece of stretch `i` from z = `low` to `high`."""
     x = local(mesh, table, i, a, 0.5 * (low + high))
     v, w = math.sqrt(2.0 * low), math.sqrt(2.0 * high)
@@ -337,7 +341,9 @@ def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
     prices = choice(mesh, found.table, at_m, z, optimum.costate, second, fine_m)
     limits = np.unique(np.sqrt(2.0 * way.limit))
     cells = cells_of(course.train, course.load_share, corners_mps(course.train, course.load_share, limits))
-    stretches, tops, pulled = laid_under(way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m)
+    stretches, tops, pulled = laid_under(
+        way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m
+    )
     joined(prices, stretches[:, 5])
     costs = Costs(mesh.inverse_traction, mesh.regenerated, mesh.auxiliary, way.brake_extra)
     ends = np.array([way.first, way.last])

@@ -47,7 +47,12 @@ def corners_mps(train: TrainRow, load_share: float, limits_mps: Floats) -> Float
     if row["traction_load_compensated"] > 0.0:
         force *= mass_kg(train, load_share) / row["mass_empty_kg"]
     power, weak = row["traction_power_max_w"], row["traction_weak_field_speed_mps"]
-    found = [STARTING_BAND_KMH / KMH_PER_MPS, weak, row["regenerative_fade_from_mps"], row["regenerative_fade_to_mps"]]
+    found = [
+        STARTING_BAND_KMH / KMH_PER_MPS,
+        weak,
+        row["regenerative_fade_from_mps"],
+        row["regenerative_fade_to_mps"],
+    ]
     if force > 0.0:
         found += [power / force, math.sqrt(power * weak / force)]
     if row["regenerative_force_max_n"] > 0.0:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum.course import Course
-from vehicle.optimum.laws import law_table
 from vehicle.optimum.interior import Mesh
+from vehicle.optimum.laws import law_table
 from vehicle.optimum.way import Way, fastest, mean_lift, times_s
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,9 @@ def _refuse_what_cannot_run(course: Course, way: Way, best: Floats) -> None:
     stalled = np.flatnonzero(np.isnan(best) | (best <= 0.0))
     inner = stalled[(stalled > 0) & (stalled < len(best) - 1)]
     if inner.size:
-        raise ValueError(f"the train cannot climb: it stalls {way.at_m[inner[0]] - course.start_m:.0f} m after its start")
+        raise ValueError(
+            f"the train cannot climb: it stalls {way.at_m[inner[0]] - course.start_m:.0f} m after its start"
+        )
     if best[0] < way.first * (1.0 - 1e-9):
         raise ValueError(f"{course.initial_mps:.2f} m/s at the start is too fast for what lies ahead")
     if best[-1] < way.last * (1.0 - 1e-9):

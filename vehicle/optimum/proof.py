@@ -63,7 +63,13 @@ def pieces_m(way_m: Floats, at_m: Floats, stands: tuple[bool, bool]) -> Floats:
 
 @compiled
 def possible(
-    train: TrainRow, load_share: float, inertia_kg: float, at_m: Floats, held: Floats, limits: Floats, line: Floats
+    train: TrainRow,
+    load_share: float,
+    inertia_kg: float,
+    at_m: Floats,
+    held: Floats,
+    limits: Floats,
+    line: Floats,
 ) -> Floats:
     """v^2/2 on or below `line` that the true laws allow.
 
@@ -129,7 +135,8 @@ def proven(course: Course, time_s: float, points: int = 300) -> Proof:
     h = np.diff(fine)
     carried = np.concatenate(([0.0], np.cumsum(way.drag * np.diff(way.at_m))))
     held = np.stack(
-        (np.diff(np.interp(fine, way.at_m, way.lift)) / h, np.diff(np.interp(fine, way.at_m, carried)) / h), axis=1
+        (np.diff(np.interp(fine, way.at_m, way.lift)) / h, np.diff(np.interp(fine, way.at_m, carried)) / h),
+        axis=1,
     )
     # The mesh's force is held through each stretch, so the speed follows the gradients within.
     bowed = np.interp(fine, way.at_m, way.lift) - np.interp(fine, at_m, np.interp(at_m, way.at_m, way.lift))

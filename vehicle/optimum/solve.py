@@ -47,9 +47,7 @@ def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None
     else:
         raise NotFound(time_s, found.least_s)
     course = found.course
-    motors, air, energy_j = told(
-        mesh, found.table, course.train, found.inertia_kg, course.regeneration, z
-    )
+    motors, air, energy_j = told(mesh, found.table, course.train, found.inertia_kg, course.regeneration, z)
     at_s = times_s(at_m, z)
     energy_j += mesh.auxiliary * found.inertia_kg * at_s[-1]
     price_w = float(inner.ends[1]) * found.inertia_kg

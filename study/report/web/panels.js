@@ -272,8 +272,23 @@ export function energyPaper(host, context) {
   tables(host, context, ["energy_sums", "energy_parts", "energy_per_km", "energy_taken"], true);
   energyByHour(host, context);
   tables(host, context, ["driving"], true);
+  batteries(host, context);
   tables(host, context, ["energy_trains", "energy_by_leg", "energy_parts_by_leg", "energy_legs", "layovers"]);
   tables(host, context, ["opinion"], true);
+}
+
+/** Sets that run on batteries: the lowest charge of the day, and every charge. */
+function batteries(host, context) {
+  const { day, words } = context;
+  const table = day.tables.get("battery_sets");
+  if (!table?.columns[0].values.length) return;
+  heading(host.ownerDocument, host, words.say("battery_title"), words.say("battery_caption"));
+  const [units, lowest, margins] = ["unit", "soc_lowest", "margin_kwh"].map((label) => valuesOf(table, label));
+  chart(host, context, 220, words.say("battery_label"), (canvas, width, height) => drawBars(canvas, width, height, {
+    labels: units, unit: "%", tops: margins.map((kwh) => `${kwh > 0 ? "+" : ""}${kwh.toFixed(0)} kWh`.replace("-", "−")),
+    series: [{ label: words.say("soc_lowest"), colour: COLOURS.traction, values: lowest }],
+  }));
+  tables(host, context, ["battery_sets", "charges"], true);
 }
 
 function energyByHour(host, context) {

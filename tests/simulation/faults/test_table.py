@@ -13,7 +13,9 @@ from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, Link
 from simulation.faults.table import FAULTS, KINDS
 
-NAMES = Names(units=("K1",), devices=("block-manager", "B-W"), tags=("602",), points=("P7",))
+NAMES = Names(
+    units=("K1",), devices=("block-manager", "B-W"), tags=("602",), points=("P7",), chargers=("KRS",)
+)
 PARTIES = st.sampled_from(["K1", "K2", "block-manager", "OGN-W", ANY])
 
 

@@ -86,7 +86,9 @@ def test_a_brake_without_steps_counts_by_the_notch() -> None:
 @given(st.lists(st.integers(-7, 5), min_size=1, max_size=60))
 def test_of_whole_notches_every_change_counts(notches: list[int]) -> None:
     ride = driven([(float(notch), 0.0) for notch in notches], speed_mps=10.0)
-    both = [(max(a, 0) != max(b, 0), min(a, 0) != min(b, 0)) for a, b in zip([0, *notches], notches, strict=False)]
+    both = [
+        (max(a, 0) != max(b, 0), min(a, 0) != min(b, 0)) for a, b in zip([0, *notches], notches, strict=False)
+    ]
     assert ride.power_changes == sum(power for power, _ in both)
     assert ride.brake_changes == sum(brake for _, brake in both)
 

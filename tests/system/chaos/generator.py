@@ -75,7 +75,11 @@ class _Times:
 
 
 def _fault(times: _Times, names: Names, draw: Draw) -> dict[str, Any]:
-    fails = draw.of("quantity").one_of(sorted({kind.changes for kind in KINDS}))
+    fails = draw.of("quantity").one_of(
+        sorted(
+            {kind.changes for kind in KINDS if kind.targets(names)}
+        )  # no charger where trains run from a wire
+    )
     kind = draw.of("kind").one_of([kind for kind in KINDS if kind.changes == fails])
     table = {"kind": kind.kind, "target": target_of(kind, names, times.uses, draw.of("target"))}
     table |= times.drawn(draw.of("time"))

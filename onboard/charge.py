@@ -1,0 +1,110 @@
+"""Whether a set's charge takes it to its next charge: decided before it leaves, by its own prediction (充電残量の照査).
+
+Where it leaves a charger, or begins a train, it wants a reserve beyond what it predicts; on its way from there, where
+waiting would help nobody, what it predicts is enough. It reckons with the charge it will have when it is to leave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from network.model import Line
+from onboard.duty.mission import Mission
+from onboard.duty.unable import NoCharge
+from onboard.reach import Reach, SetWays, charger_at, to_next_charge
+
+
+class Gauge(Protocol):
+    """What the battery and its pantograph show, and what they are told."""
+
+    def has_j(self, at_s: float) -> float:
+        """What will be available at a time, J: charging goes on until its pantograph comes down for that."""
+        ...
+
+    @property
+    def charges(self) -> bool:
+        """Whether the set stands at a charger that works."""
+        ...
+
+    @property
+    def connected(self) -> bool:
+        """Whether the pantograph is not down."""
+        ...
+
+    def ask(self, needed_j: float, leaves_s: float) -> None:
+        """The set is to leave at a time (+inf: not known), with so much."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ChargeRules:
+    """`waits`: a set with too little stays; `reserve_j` it keeps back, `prediction_share` it adds to predictions."""
+
+    waits: bool
+    reserve_j: float
+    prediction_share: float
+
+    def needed_j(self, reach: Reach, *, commits: bool) -> float:
+        """What must be available for a way, J; `commits`: where the set could wait."""
+        return (1.0 + self.prediction_share) * reach.needed_j + (self.reserve_j if commits else 0.0)
+
+
+def commits_at(line: Line, mission: Mission, at: int) -> bool:
+    """Whether a set could wait at a stop: it begins its train there, or there is a charger."""
+    return at == 0 or bool(charger_at(line, mission.targets[at]))
+
+
+class ChargeWatch:
+    """The charge of one set, as its unit watches it."""
+
+    def __init__(self, line: Line, ways: SetWays, rules: ChargeRules, gauge: Gauge) -> None:
+        self.now_s = 0.0
+        self._line: Final = line
+        self._ways: Final = ways
+        self._rules: Final = rules
+        self._gauge: Final = gauge
+        self._dead: Collection[str] = ()
+        self._asked: tuple[str, int] | None = None
+        self._reach: Reach | None = None
+        self._needed_j = 0.0
+        self._leaves_s = math.inf
+
+    def told(self, dead: Collection[str]) -> None:
+        """The crew is told which chargers are dead."""
+        self._dead, self._asked = frozenset(dead), None
+
+    def why_not(self, mission: Mission, at: int) -> NoCharge | None:
+        """Why the set may not leave the stop where it stands; None where it may."""
+        self._look(mission, at)
+        if self._reach is None or not self._rules.waits:
+            return None
+        has_j = self._gauge.has_j(self._leaves_s)
+        short = has_j < self._needed_j
+        if not short and not (self._gauge.connected and self.now_s >= self._leaves_s):
+            return None
+        return NoCharge(
+            station=self._reach.place or "",
+            has_j=round(has_j, -4),
+            needed_j=round(self._needed_j, -4),
+            charges=self._gauge.charges,
+            connected=not short,
+        )
+
+    def _look(self, mission: Mission, at: int) -> None:
+        """What the way from a stop takes: worked out when the set comes there, and when chargers fail or are mended."""
+        if self._asked == (mission.number, at):
+            return
+        self._asked = mission.number, at
+        departs_s = mission.targets[at].departure_s
+        ahead = self._ways.ahead(mission.number, at)
+        last = at + 1 >= len(mission.targets)
+        self._leaves_s = math.inf if last or departs_s is None else departs_s
+        self._reach = None if last or not ahead else to_next_charge(ahead, self._dead)
+        self._needed_j = 0.0
+        if self._reach is not None and self._rules.waits:
+            commits = commits_at(self._line, mission, at)
+            self._needed_j = self._rules.needed_j(self._reach, commits=commits)
+        self._gauge.ask(self._needed_j, self._leaves_s)

@@ -1,0 +1,180 @@
+"""What a set's way to its next charge will take of its battery, by its unit's own prediction (到達判定).
+
+Hop by hop along the train that it runs and those that its set runs after it: `vehicle.running_time.predicted_run` at
+the cruising speed that keeps the timetable, and the auxiliaries while it stands. Losses in the battery, and whatever
+else a prediction leaves out, are a share on top. A charger that is known to be dead is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from network.model import Line
+from onboard.duty.mission import Mission, Target
+from onboard.duty.timekeeping import PREDICTION_STEP_S, cruise_for
+from onboard.records import BehaviourRow
+from vehicle.records import TrainRow
+from vehicle.running_time import predicted_run
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A unit's path database of one mission, by the metre: climb, m, and the speed that driving stays under, m/s."""
+
+    climb_m: NDArray[np.float64]
+    driving_mps: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Hop:
+    """From one stop to the next: what the run takes, J at the battery, and then the stand there.
+
+    `charger`: the station whose charger is at the stop where it ends; empty: none. `wire`: it ends at a portal beyond
+    which sets charge.
+    """
+
+    number: str
+    from_place: str
+    to_place: str
+    run_j: float
+    stand_j: float
+    charger: str = ""
+    wire: bool = False
+
+
+def place_of(target: Target) -> str:
+    """A station, or the section of a portal."""
+    return target.station_id or target.section_id
+
+
+def charger_at(line: Line, target: Target) -> str:
+    """The station whose charger a set at this stop can use; empty: none."""
+    charger = None if target.station_id is None else line.chargers.get(target.station_id)
+    return charger.station_id if charger is not None and target.track in charger.tracks else ""
+
+
+def due_s(there: Target, dwell_s: float) -> float | None:
+    """The latest arrival that keeps the plan's arrival and departure."""
+    if there.departure_s is None:
+        return there.arrival_s
+    ready_s = there.departure_s - (dwell_s if there.passengers else 0.0)
+    return ready_s if there.arrival_s is None else min(there.arrival_s, ready_s)
+
+
+def run_j(
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    load_share: float,
+    ground: Ground,
+    ends: tuple[Target, Target],
+    dwell_s: float,
+    margin_s: float,
+) -> float:
+    """Predicted energy of a run from stop to stop on time, J, auxiliaries among it; at the limits where no time is."""
+    here, there = ends
+    cruise_mps = np.inf
+    arrives_s = due_s(there, dwell_s)
+    if here.departure_s is not None and arrives_s is not None:
+        cruise_mps = cruise_for(
+            train,
+            load_share,
+            ground.climb_m,
+            ground.driving_mps,
+            here.mark_m,
+            there.mark_m,
+            arrives_s - here.departure_s - margin_s,
+            behaviour.stop_deceleration_mps2,
+        )
+    _, energy_j = predicted_run(
+        train,
+        load_share,
+        ground.climb_m,
+        ground.driving_mps,
+        here.mark_m,
+        there.mark_m,
+        cruise_mps,
+        behaviour.stop_deceleration_mps2,
+        PREDICTION_STEP_S,
+    )
+    return energy_j
+
+
+def stands_s(there: Target, following: Target | None, dwell_s: float) -> float:
+    """How long a train is to stand at a stop; `following`: the first stop of its set's next train, from there."""
+    departs = there if following is None else following
+    if there.arrival_s is None or departs.departure_s is None:
+        return dwell_s
+    return max(departs.departure_s - there.arrival_s, 0.0)
+
+
+def hops_of(
+    line: Line,
+    mission: Mission,
+    runs_j: Sequence[float],
+    auxiliary_w: float,
+    dwell_s: float,
+    following: Mission | None,
+) -> tuple[Hop, ...]:
+    """The hops of a mission, given what each run takes; `following`: the set's next, if it stays on the line."""
+    found: list[Hop] = []
+    for (here, there), takes_j in zip(pairwise(mission.targets), runs_j, strict=True):
+        last = there is mission.targets[-1]
+        next_first = following.targets[0] if last and following is not None else None
+        found.append(
+            Hop(
+                mission.number,
+                place_of(here),
+                place_of(there),
+                takes_j,
+                stands_s(there, next_first, dwell_s) * auxiliary_w,
+                charger_at(line, there),
+                there.station_id is None,
+            )
+        )
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """What is needed to the next charge, J as predicted; `place` None: there is none before the set's day ends."""
+
+    needed_j: float
+    place: str | None
+    hops: int
+
+
+def to_next_charge(hops: Sequence[Hop], dead: Collection[str]) -> Reach:
+    """What the way takes that begins with the first of these hops."""
+    needed_j = 0.0
+    for count, hop in enumerate(hops, 1):
+        needed_j += hop.run_j
+        if hop.wire or (hop.charger and hop.charger not in dead):
+            return Reach(needed_j, hop.to_place, count)
+        needed_j += hop.stand_j
+    return Reach(needed_j, None, len(hops))
+
+
+def stretches(hops: Sequence[Hop], dead: Collection[str]) -> Iterator[tuple[int, Reach]]:
+    """Every way from charge to charge along some hops: the index of its first hop, and what it takes."""
+    at = 0
+    while at < len(hops):
+        reach = to_next_charge(hops[at:], dead)
+        yield at, reach
+        at += reach.hops
+
+
+@dataclass(frozen=True, slots=True)
+class SetWays:
+    """One set's hops from the beginning of its day to its end; `first` is the index of each train's first hop."""
+
+    hops: tuple[Hop, ...]
+    first: Mapping[str, int]
+
+    def ahead(self, number: str, at: int) -> tuple[Hop, ...]:
+        """The hops ahead of the set at a stop of one of its trains."""
+        return self.hops[self.first[number] + at :]

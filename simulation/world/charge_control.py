@@ -1,0 +1,102 @@
+"""What stands between a battery and its train's plant in each step, and the pantograph at chargers; compiled.
+
+Before a step the battery says what it gives and takes; after it, it is charged or discharged by what the plant drew.
+The pantograph is raised where a set stands at a charger long enough, or has too little to leave, and is down again
+when the set is to leave, but not before its battery has what the set's unit asks for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Final, Protocol
+
+from vehicle.battery import BatteryRow, available_j, carry, gives_max_w, takes_max_w
+from vehicle.compiled import compiled
+from vehicle.record import dtype_of
+from vehicle.records import PlantRow, TrainRow
+
+# charging.pantograph
+DOWN: Final = 0
+RISING: Final = 1
+UP: Final = 2
+FALLING: Final = 3
+
+WORTH_S: Final = 30.0  # assumed: nobody raises a pantograph for less charging than this
+FULL_SHARE: Final = 0.999
+READY_S: Final = 1.0  # it is down this long before the set leaves
+
+
+class ChargingRow(Protocol):
+    """A set at a charger."""
+
+    power_w: Annotated[float, "what the charger here gives at most; 0: none here, or it is dead"]
+    connect_s: float
+    disconnect_s: float
+    leaves_s: Annotated[float, "when the set is to leave, by its plan; +inf: not yet known"]
+    needed_j: Annotated[float, "what must be available before it leaves"]
+    spare_j: Annotated[float, "and so much more before the pantograph comes down: it takes that to leave"]
+    pantograph: Annotated[int, "DOWN, RISING, UP, FALLING"]
+    moves_until_s: Annotated[float, "when it is up, or down"]
+
+
+CHARGING: Final = dtype_of(ChargingRow)
+
+
+@compiled
+def fits(battery: BatteryRow, charging: ChargingRow) -> None:
+    """A set that begins its day: nothing connected, nothing asked for."""
+    charging.leaves_s = math.inf
+    charging.needed_j = charging.spare_j = 0.0
+    charging.pantograph = DOWN
+    battery.supply_w = 0.0
+
+
+@compiled
+def enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
+    """Whether the battery has what its unit asks for, and so much more, unless it takes no more."""
+    full = battery.charge_c >= FULL_SHARE * battery.soc_high * battery.full_c
+    return available_j(battery) >= charging.needed_j + (0.0 if full else spare_j)
+
+
+@compiled
+def steer(battery: BatteryRow, charging: ChargingRow, speed_mps: float, now_s: float) -> None:
+    """Raise or lower the pantograph, and connect the battery to the charger while it is up."""
+    state = charging.pantograph
+    if speed_mps > 0.0:
+        state, charging.power_w = DOWN, 0.0
+    lowers_s = charging.leaves_s - charging.disconnect_s - READY_S
+    if state == DOWN and charging.power_w > 0.0 and speed_mps == 0.0:
+        worth = now_s + charging.connect_s + WORTH_S <= lowers_s
+        if worth or not enough(battery, charging, 0.0):
+            state, charging.moves_until_s = RISING, now_s + charging.connect_s
+    elif state == RISING and now_s >= charging.moves_until_s:
+        state = UP
+    elif state == UP and (
+        (now_s >= lowers_s and enough(battery, charging, charging.spare_j)) or charging.power_w <= 0.0
+    ):
+        state, charging.moves_until_s = FALLING, now_s + charging.disconnect_s
+    elif state == FALLING and now_s >= charging.moves_until_s:
+        state = DOWN
+    charging.pantograph = state
+    battery.supply_w = charging.power_w if state == UP else 0.0
+
+
+@compiled
+def offer(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
+    """Say what the battery, and a charger beside it, can give and take in the step that follows."""
+    plant.source_gives_w = gives_max_w(battery, dt_s) + battery.supply_w
+    plant.source_takes_w = takes_max_w(battery, battery.regeneration_max_w, dt_s)
+
+
+@compiled
+def drain(
+    battery: BatteryRow,
+    plant: PlantRow,
+    train: TrainRow,
+    traction_j: float,
+    regenerated_j: float,
+    dt_s: float,
+) -> None:
+    """Charge or discharge by what the plant drew since its counters stood at these, J."""
+    drawn_w = (plant.energy_traction_j - traction_j) / dt_s + train.auxiliary_power_w
+    carry(battery, drawn_w, (plant.energy_regenerated_j - regenerated_j) / dt_s, dt_s)

@@ -1,0 +1,177 @@
+"""Whether the batteries of the sets last by the plan: predicted hop by hop, charged where and as long as it has it.
+
+The prediction is that of the units (`simulation.ways`), the battery is that of the run (`vehicle.battery`), and what
+must be there before a set leaves is what its unit will ask for (`onboard.charge`). Faults are not looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from onboard.charge import ChargeRules, commits_at
+from onboard.reach import Hop, SetWays, charger_at, stands_s, to_next_charge
+from simulation.battery_settings import BatterySettings, Departure
+from simulation.setup import Setup
+from simulation.ways import ways_of
+from simulation.world.charge_control import READY_S
+from simulation.world.roster import Duty
+from study.feasibility.finding import Finding, Kind, Severity, lasting, minute, severity_of
+from study.feasibility.planned import PlannedDay
+from vehicle.battery import available_j, soc_of, stand, stored_j
+
+STEP_S = 5.0
+WAITS_S_MAX = 4.0 * 3600.0
+KWH_J = 3.6e6
+
+
+@dataclass(slots=True)
+class _Set:
+    """One set on its day: its battery as it would be."""
+
+    setup: Setup
+    settings: BatterySettings
+    ways: SetWays
+    battery: Any
+    rules: ChargeRules
+    auxiliary_w: float
+
+    def draw(self, energy_j: float) -> None:
+        """Take energy out, at the mean power of a run."""
+        stand(self.battery, self.auxiliary_w, 0.0, energy_j / self.auxiliary_w, 60.0)
+
+    def charge(self, power_w: float, time_s: float) -> None:
+        if time_s > 0.0:
+            stand(self.battery, self.auxiliary_w, power_w, time_s, STEP_S)
+
+
+def charge_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
+    """What is wrong with the batteries of the day; nothing where trains run from a wire."""
+    settings = setup.battery
+    if settings is None or day.missing:
+        return
+    drawn = {stock_id: tuple(train.duty for train in trains) for stock_id, trains in day.trains.items()}
+    ways = ways_of(setup, drawn)
+    for stock_id, duties in drawn.items():
+        kind = setup.trains[stock_id]
+        if kind.battery is None or not duties:
+            continue
+        row = kind.battery[0].copy()
+        share = settings.start_of.get(stock_id, settings.start_share)
+        row["charge_c"] = row["full_c"] * (row["soc_low"] + share * (row["soc_high"] - row["soc_low"]))
+        window_j = float(stored_j(row, row["soc_high"]) - stored_j(row, row["soc_low"]))
+        rules = ChargeRules(
+            settings.departure is Departure.WAIT, settings.reserve_share * window_j, settings.prediction_share
+        )
+        auxiliary_w = max(float(kind.row[0]["auxiliary_power_w"]), 1.0)
+        yield from _day(_Set(setup, settings, ways[stock_id], row, rules, auxiliary_w), duties)
+
+
+def _day(one: _Set, duties: tuple[Duty, ...]) -> Iterator[Finding]:
+    """One set's day; it ends with the first thing that would keep it from going on."""
+    left_s: float | None = None
+    for duty, following in zip(duties, (*duties[1:], None), strict=True):
+        if duty.enters and left_s is not None:
+            _beyond(one, duties[duties.index(duty) - 1].train.number, duty.enter_s - left_s)
+        found = list(_train(one, duty, following))
+        yield from found
+        if any(finding.short_s is None for finding in found):
+            return
+        ends = duty.mission.targets[-1]
+        left_s = ends.arrival_s if ends.arrival_s is not None else duty.train.calls[-1].last_s
+
+
+def _beyond(one: _Set, number: str, away_s: float) -> None:
+    beyond = one.settings.beyond_of(number)
+    runs_s = min(beyond.distance_km / beyond.speed_kmh * 3600.0, away_s)
+    takes_j = beyond.distance_km * beyond.consumption_kwh_per_km * KWH_J
+    if takes_j > 0.0 and runs_s > 0.0:
+        stand(one.battery, takes_j / runs_s, 0.0, runs_s, STEP_S)
+        away_s -= runs_s
+    charges_s = min(beyond.charge_min * 60.0, away_s)
+    if charges_s > 0.0:
+        stand(one.battery, 0.0, beyond.charge_kw * 1e3, charges_s, STEP_S)
+
+
+def _train(one: _Set, duty: Duty, following: Duty | None) -> Iterator[Finding]:
+    """One train: at each stop charge and look whether it goes on, then the hop."""
+    line, targets = one.setup.believed_line, duty.mission.targets
+    dwell_s = one.setup.unit.duty.dwell_min_s
+    hops = one.ways.ahead(duty.mission.number, 0)
+    for at, target in enumerate(targets[:-1]):
+        finding = _looks(one, duty, at, hops)
+        if finding is not None:
+            yield finding
+            if finding.short_s is None:
+                return
+        one.draw(hops[at].run_j)
+        there = targets[at + 1]
+        last = at + 2 == len(targets)
+        next_first = (
+            following.mission.targets[0] if last and following is not None and not duty.leaves else None
+        )
+        _stands(one, charger_at(line, there), stands_s(there, next_first, dwell_s))
+        if available_j(one.battery) <= 0.0:
+            text = f"{duty.train.number} would have an empty battery at {hops[at].to_place}"
+            yield Finding(
+                Kind.CHARGE,
+                Severity.IMPOSSIBLE,
+                (duty.train.number,),
+                hops[at].from_place,
+                target.departure_s or duty.enter_s,
+                text,
+                "more charging before that",
+            )
+            return
+
+
+def _stands(one: _Set, station_id: str, time_s: float) -> None:
+    """A stand as planned: with the charger, if there is one and time for it."""
+    charger = one.setup.believed_line.chargers.get(station_id)
+    connected_s = 0.0
+    if charger is not None:
+        connected_s = max(time_s - charger.connect_s - charger.disconnect_s - READY_S, 0.0)
+        one.charge(charger.power_w, connected_s)
+    if time_s > connected_s:
+        one.draw(one.auxiliary_w * (time_s - connected_s))
+
+
+def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[Hop]) -> Finding | None:
+    """Whether the set may leave a stop; it waits there for what it lacks, if there is a charger."""
+    line, target = one.setup.believed_line, duty.mission.targets[at]
+    reach = to_next_charge(hops[at:], ())
+    needed_j = one.rules.needed_j(reach, commits=commits_at(line, duty.mission, at))
+    has_j = float(available_j(one.battery))
+    if not one.rules.waits or has_j >= needed_j:
+        return None
+    place = hops[at].from_place
+    departs_s = target.departure_s if target.departure_s is not None else duty.enter_s
+    name = line.stations[place].name if place in line.stations else place
+    where = f"to {reach.place}, where it can charge next" if reach.place else "to where its day ends"
+    text = (
+        f"{duty.train.number} would leave {name} at {minute(departs_s)} with {has_j / KWH_J:.1f} kWh and needs"
+        f" {needed_j / KWH_J:.1f} kWh {where}"
+    )
+    charger = line.chargers.get(charger_at(line, target))
+    waits_s = None if charger is None else _waits_s(one, charger.power_w, needed_j)
+    trains = (duty.train.number,)
+    if waits_s is None:
+        remedy = "more charging before that"
+        return Finding(Kind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
+    text = f"{text}: it charges there for {lasting(waits_s)} longer"
+    severity = severity_of(waits_s, target.departure_s)
+    return Finding(
+        Kind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s
+    )
+
+
+def _waits_s(one: _Set, power_w: float, needed_j: float) -> float | None:
+    """How long a set must go on charging, s; None: it never has enough."""
+    time_s = 0.0
+    while float(available_j(one.battery)) < needed_j:
+        if time_s >= WAITS_S_MAX or float(soc_of(one.battery)) >= float(one.battery["soc_high"]) - 1e-6:
+            return None
+        one.charge(power_w, STEP_S)
+        time_s += STEP_S
+    return time_s

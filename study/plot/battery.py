@@ -1,0 +1,135 @@
+"""State of charge over the day (充電状態), a panel a set: charges shaded, what is kept back, and the lowest point."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+from study.plot.choice import Seen
+from study.report.style import DIRECTION_COLOUR, INK, PALE, RED, RULE, UNIT_COLOURS, WIDTH_IN, clock
+
+PANEL_IN: Final = 1.75
+HOUR_S: Final = 3600.0
+CHARGED: Final = "#cfe3cf"
+OFF_LINE: Final = "#f1f1f1"
+NUMBER_PT: Final = 6.0
+NARROW_S: Final = 720.0  # a name above a charge has no room in less
+
+
+def battery_table(run: Seen) -> pl.DataFrame:
+    """The batteries at every moment written down, of the time chosen."""
+    return run.within(run.tables.battery, "t_s")
+
+
+def draw_battery(run: Seen) -> Figure | None:
+    """A panel a set: percent of charge over the time of the day. None: no set ran on a battery."""
+    table = battery_table(run)
+    if table.is_empty():
+        return None
+    units = sorted(table["unit"].unique())
+    from_s, to_s = float(table["t_s"].min()), float(table["t_s"].max())  # type: ignore[arg-type]
+    figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(units) + 0.8), layout="constrained")
+    panels = figure.subplots(len(units), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    for i, (axes, unit) in enumerate(zip(panels, units, strict=True)):
+        _panel(axes, run, unit, table.filter(pl.col("unit") == unit), UNIT_COLOURS[i % len(UNIT_COLOURS)])
+    bottom: Axes = panels[-1]
+    bottom.set_xlim(from_s, max(to_s, from_s + 60.0))
+    bottom.xaxis.set_major_locator(MultipleLocator(HOUR_S if to_s - from_s > 2 * HOUR_S else HOUR_S / 6))
+    bottom.xaxis.set_major_formatter(FuncFormatter(_clock))
+    bottom.set_xlabel("time")
+    figure.legend(
+        handles=[
+            Line2D([], [], color=INK, lw=1.4, label="state of charge"),
+            Line2D([], [], color=RED, lw=0.9, ls=(0, (5, 3)), label="to be kept back"),
+            Line2D([], [], color=RED, lw=0.9, label="low end of the window"),
+            Patch(color=CHARGED, lw=0, label="charges"),
+            Patch(color=OFF_LINE, lw=0, label="off the line"),
+        ],
+        loc="outside lower left",
+        ncols=5,
+    )
+    return figure
+
+
+def _clock(time_s: float, _place: int | None) -> str:
+    return clock(time_s)
+
+
+def _panel(axes: Axes, run: Seen, unit: str, rows: pl.DataFrame, colour: str) -> None:
+    times_s, soc = rows["t_s"].to_numpy(), 100.0 * rows["soc"].to_numpy()
+    for low_s, high_s in _off_line(rows):
+        axes.axvspan(low_s, high_s, color=OFF_LINE, lw=0, zorder=0.2)
+    _charges(axes, run, unit)
+    low, kept = 100.0 * float(rows["soc_low"][0]), 100.0 * float(rows["soc_kept"][0])
+    axes.axhline(low, color=RED, lw=0.9)
+    axes.axhline(kept, color=RED, lw=0.9, ls=(0, (5, 3)))
+    axes.plot(times_s, soc, color=colour, lw=1.4)
+    at = int(np.argmin(soc))
+    lowest = rows.row(at, named=True)
+    axes.plot(times_s[at], soc[at], ls="", marker="v", ms=5, color=colour)
+    # Towards the middle of the panel, so that it stays inside.
+    right = times_s[at] > 0.5 * (times_s[0] + times_s[-1])
+    axes.annotate(
+        f"{soc[at]:.0f} %, {lowest['above_low_kwh']:.0f} kWh ({lowest['train']})",
+        (times_s[at], soc[at]),
+        xytext=(-6 if right else 6, -1),
+        textcoords="offset points",
+        ha="right" if right else "left",
+        va="top",
+        fontsize=7,
+        bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.6},
+    )
+    _numbers(axes, run, unit)
+    axes.set_ylim(0, 112)
+    axes.set_yticks([0, 20, 40, 60, 80, 100])
+    axes.set_ylabel(f"{unit}\ncharge, %")
+    axes.grid(axis="both")
+    axes.tick_params(length=0)
+    axes.spines[:].set_color(RULE)
+
+
+def _off_line(rows: pl.DataFrame) -> list[tuple[float, float]]:
+    """When the set was off the line, between leaving and coming back."""
+    events = rows.filter(pl.col("event").is_in(["leaves", "enters"])).select("t_s", "event").rows()
+    return [
+        (left_s, came_s)
+        for (left_s, left), (came_s, came) in pairwise(events)
+        if left == "leaves" and came == "enters"
+    ]
+
+
+def _charges(axes: Axes, run: Seen, unit: str) -> None:
+    """Each charge, with its station above where there is room."""
+    for charge in run.tables.charges.filter(pl.col("unit") == unit).iter_rows(named=True):
+        axes.axvspan(charge["from_s"], charge["to_s"], color=CHARGED, lw=0, zorder=0.3)
+        if charge["to_s"] - charge["from_s"] < NARROW_S:
+            continue
+        middle_s = 0.5 * (charge["from_s"] + charge["to_s"])
+        place = run.name(charge["station"]) if charge["station"] else "off the line"
+        gained = round(charge["gained_kwh"])
+        text = f"{place}\n{gained:+d} kWh".replace("-", "−") if gained else place
+        axes.annotate(text, (middle_s, 5), ha="center", va="bottom", fontsize=NUMBER_PT, color=PALE)
+
+
+def _numbers(axes: Axes, run: Seen, unit: str) -> None:
+    """Train numbers above the time in which the set was that train."""
+    for (of, train), course in run.courses.items():
+        if of != unit:
+            continue
+        middle_s = 0.5 * (float(course["t_s"][0]) + float(course["t_s"][-1]))
+        axes.annotate(
+            train,
+            (middle_s, 105),
+            ha="center",
+            va="center",
+            fontsize=NUMBER_PT,
+            color=DIRECTION_COLOUR[run.directions[train]],
+        )

@@ -1,0 +1,147 @@
+"""A unit's reckoning of its charge: what the way to the next charge takes, and whether it may leave."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import pytest
+
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line, shipped_timetable
+from network.timetable import load_timetable
+from onboard.charge import ChargeRules, ChargeWatch
+from onboard.duty.mission import Mission
+from onboard.duty.unable import NoCharge
+from onboard.reach import Hop, Reach, SetWays, charger_at, to_next_charge
+from simulation.world.roster import draw_up
+
+KWH = 3.6e6
+LINE = load_line(shipped_line("karasuyama"))
+
+
+@dataclass
+class Gauge:
+    """A battery that shows what a test wants."""
+
+    has: float
+    gains_w: float = 0.0
+    now_s: float = 0.0
+    connected: bool = False
+    asked: list[tuple[float, float]] = field(default_factory=list)
+
+    @property
+    def charges(self) -> bool:
+        return self.gains_w > 0.0
+
+    def has_j(self, at_s: float) -> float:
+        later_s = at_s - self.now_s
+        return self.has + (self.gains_w * later_s if 0.0 < later_s < math.inf else 0.0)
+
+    def ask(self, needed_j: float, leaves_s: float) -> None:
+        self.asked.append((needed_j, leaves_s))
+
+
+def missions() -> tuple[Mission, Mission]:
+    """333M down to Karasuyama and 336M back."""
+    timetable = load_timetable(shipped_timetable("karasuyama_weekday"), LINE)
+    drawn = draw_up(LINE, timetable, dict.fromkeys(("V1", "V2", "V3", "V4"), 40.0), 210.0)["V4"]
+    return next(d.mission for d in drawn if d.train.number == "333M"), next(
+        d.mission for d in drawn if d.train.number == "336M"
+    )
+
+
+def ways() -> SetWays:
+    """Every hop takes 5 kWh, every stand 1 kWh."""
+    hops: list[Hop] = []
+    first: dict[str, int] = {}
+    for mission in missions():
+        first[mission.number] = len(hops)
+        for here, there in zip(mission.targets, mission.targets[1:], strict=False):
+            hops.append(
+                Hop(
+                    mission.number,
+                    here.station_id or here.section_id,
+                    there.station_id or there.section_id,
+                    5.0 * KWH,
+                    1.0 * KWH,
+                    charger_at(LINE, there),
+                    there.station_id is None,
+                )
+            )
+    return SetWays(tuple(hops), first)
+
+
+def watch(gauge: Gauge, *, waits: bool = True) -> ChargeWatch:
+    return ChargeWatch(LINE, ways(), ChargeRules(waits, 10.0 * KWH, 0.1), gauge)
+
+
+def test_to_the_next_charger_and_past_a_dead_one() -> None:
+    ahead = ways().ahead("333M", 1)  # at Hoshakuji: seven hops down
+    assert to_next_charge(ahead, ()) == Reach(7 * 5.0 * KWH + 6 * KWH, "KRS", 7)
+    assert to_next_charge(ahead, {"KRS"}) == Reach(14 * 5.0 * KWH + 13 * KWH, "HSK", 14)
+    assert to_next_charge(ahead, {"KRS", "HSK"}).hops == len(ahead)
+
+
+def test_no_charger_is_left_before_the_day_ends() -> None:
+    ahead = ways().ahead("333M", 1)[:8]
+    assert to_next_charge(ahead, {"KRS"}) == Reach(8 * 5.0 * KWH + 8 * KWH, None, 8)
+
+
+def test_at_a_charger_it_keeps_a_reserve_and_elsewhere_it_does_not() -> None:
+    down, _ = missions()
+    gauge = Gauge(has=1.1 * 41.0 * KWH + 9.9 * KWH)
+    why = watch(gauge).why_not(down, 1)
+    assert isinstance(why, NoCharge) and why.station == "KRS" and not why.charges
+    assert gauge.asked[-1] == (pytest.approx(1.1 * 41.0 * KWH + 10.0 * KWH), down.targets[1].departure_s)
+    gauge.has = 1.1 * 41.0 * KWH + 10.1 * KWH
+    assert watch(gauge).why_not(down, 1) is None
+    gauge.has = 1.1 * 35.0 * KWH + 0.1 * KWH
+    assert watch(gauge).why_not(down, 2) is None  # on its way: what is predicted is enough
+
+
+def test_it_reckons_with_the_charge_it_will_have() -> None:
+    down, _ = missions()
+    departs_s = down.targets[1].departure_s
+    assert departs_s is not None
+    lacks_j = 1.1 * 41.0 * KWH + 10.0 * KWH
+    gauge = Gauge(has=lacks_j - 100e3 * 60.0, gains_w=110e3, now_s=departs_s - 60.0)
+    assert watch(gauge).why_not(down, 1) is None
+    gauge.gains_w = 90e3
+    why = watch(gauge).why_not(down, 1)
+    assert why is not None and "charging" in why.words
+
+
+def test_told_of_a_dead_charger_it_reckons_anew() -> None:
+    down, _ = missions()
+    own = watch(Gauge(has=70.0 * KWH))
+    assert own.why_not(down, 1) is None
+    own.told({"KRS"})
+    why = own.why_not(down, 1)
+    assert why is not None and why.station == "HSK"
+    own.told(())
+    assert own.why_not(down, 1) is None
+
+
+def test_who_leaves_whatever_is_never_kept() -> None:
+    down, _ = missions()
+    gauge = Gauge(has=0.0)
+    assert watch(gauge, waits=False).why_not(down, 1) is None
+    assert gauge.asked[-1][0] == 0.0
+
+
+def test_a_raised_pantograph_keeps_it_too() -> None:
+    down, _ = missions()
+    own = watch(Gauge(has=90.0 * KWH, connected=True))
+    departs_s = down.targets[1].departure_s
+    assert departs_s is not None
+    own.now_s = departs_s - 1.0
+    assert own.why_not(down, 1) is None
+    own.now_s = departs_s
+    why = own.why_not(down, 1)
+    assert why is not None and why.words == "a lowered pantograph"
+
+
+def test_at_the_last_stop_nothing_is_asked() -> None:
+    down, _ = missions()
+    assert watch(Gauge(has=0.0)).why_not(down, len(down.targets) - 1) is None

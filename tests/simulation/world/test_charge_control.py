@@ -1,0 +1,82 @@
+"""The pantograph at a charger, step by step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from simulation.world.charge_control import CHARGING, DOWN, FALLING, RISING, UP, fits, steer
+from vehicle.battery import available_j, stand
+from vehicle.train_file import load_train, shipped_train
+
+KWH = 3.6e6
+
+
+class Stood:
+    """A set that stands at a charger of 400 kW, which takes 20 s to connect and 15 s to disconnect."""
+
+    def __init__(self, soc: float, leaves_s: float, needed_j: float = 0.0) -> None:
+        row = load_train(shipped_train("ev_e301")).battery
+        assert row is not None
+        self.battery: NDArray[np.void] = row.copy()
+        self.battery["charge_c"] = soc * self.battery["full_c"]
+        self.charging = np.zeros(1, dtype=CHARGING)
+        fits(self.battery[0], self.charging[0])
+        self.charging["power_w"], self.charging["connect_s"], self.charging["disconnect_s"] = 4e5, 20.0, 15.0
+        self.charging["leaves_s"], self.charging["needed_j"] = leaves_s, needed_j
+        self.charging["spare_j"] = 1.0 * KWH
+
+    def until(self, end_s: float, speed_mps: float = 0.0) -> list[tuple[float, int]]:
+        """When the pantograph changed, and how it is then; a step a second."""
+        seen: list[tuple[float, int]] = []
+        for now_s in range(int(end_s) + 1):
+            before = int(self.charging["pantograph"][0])
+            steer(self.battery[0], self.charging[0], speed_mps, float(now_s))
+            stand(self.battery[0], 30e3, float(self.battery["supply_w"][0]), 1.0, 1.0)
+            if int(self.charging["pantograph"][0]) != before:
+                seen.append((float(now_s), int(self.charging["pantograph"][0])))
+        return seen
+
+
+def test_up_after_its_time_and_down_before_it_leaves() -> None:
+    assert Stood(0.5, 600.0).until(620.0) == [(0.0, RISING), (20.0, UP), (584.0, FALLING), (599.0, DOWN)]
+
+
+def test_not_for_a_short_stop_with_enough() -> None:
+    assert Stood(0.5, 60.0).until(100.0) == []
+
+
+def test_for_a_short_stop_with_too_little_until_it_has_enough_and_some_more() -> None:
+    stood = Stood(0.5, 60.0)
+    stood.charging["needed_j"] = needed_j = available_j(stood.battery[0]) + 10.0 * KWH
+    seen = stood.until(200.0)
+    assert [state for _, state in seen] == [RISING, UP, FALLING, DOWN]
+    falls_s = seen[2][0]
+    # 11 kWh, and what the auxiliaries took while it rose, at 370 kW less the loss in the battery.
+    assert falls_s - 20.0 == pytest.approx((11.0 * KWH + 20.0 * 30e3) / (370e3 - 0.03 * 570.0**2), rel=0.03)
+    assert available_j(stood.battery[0]) > needed_j
+
+
+def test_at_a_dead_charger_it_comes_down_and_stays_down() -> None:
+    stood = Stood(0.5, math.inf)
+    stood.until(30.0)
+    stood.charging["power_w"] = 0.0
+    assert [state for _, state in stood.until(60.0)] == [FALLING, DOWN]
+    assert float(stood.battery["supply_w"][0]) == 0.0
+
+
+def test_a_full_battery_does_not_wait_for_what_it_cannot_hold() -> None:
+    stood = Stood(0.9, 60.0)
+    stood.charging["needed_j"] = available_j(stood.battery[0]) - 0.1 * KWH
+    stood.charging["pantograph"] = UP
+    assert stood.until(80.0)[0] == (44.0, FALLING)
+
+
+def test_who_moves_has_none() -> None:
+    stood = Stood(0.5, math.inf)
+    stood.until(30.0)
+    stood.until(1.0, speed_mps=1.0)
+    assert int(stood.charging["pantograph"][0]) == DOWN and float(stood.charging["power_w"][0]) == 0.0

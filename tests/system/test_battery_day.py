@@ -1,0 +1,189 @@
+"""The weekday on batteries, and the dead charger: who runs until when, against energy added up by hand.
+
+The hand knows the hops' energies of the day in which every charger worked, what a battery holds, and the rule. It
+knows nothing of predictions, of pantographs or of the step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import polars as pl
+import pytest
+
+from network.timetable import clock
+from onboard.charge import ChargeWatch
+from onboard.notes import UnableToLeave
+from simulation.battery_settings import Departure
+from simulation.result import Ending
+from simulation.setup import Setup
+from study.feasibility.check import feasibility
+from study.feasibility.finding import Kind
+from study.papers.battery_day import UNBALANCED_PERCENT_MAX
+from study.run.battery import windows_of
+from study.run.drill import find_drill
+from study.run.run import CarrierKind, Link, Run, execute
+from study.scenario.scenario import Scenario, load_scenario
+
+pytestmark = pytest.mark.system
+
+KWH = 3.6e6
+ROUND = ("333M", "336M")  # of V4, down and back: the first after the charger has failed
+
+
+def scenario(name: str) -> Scenario:
+    return load_scenario(name if "/" not in name else str(find_drill(name)))
+
+
+@cache
+def run(name: str) -> Run:
+    return execute(scenario(name), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def day() -> Run:
+    return run("karasuyama_battery")
+
+
+def legs(train: str) -> pl.DataFrame:
+    return day().tables.energy_legs.filter(pl.col("train") == train)
+
+
+def by_hand() -> list[tuple[str, float]]:
+    """What V4 has taken from its battery (kWh at its terminals) at each stop from Hoshakuji to Karasuyama and back."""
+    took, found = 0.0, [("HSK", 0.0)]
+    for train in ROUND:
+        for leg in legs(train).iter_rows(named=True):
+            if leg["from_station"].startswith("HSK.") or leg["to_station"].startswith("HSK."):
+                continue
+            took += leg["net_kwh"]
+            found.append((leg["to_station"], took))
+        if train == ROUND[0]:
+            stay = day().tables.layovers.filter(pl.col("after_train") == train).row(0, named=True)
+            took += stay["auxiliary_kwh"]
+    return found
+
+
+def held_kwh(setup: Setup) -> float:
+    """What a full battery gives above its window's low end."""
+    window = windows_of(setup)["V4"]
+    return (window.high_j - window.low_j) / KWH
+
+
+def lost_share() -> float:
+    """Of what passes the terminals, what the battery loses: of the whole day, since the hand knows no currents."""
+    figures = day().summary["battery"]["V4"]
+    return float(figures["lost_kwh"] / (figures["given_kwh"] + figures["taken_kwh"]))
+
+
+# the day ---------------------------------------------------------------------------------------------------
+
+
+def test_every_set_comes_home_with_its_reserve_and_the_energy_closes() -> None:
+    assert not day().broken and day().result.ended_because is Ending.FINISHED
+    for figures in day().summary["battery"].values():
+        assert figures["margin_kwh"] > 0.0 and figures["missing_kwh"] == 0.0
+        assert abs(figures["unbalanced_percent"]) <= UNBALANCED_PERCENT_MAX
+
+
+def test_what_the_battery_gave_is_what_the_plant_drew() -> None:
+    """Two books that share no counter: the plant's, cut by phase, and the battery's."""
+    drew = sum(
+        record.traction_j - record.regenerated_j + record.auxiliary_j
+        for record in day().result.energy
+        if record.stock_id == "V4"
+    )
+    figures = day().summary["battery"]["V4"]
+    beyond = day().tables.charges.filter(pl.col("unit") == "V4", pl.col("station") == "")
+    wire_kwh = sum(
+        row["taken_kwh"]
+        for row in (_between(row["from_s"], row["to_s"]) for row in beyond.iter_rows(named=True))
+    )
+    supplied = figures["supplied_kwh"] - wire_kwh
+    into_train = figures["given_kwh"] - (figures["taken_kwh"] - wire_kwh) + supplied
+    assert into_train == pytest.approx(drew / KWH, rel=1e-3)
+
+
+def _between(from_s: float, to_s: float) -> dict[str, float]:
+    rows = day().tables.battery.filter(pl.col("unit") == "V4", pl.col("t_s") >= from_s, pl.col("t_s") <= to_s)
+    return {"taken_kwh": rows["taken_kwh"][-1] - rows["taken_kwh"][0]}
+
+
+def test_the_battery_neither_slows_nor_delays_the_day() -> None:
+    plain = run("karasuyama_weekday")
+    assert day().result.motion_digest == plain.result.motion_digest
+    assert day().result.digest == plain.result.digest
+    assert plain.tables.battery.is_empty() and plain.summary["battery"] == {}
+
+
+def test_the_plan_is_checked_before() -> None:
+    setup = scenario("karasuyama_battery").setup
+    assert not [f for f in feasibility(setup).findings if f.kind is Kind.CHARGE]
+    assert setup.battery is not None
+    weak = replace(setup, line=replace(setup.line, chargers={}))
+    found = [f for f in feasibility(weak).impossible if f.kind is Kind.CHARGE]
+    assert {"321M", "323M"} <= {number for f in found for number in f.trains}
+
+
+def test_charging_that_suffices_suffices_and_less_does_not() -> None:
+    """A charge cut to the minutes that the table has leaves just what is to be kept back at the next one."""
+    charge = (
+        day().tables.charges.filter(pl.col("unit") == "V2", pl.col("station") == "KRS").row(0, named=True)
+    )
+    kept_kwh = windows_of(scenario("karasuyama_battery").setup)["V2"].kept_j / KWH
+    rows = day().tables.battery.filter(pl.col("unit") == "V2")
+    at_s = charge["from_s"] + 60.0 * charge["minutes_suffice"]
+    after = rows.filter(pl.col("t_s") >= at_s).row(0, named=True)["stored_kwh"]
+    before = rows.filter(pl.col("t_s") <= at_s).row(-1, named=True)["stored_kwh"]
+    assert before - charge["next_way_kwh"] <= kept_kwh <= after - charge["next_way_kwh"]
+
+
+# the dead charger ---------------------------------------------------------------------------------------------
+
+
+def test_by_hand_a_full_battery_does_not_meet_the_rule_for_the_round_trip() -> None:
+    setup = scenario("karasuyama/60_charger_dead").setup
+    assert setup.battery is not None and setup.battery.departure is Departure.WAIT
+    whole_kwh = by_hand()[-1][1]
+    reserve_kwh = setup.battery.reserve_share * held_kwh(setup)
+    down_kwh = next(took for place, took in by_hand() if place == "KRS")
+    assert whole_kwh * (1.0 + setup.battery.prediction_share) + reserve_kwh > held_kwh(setup)
+    assert down_kwh * (1.0 + setup.battery.prediction_share) + reserve_kwh < held_kwh(setup)
+
+
+def test_so_v4_says_so_and_stays_at_hoshakuji() -> None:
+    dead = run("karasuyama/60_charger_dead")
+    told = [entry for entry in dead.result.journal.entries if isinstance(entry.event, UnableToLeave)]
+    assert [entry.who for entry in told] == ["V4"] and told[0].t_s > 14 * 3600
+    ran = dead.tables.stops.filter(pl.col("departure_s").is_not_null())["train"].unique().to_list()
+    assert "334M" in ran and not {"333M", "335M", "336M"} & set(ran)
+    waiting = {w.stock_id: w for w in dead.result.waiting}
+    assert "it is charging" in waiting["V4"].waits_for and waiting["V4"].number == "333M"
+    assert dead.result.ended_because is Ending.STALLED
+    assert not dead.result.violations or all("arrive" in str(v.checker) for v in dead.result.violations)
+    waits = dead.tables.waits.filter(pl.col("unit") == "V4", pl.col("cause") == "unable")
+    assert waits["train"].to_list() == ["333M"]
+
+
+def test_without_its_reckoning_v4_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the drill guards, switched off by name: then 333M departs, and the drill would fail."""
+    monkeypatch.setattr(ChargeWatch, "why_not", lambda _self, _mission, _at: None)
+    loose = execute(scenario("karasuyama/60_charger_dead"), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    stops = loose.tables.stops.filter(pl.col("train") == "333M", pl.col("station") == "HSK")
+    assert stops["departure_s"][0] is not None
+
+
+def test_by_hand_v4_runs_dry_between_the_same_stops_as_in_the_drill() -> None:
+    """Sets that leave whatever: from what V4 held as it left, hop by hop."""
+    dead = run("karasuyama/61_charger_dead_leaving")
+    rows = dead.tables.battery.filter(pl.col("unit") == "V4", pl.col("train") == "333M")
+    left = rows.filter(pl.col("event") == "departs", pl.col("t_s") >= 14 * 3600 + 49 * 60)  # from Hoshakuji
+    has_kwh = float(left["above_low_kwh"][0])
+    took = [(place, kwh * (1.0 + lost_share())) for place, kwh in by_hand()]
+    reached = [place for place, kwh in took if kwh <= has_kwh]
+    stood = next(w for w in dead.result.waiting if w.stock_id == "V4")
+    called = dead.tables.stops.filter(pl.col("train") == "336M", pl.col("arrival_s").is_not_null())["station"]
+    assert reached[-1] == called[-1] == "SHN"
+    assert stood.number == "336M" and stood.waits_for == "power: its battery is empty"
+    empty = dead.tables.battery.filter(pl.col("unit") == "V4", pl.col("above_low_kwh") < 0.01)
+    assert 16.0 * 3600 < empty["t_s"][0] < 16.5 * 3600, clock(round(empty["t_s"][0]))
