@@ -13,7 +13,7 @@ from vehicle.train_file import TrainType, load_train, new_plant, shipped_train
 
 Rows = NDArray[np.void]
 
-SHIPPED = ("br642", "ev_e301", "hitachi_train", "oda_train")
+SHIPPED = ("br642", "ev_e301", "ev_e301_losses", "hitachi_train", "oda_scale_car", "oda_train")
 
 
 @pytest.fixture
@@ -36,6 +36,13 @@ def test_shipped_trains_load_and_every_figure_has_a_source_or_is_assumed(name: s
     assert train.sources and train.assumed
     raw = tomllib.loads(shipped_train(name).read_text(encoding="utf-8"))
     assert len(train.sources) + len(train.assumed) == len(raw["provenance"])
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_trains_name_their_motors_with_their_source(name: str) -> None:
+    raw = tomllib.loads(shipped_train(name).read_text(encoding="utf-8"))
+    assert raw["traction"]["motors"] >= 1
+    assert raw["provenance"]["traction.motors"].startswith(("published", "assumed"))
 
 
 def test_units_at_the_edge_become_si(ev_e301: Rows) -> None:

@@ -20,6 +20,7 @@ from study.measures.replayed import Resistance, jr_resistance_n, mass_kg, own_re
 from study.report.energy import meanings
 from vehicle.resistance import running_resistance_n
 from vehicle.train_file import load_train, shipped_train
+from vehicle.wire import wire_power_w
 
 EV = load_train(shipped_train("ev_e301"))
 TRAINS = [load_train(shipped_train(name)) for name in ("ev_e301", "oda_train", "hitachi_train", "br642")]
@@ -84,6 +85,20 @@ def test_at_one_speed_the_work_is_force_times_way(track: NDArray[np.void]) -> No
         force_n = float(resistance(EV, MASS_KG, speed)[0])
         found_j = replay(run_of([60.0 / 3.6] * 61), resistance)
         assert found_j == pytest.approx(force_n * 1000.0 / 0.85)
+
+
+def test_with_a_map_of_losses_it_is_charged_what_the_plant_is_while_it_pulls(
+    track: NDArray[np.void],
+) -> None:
+    lossy = load_train(shipped_train("ev_e301_losses"))
+    line: Any = None
+    run: Any = run_of([60.0 / 3.6] * 61)
+    run.trace["notch"] = 2.0
+    force_n = float(own_resistance_n(lossy, MASS_KG, np.array([60.0 / 3.6]))[0])
+    power_w = wire_power_w(lossy.row[0], 1.0, force_n, 60.0 / 3.6)
+    assert traction_j(run, line, {"K1": lossy}, own_resistance_n) == pytest.approx(60.0 * power_w)
+    run.trace["notch"] = 0.0  # it coasts: what a sample shows of a force is noise
+    assert traction_j(run, line, {"K1": lossy}, own_resistance_n) == 0.0
 
 
 def test_a_climb_costs_its_height_under_the_middle_of_the_train(track: NDArray[np.void]) -> None:
