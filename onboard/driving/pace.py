@@ -82,9 +82,13 @@ class Pace:
             due_s = (
                 passing.time_s + parameters.time_margin_s
             )  # that keeps a stop's arrival, not a moment in passing
-        if due_s is None or there.mark_m <= row.position_m:
+        if there.mark_m <= row.position_m:
             return
-        available_s = due_s - now_s - parameters.time_margin_s
+        available_s = math.inf if due_s is None else due_s - now_s - parameters.time_margin_s
+        if self._replan_after_s is not None and passing is None:
+            self._plan(there.mark_m, now_s, available_s, load_share)
+        if due_s is None:
+            return
         row.cruise_mps = cruise_for(
             self._train,
             load_share,
@@ -97,8 +101,6 @@ class Pace:
             float(row.speed_mps),
             until_m,
         )
-        if self._replan_after_s is not None and passing is None:
-            self._plan(there.mark_m, now_s, available_s, load_share)
 
     def _plan(self, mark_m: float, now_s: float, available_s: float, load_share: float) -> None:
         """Have a plan laid for the way to the mark; where none can be made the train holds its cruising speed."""
@@ -115,5 +117,5 @@ class Pace:
             available_s,
         )
         self._laid = laid = planned(ahead)
-        row.plan_due_s = now_s + laid.running_time_s
+        row.plan_due_s = now_s + laid.takes_s
         row.replan_s = math.inf if self._replan_after_s is None else self._replan_after_s

@@ -42,15 +42,17 @@ class Pid(Record):
     integral_gain_per_s2: Annotated[
         IntegralGain, about("the same for the sum of what it was off; 0: no integral", TUNED)
     ] = 0.1
-    derivative_gain: Annotated[
-        DerivativeGain, about("the same for its change; 0: no derivative", TUNED)
-    ] = 0.8
+    derivative_gain: Annotated[DerivativeGain, about("the same for its change; 0: no derivative", TUNED)] = (
+        0.8
+    )
     derivative_lag_s: Annotated[
         Lag, about("time constant of the change's smoothing", "assumed: three readings of the tachometer")
     ] = 0.3
     integral_band_mps: Annotated[
         SpeedMarginMps,
-        about("further off the pattern nothing is summed", "assumed: 5 km/h, so that a start winds nothing up"),
+        about(
+            "further off the pattern nothing is summed", "assumed: 5 km/h, so that a start winds nothing up"
+        ),
     ] = 5.0 / 3.6
     brake_above_mps: Annotated[
         SpeedMarginMps,

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
+from onboard.driving.notches import LOOK_AHEAD_S
 from vehicle.mass import equivalent_mass_kg
-from vehicle.optimum import Course, Optimum, Profile, TooShort, least_energy, least_time
+from vehicle.optimum import Course, Optimum, Profile, least_energy, least_time
 from vehicle.records import TrainRow
 
 LEVEL_MPS2: Final = 0.01  # assumed: a speed that changes by less is held: half of what the lowest notch gives
@@ -22,18 +23,24 @@ NO_FORCE_MPS2: Final = 0.005  # assumed: so little force is none: what a solver 
 
 POINTS: Final = 150  # assumed: a plan that a unit makes at a departure needs no finer mesh
 
+HASTE_SHARE: Final = 1.01  # assumed: of the least time, which an expert driver takes even when late
+FREE_SHARE: Final = 1.05  # assumed: of the least time, where nobody says when the train is to be there
+
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Laid:
-    """A plan as the tick takes it: rows of PLAN on the path's grid, and how long the run takes by it, s."""
+    """A plan as the tick takes it: rows of PLAN on the path's grid, and how long the run takes by it, s.
+
+    That begins with what the machinery needs to answer.
+    """
 
     rows: NDArray[np.void]
-    running_time_s: float
+    takes_s: float
 
 
-def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int) -> Laid:
+def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int, idle_s: float = 0.0) -> Laid:
     """Rows of PLAN, one for each of the path's `path_rows` metres; none outside the profile.
 
     `rim_mps2`: acceleration that motors and brakes give between its points, resistances apart; one fewer than points.
@@ -57,7 +64,7 @@ def lay(profile: Profile | Optimum, rim_mps2: Floats, path_rows: int) -> Laid:
     rows["speed_mps"][first : last + 1] = there_mps
     rows["time_left_s"][first : last + 1] = left_s[interval] - since_s
     rows["mode"][first : last + 1] = modes[interval]
-    return Laid(rows, float(left_s[0]))
+    return Laid(rows, idle_s + float(left_s[0]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,25 +83,39 @@ class Ahead:
 
 
 def planned(ahead: Ahead) -> Laid:
-    """The plan of least energy for the time that is left; the fastest where that is too short.
+    """The plan of least energy for the time that is left, or for little more than the least where that is too short.
 
-    What comes back to the wire counts as it does on the bill. ValueError where the train cannot get there.
+    The last second costs more than all others: a train that is late plans to take HASTE_SHARE of the way's least time,
+    not to spend any energy on being less late. ValueError where the train cannot get there.
     """
     course = Course(
         ahead.train,
         ahead.load_share,
         ahead.climb_m,
-        ahead.driving_mps,
+        kept_mps(ahead.driving_mps),
         ahead.start_m,
         ahead.stop_m,
         ahead.deceleration_mps2,
         initial_mps=ahead.initial_mps,
     )
-    path_rows = ahead.climb_m.size
-    try:
-        best = least_energy(course, ahead.available_s, POINTS)
-    except TooShort:
-        fastest = least_time(course)
-        return lay(fastest, np.full(fastest.position_m.size - 1, math.inf), path_rows)
-    rim_n = best.force_n - best.brake_n
-    return lay(best, rim_n / equivalent_mass_kg(ahead.train, ahead.load_share), path_rows)
+    least_s = float(least_time(course).time_s[-1])
+    idle_s = answers_s(ahead.train) if ahead.initial_mps == 0.0 else 0.0
+    ordered_s = FREE_SHARE * least_s if math.isinf(ahead.available_s) else ahead.available_s - idle_s
+    best = least_energy(course, max(ordered_s, HASTE_SHARE * least_s), POINTS)
+    rim_mps2 = (best.force_n - best.brake_n) / equivalent_mass_kg(ahead.train, ahead.load_share)
+    return lay(best, rim_mps2, ahead.climb_m.size, idle_s)
+
+
+def answers_s(train: TrainRow) -> float:
+    """How much later than its plan a train is that starts from a stand: its brake lets go, its motors build up."""
+    brake_s = float(train.brake_dead_time_s + train.brake_lag_s)
+    return max(brake_s, float(train.traction_dead_time_s + train.traction_lag_s))
+
+
+def kept_mps(driving_mps: Floats) -> Floats:
+    """The speed that driving keeps on each metre: where the limit falls it looks `LOOK_AHEAD_S` ahead; shape (n,)."""
+    metres = np.arange(driving_mps.size)
+    ahead = np.minimum(
+        metres + np.maximum(driving_mps * LOOK_AHEAD_S, 1.0).astype(np.int64), driving_mps.size - 1
+    )
+    return np.minimum(driving_mps, driving_mps[ahead])

@@ -24,7 +24,7 @@ def by_hand() -> Profile:
 
 def test_the_running_time_is_the_sum_of_its_parts(by_hand: Profile) -> None:
     laid = lay(by_hand, RIM_MPS2, 400)
-    assert laid.running_time_s == pytest.approx(10.0 + 10.0 + 10.0 + 10.0)
+    assert laid.takes_s == pytest.approx(10.0 + 10.0 + 10.0 + 10.0)
 
 
 def test_each_metre_has_the_speed_and_the_time_of_its_place(by_hand: Profile) -> None:
