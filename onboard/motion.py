@@ -103,6 +103,7 @@ class Motion:
         self.keeper: Final = keeper
         self.command = Command()
         self.load_share = 0.0
+        self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
         self.vehicle = IN_ORDER
         self.notes: list[notes.Note] = []
         row.due_s = row.replan_s = math.inf
@@ -228,7 +229,8 @@ class Motion:
     def _unable(self, mission: Mission, at: int) -> Unable | None:
         """Why the train could not reach the next stop if it left the one where it stands now."""
         way = Way(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
-        return self._ability.why_not(way, Means(self._train, self._behaviour, self.load_share, self.vehicle))
+        means = Means(self._train, self._behaviour, self.load_share, self.vehicle, self.adhesion_factor)
+        return self._ability.why_not(way, means)
 
     def vehicle_shows(self, vehicle: Vehicle) -> list[Sensed]:
         """What the vehicle shows of itself now."""

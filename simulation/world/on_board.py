@@ -73,11 +73,13 @@ class OnBoard:
     ) -> tuple[Answer, list[Note]] | None:
         """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
 
-        The unit is asked by its own clock; in the answer its wake is true time again.
+        The unit is asked by its own clock; in the answer its wake is true time again. Its driver knows the weather, and
+        by that how little the rail may hold.
         """
         if slot in self.unpowered:
             return None
         motion = self._motions[slot]
+        motion.adhesion_factor = self._setup.scatter.adhesion_least(now_s)
         report = Report(motion.place(), tuple(happened))
         clock = self.clocks[slot]
         own_s = clock.shows(now_s)

@@ -9,6 +9,7 @@ from network.errors import InputError, one_line
 from network.model import SectionKind
 from network.timetable import clock
 from simulation.setup import Setup
+from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, lasting, minute
@@ -41,6 +42,7 @@ def feasibility(setup: Setup) -> Feasibility:
         *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
+        *climbs_of(setup, day),
         *passings_of(setup, day),
         *equipment_of(setup, day),
     ]
