@@ -87,6 +87,7 @@ class Pace:
         available_s = math.inf if due_s is None else due_s - now_s - parameters.time_margin_s
         if self._replan_after_s is not None and passing is None:
             self._plan(there.mark_m, now_s, available_s, load_share)
+            return
         if due_s is None:
             return
         row.cruise_mps = cruise_for(
