@@ -117,6 +117,10 @@ class Pace:
             self._behaviour.stop_deceleration_mps2,
             available_s,
         )
-        self._laid = laid = planned(ahead)
+        try:
+            laid = planned(ahead)
+        except ValueError:  # it would stall on its way: what it has left is to try at full power
+            return
+        self._laid = laid
         row.plan_due_s = now_s + laid.takes_s
         row.replan_s = math.inf if self._replan_after_s is None else self._replan_after_s
