@@ -22,6 +22,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "sugiyama-table5": "study.papers.sugiyama_table5",
     "sugiyama-tags": "study.papers.sugiyama_tags",
     "trainruns": "study.papers.trainruns",
+    "ttobench": "study.papers.ttobench",
     "yasunobu-energy": "study.papers.yasunobu_energy",
 }
 

@@ -21,6 +21,10 @@ class TooShort(ValueError):
         self.least_s = least_s
 
 
+class NotFound(TooShort):
+    """So little above the least running time that the mesh holds no run of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Course:
     """One run of a train on the 1 m grid of its path, from `start_m` to `stop_m`.

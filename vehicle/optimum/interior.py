@@ -37,6 +37,8 @@ LIMITS: Final = 8
 
 WEIGHT_LAST: Final = 1e-7
 RESIDUAL_LAST: Final = 1e-3  # m/s^2
+RESIDUAL_ROUNDED: Final = 0.1
+FULL_STEPS: Final = 3
 STEPS_MAX: Final = 120
 TO_THE_EDGE: Final = 0.99
 SLACK_FIRST: Final = 0.05
@@ -148,6 +150,8 @@ def kink_terms(
     s0: float, s1: float, y0: float, y1: float, cost: float, x: float, weight: float
 ) -> tuple[float, float]:
     """Slope and curvature by x that cost * max(x, 0) leaves when its own unknown is eliminated."""
+    if cost <= 0.0:
+        return 0.0, 0.0
     d0, d1 = y0 / s0, y1 / s1
     t1 = (weight - y1 * (s0 - x - s1)) / s1
     both = d0 + d1
@@ -323,6 +327,9 @@ def moved(
         for k in range(2):
             j = 2 * k
             value, change, cost = (x.f, df, kink) if k == 0 else (-x.f - x.elec, -df - de, mesh.regenerated)
+            ds[i, j] = ds[i, j + 1] = 0.0
+            if cost <= 0.0:
+                continue
             d0, d1 = y[i, j] / s[i, j], y[i, j + 1] / s[i, j + 1]
             off = s[i, j] - value - s[i, j + 1]
             t1 = (weight - y[i, j + 1] * off) / s[i, j + 1]
@@ -416,11 +423,17 @@ def complementarity(mesh: Mesh, inner: Inner) -> float:
 @compiled
 def followed(mesh: Mesh, table: Floats, z: Floats, inner: Inner) -> int:
     """Step until weight and residual are at their last, `z` and `inner` in place; steps, 0 if it did not get there."""
+    at_last = 0
     for step in range(STEPS_MAX):
         residual, primal, dual = stepped(mesh, table, z, inner)
         mean = complementarity(mesh, inner)
-        if mean < 2.0 * WEIGHT_LAST and residual < RESIDUAL_LAST and primal > 0.9:
-            return step + 1
+        if mean < 2.0 * WEIGHT_LAST and min(primal, dual) > 0.9:
+            at_last += 1
+            # What is left after full steps is rounding: the residual is multiplied by the mesh's fineness.
+            if residual < RESIDUAL_LAST or (at_last >= FULL_STEPS and residual < RESIDUAL_ROUNDED):
+                return step + 1
+        if not residual < math.inf:
+            return 0
         share = 1.0 - min(primal, dual)
         inner.ends[2] = max(mean * min(max(0.1, share * share), 0.8), WEIGHT_LAST)
     return 0

@@ -7,15 +7,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.optimum.course import Course, Optimum, Profile, TooShort
-from vehicle.optimum.interior import STEPS_MAX, begun, costates, followed, told
+from vehicle.optimum.course import Course, NotFound, Optimum, Profile, TooShort
+from vehicle.optimum.interior import begun, costates, followed, told
 from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
 from vehicle.optimum.way import times_s
 
 Floats = NDArray[np.float64]
 
-WEIGHT_FIRST: Final = 0.02
-WEIGHT_WARM: Final = 1e-4
+WEIGHTS_FIRST: Final = (0.02, 0.2, 0.002)  # tried in turn
 
 
 def least_time(course: Course) -> Profile:
@@ -38,17 +37,15 @@ def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None
     if time_s <= found.least_s:
         raise TooShort(time_s, found.least_s)
     mesh, fast = mesh_of(found, at_m, time_s)
-    if warm is None:
-        z, weight = _slower(at_m, fast, time_s), WEIGHT_FIRST
+    rounds = 0
+    for weight in WEIGHTS_FIRST:
+        z = _slower(at_m, fast, time_s) if warm is None else _like(at_m, fast, warm)
+        inner = begun(mesh, found.table, z, weight)
+        rounds = followed(mesh, found.table, z, inner)
+        if rounds:
+            break
     else:
-        z = np.interp(at_m, warm.position_m, 0.5 * warm.speed_mps**2)
-        z[1:-1] = np.clip(z[1:-1], 1e-3 * fast[1:-1], fast[1:-1])
-        z[0], z[-1] = fast[0], fast[-1]
-        weight = WEIGHT_WARM
-    inner = begun(mesh, found.table, z, weight)
-    rounds = followed(mesh, found.table, z, inner)
-    if not rounds:
-        raise RuntimeError(f"no optimum found in {STEPS_MAX} steps for {time_s:.3f} s")
+        raise NotFound(time_s, found.least_s)
     course = found.course
     motors, air, energy_j = told(
         mesh, found.table, course.train, found.inertia_kg, course.regeneration, z
@@ -67,3 +64,11 @@ def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
     z = fast * (share * share * 1.02 if share < 0.99 else share * share)
     z[0], z[-1] = fast[0], fast[-1]
     return np.minimum(z, fast)
+
+
+def _like(at_m: Floats, fast: Floats, warm: Optimum) -> Floats:
+    """The speeds of another optimum, below the fastest run."""
+    z = np.interp(at_m, warm.position_m, 0.5 * warm.speed_mps**2)
+    z[1:-1] = np.clip(z[1:-1], 1e-3 * fast[1:-1], fast[1:-1])
+    z[0], z[-1] = fast[0], fast[-1]
+    return z
