@@ -7,6 +7,7 @@ had to stop there would stay. The laws are those of the run (`vehicle.running_ti
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,6 +25,7 @@ from study.feasibility.finding import Finding, Kind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
 from study.feasibility.run_times import cut_way
 from study.measures.running_times import Way
+from vehicle.pull import mean_gradient_permille
 from vehicle.resistance import climb_m
 from vehicle.running_time import Conditions, Stall, balance_at, stall_of
 from vehicle.train_file import TrainType
@@ -125,10 +127,8 @@ class Climbs:
 
 def _steepest_m(climbs_m: NDArray[np.float64], way: Way, length_m: float) -> float:
     """Where the front of a train is that stands on the steepest climb of its way, m."""
-    fronts_m = np.arange(np.ceil(way.from_m), np.floor(way.to_m) + 1.0)
-    metres = np.arange(climbs_m.size)
-    rises_m = np.interp(fronts_m, metres, climbs_m) - np.interp(fronts_m - length_m, metres, climbs_m)
-    return float(fronts_m[int(np.argmax(rises_m))])
+    fronts = range(math.ceil(way.from_m), math.floor(way.to_m) + 1)
+    return float(max(fronts, key=lambda at_m: mean_gradient_permille(climbs_m, float(at_m), length_m)))
 
 
 def _finding(
