@@ -5,7 +5,7 @@ Over any stretch
     traction - regenerated = kinetic + resistance + gradient + curve + friction + traction loss + regeneration loss
 
 to rounding. One step is no trapezoid of constant forces, that in which a train comes to a stand: its brakes, and if it
-has none its resistance, do no more work than there is energy. A train that the model holds where it would roll back
+has none what resists it, do no more work than there is energy. A train that the model holds where it would roll back
 has work of a gradient in that step that nothing did; it is left to stand in the residual. What wheels do in a slip or
 a slide is not followed: a force is counted as the rail takes it, at the speed of the train.
 """
@@ -80,8 +80,9 @@ def count_work(
         motors_j = (plant.traction_force_n - plant.regenerative_force_n) * distance_m
         undone_j = max(kinetic_j - motors_j + friction_j + resistance_j + gradient_j + curve_j, 0.0)
         of_brake_j = min(undone_j, friction_j)
-        friction_j -= of_brake_j
-        resistance_j -= min(undone_j - of_brake_j, resistance_j)
+        of_curve_j = min(undone_j - of_brake_j, curve_j)
+        friction_j, curve_j = friction_j - of_brake_j, curve_j - of_curve_j
+        resistance_j -= min(undone_j - of_brake_j - of_curve_j, resistance_j)
     plant.energy_kinetic_j += kinetic_j
     plant.energy_resistance_j += resistance_j
     plant.energy_gradient_j += gradient_j

@@ -67,16 +67,16 @@ def running_motors(
     if force_n == 0.0:
         coasts_without = train.motors_cut_out > 0.0 or train.magnetised_coasting <= 0.0
         return 0.0 if coasts_without or speed_mps <= 0.0 else in_service
-    whole = math.floor(in_service + 1e-9)
+    whole = float(math.floor(in_service + 1e-9))
     if train.motors_cut_out <= 0.0 or whole <= 1.0:
         return in_service
     idle_w = no_load_w(train, speed_mps)
     burnt_w = copper_w(train, force_n, speed_mps)
     # n idle + burnt / n is least at one of the whole numbers around the root: at n while burnt <= n (n + 1) idle.
-    least = math.floor(math.sqrt(burnt_w / idle_w)) if idle_w > 0.0 else whole
+    least = float(math.floor(math.sqrt(burnt_w / idle_w)) if idle_w > 0.0 else whole)
     if burnt_w > least * (least + 1.0) * idle_w:
         least += 1.0
-    needed = math.ceil(motors_needed(train, force_n, speed_mps, grip_n) - 1e-9)
+    needed = float(math.ceil(motors_needed(train, force_n, speed_mps, grip_n) - 1e-9))
     return min(max(least, needed, 1.0), whole)
 
 

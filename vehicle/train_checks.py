@@ -87,6 +87,13 @@ def _best_efficiency(train: Record) -> float:
     return best
 
 
+def _full_efficiency(train: Record) -> float:
+    """The same at the greatest force, at base speed."""
+    base_mps = float(train["loss_base_speed_mps"])
+    full_n = float(full_force_n(train, _EMPTY, base_mps))
+    return full_n * base_mps / float(wire_power_w(train, 1.0, full_n, base_mps))
+
+
 def _no_load_share(train: Record) -> float:
     """No-load losses of all motors at base speed by the greatest power."""
     base_mps = float(train["loss_base_speed_mps"])
@@ -203,10 +210,20 @@ RULES: Final[tuple[Rule, ...]] = (
         "losses.copper_w",
         (LOSSES, "traction"),
         "",
-        0.4,
+        0.0,
         0.985,
         "assumed: published drives with gear reach 0.90 to 0.96; none gives all, or more than it takes",
         _best_efficiency,
+    ),
+    Rule(
+        "efficiency of motors, inverters and gears at the greatest force and base speed",
+        "losses.copper_w",
+        (LOSSES, "traction"),
+        "",
+        0.4,
+        1.0,
+        "assumed: what loses more than it gives is a heater",
+        _full_efficiency,
     ),
     Rule(
         "no-load losses at base speed by greatest power",

@@ -211,8 +211,8 @@ class Receiver(StrEnum):
 class _Energy(Record):
     """`[energy]`: at the wire or the battery."""
 
-    efficiency_traction: Annotated[Efficiency, about("rim over wire")]
-    efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim")]
+    efficiency_traction: Annotated[Efficiency, about("rim over wire, without `[losses]`")]
+    efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim, without `[losses]`")]
     auxiliary_power_w: Annotated[AuxiliaryPowerW, about("lighting, compressors, heating and cooling")]
     regenerated_to: Annotated[
         Receiver,

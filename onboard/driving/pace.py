@@ -38,9 +38,7 @@ class Pace:
         self._train: Final = train
         self._behaviour: Final = behaviour
         law = None if laws is None else LAWS[int(laws.number)]
-        self._replan_after_s: Final = (
-            float(getattr(laws, law.name).replan_after_s) if law is not None and law.plans else None
-        )
+        self._planning: Final = getattr(laws, law.name) if law is not None and law.plans else None
         self.climb_m: NDArray[np.float64] = np.zeros(1)
         self.driving_mps: NDArray[np.float64] = np.zeros(1)
         self._laid: Laid | None = None
@@ -85,8 +83,7 @@ class Pace:
         if there.mark_m <= row.position_m:
             return
         available_s = math.inf if due_s is None else due_s - now_s - parameters.time_margin_s
-        if self._replan_after_s is not None and passing is None:
-            self._plan(there.mark_m, now_s, available_s, load_share)
+        if passing is None and self._plan(there.mark_m, now_s, available_s, load_share):
             return
         if due_s is None:
             return
@@ -103,8 +100,10 @@ class Pace:
             until_m,
         )
 
-    def _plan(self, mark_m: float, now_s: float, available_s: float, load_share: float) -> None:
-        """Have a plan laid for the way to the mark; where none can be made the train holds its cruising speed."""
+    def _plan(self, mark_m: float, now_s: float, available_s: float, load_share: float) -> bool:
+        """Have a plan laid for the way to the mark, if the law follows one; False where there is none."""
+        if self._planning is None:
+            return False
         row = self._row
         ahead = Ahead(
             self._train,
@@ -116,11 +115,11 @@ class Pace:
             float(row.speed_mps),
             self._behaviour.stop_deceleration_mps2,
             available_s,
+            float(self._planning.regeneration_share),
         )
-        try:
-            laid = planned(ahead)
-        except ValueError:  # it would stall on its way: what it has left is to try at full power
-            return
-        self._laid = laid
-        row.plan_due_s = now_s + laid.takes_s
-        row.replan_s = math.inf if self._replan_after_s is None else self._replan_after_s
+        self._laid = found = planned(ahead)
+        if found is None:
+            return False
+        row.plan_due_s = now_s + found.takes_s
+        row.replan_s = self._planning.replan_after_s
+        return True

@@ -14,13 +14,13 @@ JOULE_PER_KWH: Final = 3.6e6
 
 def parts_columns(
     groups: Sequence[Sequence[EnergyRecord]], receivers: Iterable[Receiver]
-) -> dict[str, list[float]]:
+) -> dict[str, list[object]]:
     """The columns of `study.run.tables.PARTS_KWH`, one row a group of records, each with its receiver.
 
     What resistors burn was braked by the motors, so it is a loss of regeneration; it could have come back.
     """
     names = [part.removesuffix("_j") for part in PARTS]
-    columns: dict[str, list[float]] = {f"{name}_kwh": [] for name in (*names, "rejected", "residual")}
+    columns: dict[str, list[object]] = {f"{name}_kwh": [] for name in (*names, "rejected", "residual")}
     for records, receiver in zip(groups, receivers, strict=True):
         burnt_j = math.fsum(r.regenerated_j for r in records if receiver is Receiver.RESISTORS)
         sums_j = {name: math.fsum(getattr(r.parts, f"{name}_j") for r in records) for name in names}

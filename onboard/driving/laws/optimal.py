@@ -31,6 +31,12 @@ class Optimal(Record):
     replan_after_s: Annotated[
         Wait, about("off its plan by more than this, a train plans anew", "the planner's wish: 5 s")
     ] = 5.0
+    regeneration_share: Annotated[
+        Share,
+        about(
+            "of regenerated energy that counts in the plan", "assumed: battery or other trains take all of it"
+        ),
+    ] = 1.0
     follow_gain_per_s: Annotated[
         Gain,
         about("acceleration asked for each m/s off the plan, where speed changes", "assumed: settles in 3 s"),
@@ -45,6 +51,7 @@ class OptimalRow(Protocol):
     """What this law keeps."""
 
     replan_after_s: float
+    regeneration_share: float
     follow_gain_per_s: float
     force_reserve_share: float
     off_mps: Annotated[float, "how far above its plan the train will be when its machinery answers"]

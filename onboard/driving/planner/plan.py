@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from onboard.driving.notches import LOOK_AHEAD_S
-from vehicle.mass import equivalent_mass_kg
-from vehicle.optimum import Course, Optimum, Profile, least_energy, least_time
+from vehicle.optimum import Course, Optimum, Profile
+from vehicle.optimum.mesh import laid, places_m
+from vehicle.optimum.solve import solved
 from vehicle.records import TrainRow
 
 LEVEL_MPS2: Final = 0.01  # assumed: a speed that changes by less is held: half of what the lowest notch gives
@@ -80,13 +81,14 @@ class Ahead:
     initial_mps: float
     deceleration_mps2: float
     available_s: float
+    regeneration_share: float = 1.0  # of what comes back that counts
 
 
-def planned(ahead: Ahead) -> Laid:
+def planned(ahead: Ahead) -> Laid | None:
     """The plan of least energy for the time that is left, or for little more than the least where that is too short.
 
     The last second costs more than all others: a train that is late plans to take HASTE_SHARE of the way's least time,
-    not to spend any energy on being less late. ValueError where the train cannot get there.
+    not to spend any energy on being less late. None where the train cannot get there, or no optimum is found.
     """
     course = Course(
         ahead.train,
@@ -97,12 +99,18 @@ def planned(ahead: Ahead) -> Laid:
         ahead.stop_m,
         ahead.deceleration_mps2,
         initial_mps=ahead.initial_mps,
+        regeneration=ahead.regeneration_share,
     )
-    least_s = float(least_time(course).time_s[-1])
     idle_s = answers_s(ahead.train) if ahead.initial_mps == 0.0 else 0.0
-    ordered_s = FREE_SHARE * least_s if math.isinf(ahead.available_s) else ahead.available_s - idle_s
-    best = least_energy(course, max(ordered_s, HASTE_SHARE * least_s), POINTS)
-    rim_mps2 = (best.force_n - best.brake_n) / equivalent_mass_kg(ahead.train, ahead.load_share)
+    try:
+        found = laid(course)
+        ordered_s = (
+            FREE_SHARE * found.least_s if math.isinf(ahead.available_s) else ahead.available_s - idle_s
+        )
+        best = solved(found, max(ordered_s, HASTE_SHARE * found.least_s), places_m(found, POINTS))
+    except ValueError:
+        return None
+    rim_mps2 = (best.force_n - best.brake_n) / found.inertia_kg
     return lay(best, rim_mps2, ahead.climb_m.size, idle_s)
 
 
