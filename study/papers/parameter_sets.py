@@ -59,7 +59,15 @@ LINE: Final = ParameterSet(
     "line",
     Driving(),
     UnitParameters(),
-    ("line-stops", "oda-tuning", "stop-statistics", "stop-window", "sugiyama-table5", "trainruns"),
+    (
+        "line-driving",
+        "line-stops",
+        "oda-tuning",
+        "stop-statistics",
+        "stop-window",
+        "sugiyama-table5",
+        "trainruns",
+    ),
     "the defaults of every line run",
 )
 TENTH_SCALE: Final = ParameterSet(
@@ -80,6 +88,7 @@ SETS: Final = (SECTION_3_2, LINE, TENTH_SCALE, TABLE_1)
 NOT_DRIVEN: Final[Mapping[str, str]] = {
     "oda-vision": "images alone",
     "sugiyama-tags": "trains pass tags at a constant speed",
+    "ttobench": "profiles alone",
 }
 
 
