@@ -182,11 +182,18 @@ HAZARDS: Final = (
     ),
     Hazard(
         "A train starts or runs on that is not fit to",
-        "a door that is not closed, a brake without its pressure",
-        "no departure before the unit sees both in order; on the way the emergency brake, until all is in order again",
+        "a door that is not closed, a brake without its pressure, less pull than the gradients of its way need",
+        "no departure before the unit sees both in order, and none to a stop that it predicts not to reach; on the way"
+        " the emergency brake, until all is in order again",
         ("onboard.vehicle", "onboard.duty.fitness"),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
-        ("rtri/42_doors", "rtri/43_brake", "karasuyama/42_doors", "karasuyama/43_brake"),
+        (
+            "rtri/42_doors",
+            "rtri/43_brake",
+            "rtri/57_motors_on_a_gradient",
+            "karasuyama/42_doors",
+            "karasuyama/43_brake",
+        ),
     ),
     Hazard(
         "The unit believes a false position",

@@ -17,12 +17,10 @@ from onboard.duty.unable import TooSteep, Unable
 from onboard.records import BehaviourRow
 from onboard.vehicle import Vehicle
 from vehicle.adhesion import DRY
-from vehicle.pull import full_pull_n, held_back_n, mean_gradient_permille
 from vehicle.records import TrainRow
-from vehicle.running_time import furthest_m
+from vehicle.running_time import Conditions, stall_of
 
 PREDICTION_STEP_S: Final = 0.5
-STANDS_MPS: Final = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +41,13 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Means:
-    """What the train has for it, as its unit knows it."""
+    """What the train has for it, as its unit knows it; `adhesion_factor`: the least that the weather may leave."""
 
     train: TrainRow
     behaviour: BehaviourRow
     load_share: float
     vehicle: Vehicle
+    adhesion_factor: float = DRY
 
 
 def why_not(way: Way, means: Means) -> Unable | None:
@@ -57,34 +56,33 @@ def why_not(way: Way, means: Means) -> Unable | None:
 
 
 def too_steep(way: Way, means: Means) -> TooSteep | None:
-    """Where the train would stall on a gradient, or could not even start, at full power, on dry rail."""
-    there, train, load, share = way.there, means.train, means.load_share, means.vehicle.motors_share
+    """Where the train would stall on a gradient, or could not even start, at full power on the rail as it is told."""
+    there, share = way.there, means.vehicle.motors_share
     if there is None:
         return None
-    reached_m = furthest_m(
-        train,
-        load,
-        share,
-        DRY,
+    stall = stall_of(
+        means.train,
+        Conditions(means.load_share, share, means.adhesion_factor),
         way.climb_m,
         way.limit_mps,
         way.front_m,
-        max(there.mark_m, way.front_m),
+        there.mark_m,
         means.behaviour.stop_deceleration_mps2,
         PREDICTION_STEP_S,
     )
-    if reached_m >= there.mark_m:
+    if stall is None:
         return None
-    piece_id, kilometrage_m = way.mission.path.locate(reached_m)
+    piece_id, kilometrage_m = way.mission.path.locate(stall.at_m)
     return TooSteep(
         station=there.station_id or there.section_id,
         piece_id=piece_id,
         kilometrage_m=round(kilometrage_m, 1),
-        gradient_permille=round(mean_gradient_permille(way.climb_m, reached_m, train.length_m), 2),
-        pull_n=round(full_pull_n(train, load, share, DRY, STANDS_MPS)),
-        needed_n=round(held_back_n(train, load, way.climb_m, reached_m, STANDS_MPS)),
-        load_share=load,
+        gradient_permille=round(stall.gradient_permille, 2),
+        pull_n=round(stall.pull_n),
+        needed_n=round(stall.needed_n),
+        load_share=means.load_share,
         motors_share=share,
+        adhesion_factor=means.adhesion_factor,
     )
 
 
@@ -97,7 +95,8 @@ class Ability:
 
     def why_not(self, way: Way, means: Means) -> Unable | None:
         """As the function of this name."""
-        asked = (way.mission, way.at, round(way.front_m, 1), means.load_share, means.vehicle)
+        has = means.load_share, means.vehicle, means.adhesion_factor
+        asked = (way.mission, way.at, round(way.front_m, 1), *has)
         same = self._asked is not None and self._asked[0] is way.mission and self._asked[1:] == asked[1:]
         if not same:
             self._asked, self._answer = asked, why_not(way, means)

@@ -106,6 +106,7 @@ class Motion:
         self.keeper: Final = keeper
         self.command = Command()
         self.load_share = 0.0
+        self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
         self.vehicle = IN_ORDER
         self.charge: ChargeWatch | None = None  # of a set that runs on a battery
         self.notes: list[notes.Note] = []
@@ -233,7 +234,7 @@ class Motion:
     def _unable(self, mission: Mission, at: int) -> Unable | None:
         """Why the train could not reach the next stop if it left the one where it stands now."""
         way = Way(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
-        means = Means(self._train, self._behaviour, self.load_share, self.vehicle)
+        means = Means(self._train, self._behaviour, self.load_share, self.vehicle, self.adhesion_factor)
         too_weak = self._ability.why_not(way, means)
         return too_weak if too_weak is not None or self.charge is None else self.charge.why_not(mission, at)
 

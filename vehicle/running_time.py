@@ -7,7 +7,7 @@ and to the stop, on dry rail. No dead time, lag or notches; curves count as the 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from vehicle.adhesion import DRY
 from vehicle.brakes import electric_brake_n
 from vehicle.compiled import compiled
 from vehicle.mass import equivalent_mass_kg
-from vehicle.pull import full_pull_n, grip_n, held_back_n
+from vehicle.pull import full_pull_n, grip_n, held_back_n, mean_gradient_permille
 from vehicle.records import TrainRow
 from vehicle.wire import power_at_grip_w
 
@@ -161,6 +161,62 @@ def furthest_m(
         adhesion_factor,
     )
     return stop_m if time_s < math.inf else reached_m
+
+
+class Stall(NamedTuple):
+    """Where the front of a train comes to a stand against its will (m), and the balance there at rest, N.
+
+    `gradient_permille` is the mean over the train, curves included.
+    """
+
+    at_m: float
+    gradient_permille: float
+    pull_n: float
+    needed_n: float
+
+
+class Conditions(NamedTuple):
+    """With what a train runs: its load, the motors in service, and the rail, as a factor of the dry one's adhesion."""
+
+    load_share: float
+    motors_share: float = ALL_MOTORS
+    adhesion_factor: float = DRY
+
+
+def stall_of(
+    train: TrainRow,
+    conditions: Conditions,
+    elevation_m: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    start_m: float,
+    stop_m: float,
+    deceleration_mps2: float,
+    dt_s: float,
+) -> Stall | None:
+    """Where a train stalls on its way from a stand to the next one, or cannot start; None: it gets there.
+
+    At full power up to the limits; arguments as of `predicted_run`.
+    """
+    if stop_m <= start_m:
+        return None
+    reached_m = furthest_m(
+        train, *conditions, elevation_m, limit_mps, start_m, stop_m, deceleration_mps2, dt_s
+    )
+    return None if reached_m >= stop_m else balance_at(train, conditions, elevation_m, reached_m)
+
+
+@compiled
+def balance_at(
+    train: TrainRow, conditions: Conditions, elevation_m: NDArray[np.float64], at_m: float
+) -> Stall:
+    """What a train at rest with its front at a place can pull, and what it needs to start there, N."""
+    load, motors, factor = conditions.load_share, conditions.motors_share, conditions.adhesion_factor
+    return Stall(
+        at_m,
+        mean_gradient_permille(elevation_m, at_m, train.length_m),
+        full_pull_n(train, load, motors, factor, 0.0),
+        held_back_n(train, load, elevation_m, at_m, 0.0),
+    )
 
 
 @compiled

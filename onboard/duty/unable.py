@@ -23,14 +23,18 @@ class TooSteep(msgspec.Struct, frozen=True, tag=True):
     needed_n: float
     load_share: float
     motors_share: float
+    adhesion_factor: float = 1.0
 
     @property
     def words(self) -> str:
         """What is missing, in words."""
+        rail = (
+            "" if self.adhesion_factor >= 1.0 else f", {self.adhesion_factor:.0%} of the dry rail's adhesion"
+        )
         return (
             f"a pull of {self.needed_n / 1e3:.1f} kN on {self.gradient_permille:.1f} permille at km"
             f" {self.kilometrage_m / 1e3:.3f}, {self.load_share:.0%} laden: {self.pull_n / 1e3:.1f} kN can be had with"
-            f" {self.motors_share:.0%} of the motors"
+            f" {self.motors_share:.0%} of the motors{rail}"
         )
 
 

@@ -76,7 +76,8 @@ class OnBoard:
     ) -> tuple[Answer, list[Note]] | None:
         """Put what happened to the unit; its answer, and all lines for the journal. None while it has no power.
 
-        The unit is asked by its own clock; in the answer its wake is true time again.
+        The unit is asked by its own clock; in the answer its wake is true time again. Its driver knows the weather, and
+        by that how little the rail may hold.
         """
         if slot in self.unpowered:
             return None
@@ -84,6 +85,7 @@ class OnBoard:
         if self.charging is not None:
             motion.charge = self.charging.watch_of(slot)
             self.charging.now(slot, now_s)
+        motion.adhesion_factor = self._setup.scatter.adhesion_least(now_s)
         report = Report(motion.place(), tuple(happened))
         clock = self.clocks[slot]
         own_s = clock.shows(now_s)

@@ -111,6 +111,11 @@ class Scatter(Record):
                 return part.adhesion_low + share * (part.adhesion_high - part.adhesion_low)
         return 1.0
 
+    def adhesion_least(self, now_s: float) -> float:
+        """The least adhesion factor of a leg that begins now; 1 outside every kind of weather."""
+        low = (part.adhesion_low for part in self.weather if part.from_s <= now_s < part.to_s)
+        return next(low, 1.0)
+
 
 def _cut_normal(rng: np.random.Generator) -> float:
     return float(np.clip(rng.standard_normal(), -SIGMAS_MAX, SIGMAS_MAX))

@@ -10,6 +10,7 @@ from network.model import SectionKind
 from network.timetable import clock
 from simulation.setup import Setup
 from study.feasibility.charge import charge_of
+from study.feasibility.climbs import climbs_of
 from study.feasibility.conflicts import BY_BLOCKS, Pair, conflicts_of, on_paper, pairs_of
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import LATE_S, Feasibility, Finding, Kind, Severity, lasting, minute
@@ -42,6 +43,7 @@ def feasibility(setup: Setup) -> Feasibility:
         *_nowhere(day),
         *conflicts_of(day.line, pairs, met, by_section),
         *timing_of(setup, day),
+        *climbs_of(setup, day),
         *passings_of(setup, day),
         *equipment_of(setup, day),
         *charge_of(setup, day),

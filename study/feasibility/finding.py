@@ -37,6 +37,7 @@ class Kind(Enum):
     TERMINAL = "terminal track occupied"  # the same at an end of the line
     PORTAL = "portal"  # cannot deliver, or not take, a train in time
     LEG = "running time"
+    GRADIENT = "gradient"  # on which a train cannot start, or comes to a stand
     DWELL = "dwell"
     TURN_BACK = "turn-back time"
     LAYOVER = "layover"

@@ -41,7 +41,7 @@ class RunTimes:
         """The same to where the front passes each of `passing_m` (path coordinates), and to the stand."""
         kind = self._setup.trains[stock_id]
         length_m = float(kind.row[0]["length_m"])
-        way = _cut(self._setup.believed_line, path, from_m, to_m, length_m)
+        way = cut_way(self._setup.believed_line, path, from_m, to_m, length_m)
         driving = self._setup.driving
         below_mps = 0.0 if at_limits else driving.driving_margin_mps
         begins_m = from_m - way.from_m  # of the part that the way is
@@ -59,7 +59,7 @@ class RunTimes:
         return self._known[key]
 
 
-def _cut(line: Line, path: Path, from_m: float, to_m: float, length_m: float) -> Way:
+def cut_way(line: Line, path: Path, from_m: float, to_m: float, length_m: float) -> Way:
     """A run on the part of its path that it needs."""
     steps = [s for s in path.steps if s.end_m > from_m - length_m - 1.0 and s.start_m < to_m + 1.0]
     begin_m = steps[0].start_m

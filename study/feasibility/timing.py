@@ -15,7 +15,7 @@ from network.model import Line
 from network.timetable import clock
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
-from study.feasibility.finding import Finding, Kind, Severity, lasting, minute, severity_of
+from study.feasibility.finding import Finding, Kind, lasting, minute, severity_of
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain, Stand, due_s
 from study.feasibility.run_times import RunTimes
 
@@ -47,30 +47,23 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Ite
             continue
         least_s = due_s(there.target, setup.unit.dwell_min_s)
         short_s = before.departs_s + there.run_s - least_s
-        if short_s < NEGLIGIBLE_S:
+        if short_s < NEGLIGIBLE_S or math.isinf(short_s):  # who cannot climb is told of the gradient
             continue
         names = _name(line, before), _name(line, there)
         planned_s = least_s - before.departs_s
-        if math.isinf(short_s):
-            text = f"{train.number} cannot climb from {names[0]} to {names[1]}"
-            remedy = "another train, or less load"
-            short, severity = None, Severity.IMPOSSIBLE
-        else:
-            ends_m = before.target.mark_m, there.target.mark_m
-            limits_s = times.run_s(train.stock_id, train.duty.mission.path, *ends_m, at_limits=True)
-            km = (ends_m[1] - ends_m[0]) / 1000.0
-            text = (
-                f"{train.number} leaves {names[0]} at {minute(before.departs_s)} and has {planned_s:.0f} s for"
-                f" {km:.1f} km to {names[1]}; {setup.trains[train.stock_id].name} needs {there.run_s:.0f} s"
-                f" as trains are driven, {limits_s:.0f} s at the limits"
-            )
-            remedy = (
-                f"it is at {names[1]} at {clock(math.ceil(before.departs_s + there.run_s))} at the earliest"
-            )
-            times_s = (before.target.departure_s, there.target.arrival_s or there.target.departure_s)
-            short, severity = short_s, severity_of(short_s, *times_s)
+        ends_m = before.target.mark_m, there.target.mark_m
+        limits_s = times.run_s(train.stock_id, train.duty.mission.path, *ends_m, at_limits=True)
+        km = (ends_m[1] - ends_m[0]) / 1000.0
+        text = (
+            f"{train.number} leaves {names[0]} at {minute(before.departs_s)} and has {planned_s:.0f} s for"
+            f" {km:.1f} km to {names[1]}; {setup.trains[train.stock_id].name} needs {there.run_s:.0f} s"
+            f" as trains are driven, {limits_s:.0f} s at the limits"
+        )
+        remedy = f"it is at {names[1]} at {clock(math.ceil(before.departs_s + there.run_s))} at the earliest"
+        times_s = (before.target.departure_s, there.target.arrival_s or there.target.departure_s)
         place = f"{before.target.station_id}-{there.target.station_id}"
-        yield Finding(Kind.LEG, severity, (train.number,), place, before.departs_s, text, remedy, short)
+        severity = severity_of(short_s, *times_s)
+        yield Finding(Kind.LEG, severity, (train.number,), place, before.departs_s, text, remedy, short_s)
 
 
 def _dwells(setup: Setup, line: Line, train: PlannedTrain) -> Iterator[Finding]:

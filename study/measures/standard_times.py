@@ -47,11 +47,7 @@ class StandardTime:
     def rounded_s(self, how: str = "stop_stop_s") -> int | None:
         """The time as it is laid down: the next 5 s up."""
         time_s = getattr(self, how)
-        return (
-            None
-            if time_s is None or not math.isfinite(time_s)
-            else laid_down_s(time_s)
-        )
+        return None if time_s is None or not math.isfinite(time_s) else laid_down_s(time_s)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""

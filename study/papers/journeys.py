@@ -21,7 +21,7 @@ from onboard.driving.planner.wish import Style
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
-from study.measures.driving import JOULE_PER_KWH
+from study.run.energy_parts import JOULE_PER_KWH
 from study.measures.journeys import GAP_ENOUGH, JourneyEnergies, SampledHop, Shared, journey_energies
 from study.measures.least_energy import Allowed, course_of
 from study.measures.running_times import planned_hops

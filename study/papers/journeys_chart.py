@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from study.measures.driving import JOULE_PER_KWH
+from study.run.energy_parts import JOULE_PER_KWH
 from study.measures.journeys import JourneyEnergies
 from study.report.style import INK, PALE, RED, TRACTION, drawing
 

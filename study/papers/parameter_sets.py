@@ -61,6 +61,7 @@ LINE: Final = ParameterSet(
     UnitParameters(),
     (
         "journeys",
+        "line-driving",
         "line-stops",
         "oda-tuning",
         "stop-statistics",
@@ -89,6 +90,7 @@ NOT_DRIVEN: Final[Mapping[str, str]] = {
     "journeys": "runs are computed as optima, nothing drives them",
     "oda-vision": "images alone",
     "sugiyama-tags": "trains pass tags at a constant speed",
+    "ttobench": "profiles alone",
 }
 
 

@@ -8,6 +8,7 @@ none: sensors are exact unless the bench says otherwise.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Final, Protocol
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from network.profile import PROFILE
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.laws.table import LAWS
-from onboard.driving.pattern import pattern_of
+from onboard.driving.pattern import limit_for_train, pattern_of
 from onboard.driving.planner.plan import Ahead, Laid, planned
 from onboard.duty.timekeeping import cruise_for
 from onboard.records import MODE_DRIVE
@@ -28,8 +29,11 @@ from simulation.world.ride import COASTS
 from study.papers.single_stop import FAR_M, Rows
 from study.papers.single_train import BEYOND_M, Bench
 from vehicle.compiled import compiled
+from vehicle.optimum import TooShort
 from vehicle.record import dtype_of
+from vehicle.running_time import predicted_run
 
+LEAST_STEP_S: Final = 0.1
 HOP_STEPS_MAX: Final = 50_000
 COARSE_S: Final = 0.5  # steps in which orders are tried,
 FINE_S: Final = 0.1  # and then those beside the best of them
@@ -320,6 +324,14 @@ class HopBench:
             )
         return self._cruise[key]
 
+    def least_s(self, load_share: float = 0.0) -> float:
+        """The least running time of the way, s, at the limits, with the unit's braking; infinite: it cannot climb."""
+        train = self.train
+        limit_mps = np.ascontiguousarray(limit_for_train(self.profile["limit_mps"], train))
+        braking_mps2 = float(self.behaviour.stop_deceleration_mps2)
+        run = (limit_mps, self.begin_m, self.mark_m, math.inf, braking_mps2, LEAST_STEP_S)
+        return float(predicted_run(train, load_share, self.elevation_m, *run)[0])
+
     def run(self, hops: Rows, trace_steps: int = 0) -> tuple[Rows, Rows]:
         """Make hops (rows of HOP): rows of HOP_OUTCOME, and the last one's TRACE, in m past the hop's start.
 
@@ -355,8 +367,12 @@ class HopBench:
         """The hop that takes the time asked for, as near as any order within TRIED_S of it makes this law take it.
 
         Every law is handed the same orders, every half second and then every tenth beside the best; the nearest
-        running time counts, of equal ones the earliest order. `like`: a row of HOP for all but the order.
+        running time counts, of equal ones the earliest order. `like`: a row of HOP for all but the order. Raises
+        TooShort, with the least running time, for a time in which no train gets there.
         """
+        least_s = self.least_s(0.0 if like is None else float(like["load_share"][0]))
+        if asked_s < least_s:
+            raise TooShort(asked_s, least_s)
         steps = np.arange(-TRIED_S, TRIED_S + COARSE_S / 2.0, COARSE_S)
         coarse = self._nearest(asked_s, asked_s + steps, like)
         beside = np.arange(-COARSE_S, COARSE_S + FINE_S / 2.0, FINE_S)

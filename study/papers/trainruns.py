@@ -170,14 +170,14 @@ def as_theirs(kind: TrainType, train: ReferenceTrain) -> Rows:
 def converged_s(row: Rows, way: Way, deceleration_mps2: float, below_limit_mps: float = 0.0) -> float:
     """Least running time by our laws, s: `vehicle.running_time` in steps of OURS_STEP_S, laden."""
     train = row.view(np.recarray)[0]
-    begin_m = float(math.ceil(train.length_m)) + 1.0
-    limit_mps = limit_for_train(way.limit_mps(begin_m, float(train.speed_max_mps)), train)
-    limit_mps = lowered_by(limit_mps, below_limit_mps) if below_limit_mps > 0.0 else limit_mps
+    begin_m = math.ceil(float(row["length_m"][0])) + 1.0
+    limits_mps = limit_for_train(way.limit_mps(begin_m, float(train.speed_max_mps)), train)
+    kept_mps = lowered_by(limits_mps, below_limit_mps) if below_limit_mps > 0.0 else limits_mps
     time_s, _ = predicted_run(
         row[0],
         FULL,
         way.elevation_m(begin_m),
-        np.ascontiguousarray(limit_mps),
+        kept_mps,
         begin_m,
         begin_m + way.length_m,
         math.inf,

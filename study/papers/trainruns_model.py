@@ -194,8 +194,9 @@ class _Course:
         while True:
             size_m = self._step_m
             point_m = self._next_point_m(section)
+            ended: _Why | None = None
             for refinement in range(1, self._refined + 2):
-                ended: _Why | None = None
+                ended = None
                 past_point = False
                 before = self._at_m, self._t_s, self._speed_mps
                 while ended is None and self._at_m < point_m:

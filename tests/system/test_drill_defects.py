@@ -142,6 +142,10 @@ def acknowledges_whatever_is_wrong(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(fitness, "acknowledged", lambda _turn: True)
 
 
+def leaves_whatever_lies_ahead(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(fitness, "unable_now", lambda _turn: None)
+
+
 def judges_no_time(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("radio.envelope.CLOCK_SKEW_MAX_S", math.inf)
 
@@ -241,6 +245,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "56_proof_lost_in_braking": ("ignores_a_withdrawn_proof", "the unit drops the proof"),
         "55_unit_dead_for_good": ("leaves_the_line_unswept", "T2 runs through on sight"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
+        "57_motors_on_a_gradient": (leaves_whatever_lies_ahead, "it does not leave"),
     }
 )
 

@@ -229,6 +229,7 @@ def test_points_that_do_not_move_are_named_with_their_terminal() -> None:
         ("rtri/05_unit_power_position_unknown", "K1", Cause.EMERGENCY, {}),
         ("rtri/20_route_given_back", "K1", Cause.SET_BACK, {}),
         ("rtri/52_unit_frozen", "K1", Cause.UNIT_FROZEN, {}),
+        ("rtri/57_motors_on_a_gradient", "K1", Cause.UNABLE, {}),
     ],
 )
 def test_what_is_out_of_order_is_named(

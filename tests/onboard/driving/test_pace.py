@@ -18,7 +18,7 @@ from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, Limit, Looked, Order
 from onboard.motion import Motion, PathData
-from onboard.records import EVENT_OFF_PLAN, BehaviourRow, UnitRow
+from onboard.records import EVENT_OFF_PLAN, MODE_DRIVE, BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.records import TrainRow
 
@@ -111,3 +111,15 @@ def test_a_law_without_plans_has_none(made: Callable[[str], Motion], mission: Mi
     assert motion.taken_plan() is None
     assert motion.row.replan_s == math.inf
     assert math.isfinite(motion.row.cruise_mps)
+
+
+def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(
+    made: Callable[[str], Motion], mission: Mission
+) -> None:
+    """The way is steeper than its motors are strong: there is no profile to its stop."""
+    motion = made("optimal")
+    motion._pace.climb_m = np.arange(motion._pace.climb_m.size) * 0.15
+    departed(motion, mission)
+    assert motion.taken_plan() is None
+    assert motion.row.plan_rows == 0
+    assert motion.row.mode == MODE_DRIVE

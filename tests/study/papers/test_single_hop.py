@@ -18,6 +18,7 @@ from study.papers.single_hop import (
 )
 from study.papers.yasunobu_train import HOP_M, ORDERS_S, paper_bench, paper_hops
 from vehicle.mass import GRAVITY_MPS2, mass_kg
+from vehicle.optimum import TooShort
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def test_the_running_time_asked_for_comes_out_by_the_same_loop_for_every_law(cou
                 assert abs(found.off_s) <= 1.0
                 assert abs(found.outcome["error_m"]) < 0.5
                 assert found.outcome["intervention"] == NO_INTERVENTION
-    assert course.timed(60.0).off_s > 10.0  # nobody makes it: the nearest is far
+    assert course.timed(course.least_s() + 0.5).off_s > 0.0  # no law makes it: the nearest is what there is
 
 
 def test_many_hops_are_each_as_if_made_alone(course: HopBench) -> None:
@@ -106,3 +107,25 @@ def test_a_planner_lays_a_plan_for_every_hop() -> None:
     outcomes, _ = course.run(new_hops([100.0, 150.0]))
     assert outcomes["coasting_s"][0] > outcomes["coasting_s"][1] + 5.0
     assert outcomes["energy_traction_j"][0] < outcomes["energy_traction_j"][1]
+
+
+@pytest.mark.parametrize("gradient_permille", [10.0, 0.0, -10.0])
+def test_a_running_time_below_the_least_is_refused_with_the_least(gradient_permille: float) -> None:
+    hops = paper_hops("hold_speed", gradient_permille)
+    least_s = hops.least_s()
+    with pytest.raises(TooShort, match=f"{least_s:.2f}") as refused:
+        hops.timed(least_s - 0.1)
+    assert refused.value.least_s == least_s
+    fastest, _ = hops.run(new_hops([1.0]))
+    assert float(fastest["time_s"][0]) > least_s  # no law is faster than that
+    assert hops.timed(least_s + 0.1).off_s > 0.0
+
+
+def test_switched_off_such_a_time_is_taken(course: HopBench, monkeypatch: pytest.MonkeyPatch) -> None:
+    least_s = course.least_s()
+    monkeypatch.setattr(HopBench, "least_s", lambda *_: 0.0)
+    assert course.timed(least_s - 5.0).off_s > 0.0
+
+
+def test_a_hop_that_is_too_steep_has_no_running_time() -> None:
+    assert paper_hops("hold_speed", 140.0).least_s() == np.inf
