@@ -22,6 +22,9 @@ def reproduce(
     quick: Annotated[
         bool, typer.Option("--quick", help="A short slice; the remarks say what it leaves out.")
     ] = False,
+    data: Annotated[
+        Path | None, typer.Option("--data", help="Folder of reference data that is not shipped.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Rebuild a published experiment and print the paper's figures beside ours."""
@@ -33,7 +36,13 @@ def reproduce(
             "\n".join(sorted(REPRODUCTIONS)) + "\n"
         )
         return
-    options = Options(seed=seed, link=link_of(link).value, out=None if out is None else str(out), quick=quick)
+    options = Options(
+        seed=seed,
+        link=link_of(link).value,
+        out=None if out is None else str(out),
+        data=None if data is None else str(data),
+        quick=quick,
+    )
     result = reproduction(name)(options)
     outcome = judged(result.passed)
     if as_json:

@@ -12,7 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from documents import busy_line, faults, files, interlocking, journal
+from documents import busy_line, faults, files, interlocking, journal, losses
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SHOWN_LINES: Final = 8
@@ -29,6 +29,7 @@ PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (files.FILE, files.document),
     (faults.FILE, faults.document),
     (journal.FILE, journal.document),
+    (losses.FILE, losses.document),
 )
 
 

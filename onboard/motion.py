@@ -21,10 +21,13 @@ from onboard import notes
 from onboard.ability import Ability, Means, Way
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.charge import ChargeWatch
+from onboard.driving.laws.table import LawsRow
+from onboard.driving.pace import Pace
+from onboard.driving.planner.plan import Laid
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
-from onboard.duty.mission import Mission, Passing, PathTag, Target
+from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
     Command,
     How,
@@ -38,7 +41,6 @@ from onboard.duty.records import (
     TagPassed,
     VehicleChecked,
 )
-from onboard.duty.timekeeping import cruise_for
 from onboard.duty.unable import Unable
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
 from onboard.localisation.sighting import sign
@@ -49,6 +51,7 @@ from onboard.records import (
     EVENT_FIX,
     EVENT_INTERVENTION,
     EVENT_MOVING,
+    EVENT_OFF_PLAN,
     EVENT_POSITION,
     EVENT_SAFE_REAR,
     EVENT_STOPPED,
@@ -92,6 +95,7 @@ class Motion:
         behaviour: BehaviourRow,
         keeper: StopKeeper,
         readers: ReadersRow | None = None,
+        laws: LawsRow | None = None,
     ) -> None:
         self.row: Final = cells_of(UnitRow, row)
         self._record: Final = row  # the same memory, as compiled code takes it
@@ -116,13 +120,10 @@ class Motion:
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters)
         self._ability: Final = Ability()
-        self._climb_m: NDArray[np.float64] = np.zeros(1)
-        self._driving_mps: NDArray[np.float64] = np.zeros(1)
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._found = False
-        self._timed: Passing | None = (
-            None  # where the cruising speed is to bring the train, if not to its stop
-        )
+        self._off_plan = False
+        self._pace: Final = Pace(parameters, row, train, behaviour, laws)
         self._stood_m: float | None = (
             None  # what the tachometer showed when it last came to a stand, if it stands
         )
@@ -173,19 +174,20 @@ class Motion:
 
     def _take_up(self, mission: Mission, path: PathData) -> None:
         row = self.row
-        self._mission, self._timed = mission, None
+        self._mission, self._off_plan = mission, False
         self._starts_m = [span.start_m for span in mission.spans]
         self._ends_m = [span.end_m for span in mission.spans]
-        self._climb_m = np.ascontiguousarray(path.rows["climb_m"])
-        self._driving_mps = np.ascontiguousarray(path.rows["driving_mps"])
         self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
         self._doubt.new_path(mission.tags)
         row.path_offset, row.path_rows = path.offset, len(path.rows)
-        row.plan_rows = 0  # a plan is of the path it was made for
+        self._pace.take_up(path.rows)
         row.mode = MODE_HOLD
-        row.cruise_mps = math.inf
         row.target_stop_m = row.position_m
         self._expect_tag()
+
+    def taken_plan(self) -> Laid | None:
+        """The plan for this path that was made since the last call, to be laid and followed."""
+        return self._pace.taken_plan()
 
     def follow(self, offset: int, rows: int) -> None:
         """Take up a plan for this path that lies at `offset` of the pool; no rows: none any more."""
@@ -227,7 +229,7 @@ class Motion:
 
     def _unable(self, mission: Mission, at: int) -> Unable | None:
         """Why the train could not reach the next stop if it left the one where it stands now."""
-        way = Way(mission, at, float(self.row.position_m), self._climb_m, self._driving_mps)
+        way = Way(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
         means = Means(self._train, self._behaviour, self.load_share, self.vehicle)
         too_weak = self._ability.why_not(way, means)
         return too_weak if too_weak is not None or self.charge is None else self.charge.why_not(mission, at)
@@ -293,7 +295,9 @@ class Motion:
         if bits & EVENT_STOPPED:
             self._stood_m = float(row.odometer_m)
             happened += self._stopped()
-        if bits & (EVENT_POSITION | EVENT_SAFE_REAR):
+        if bits & EVENT_OFF_PLAN:
+            self._off_plan = True
+        if bits & (EVENT_POSITION | EVENT_SAFE_REAR | EVENT_OFF_PLAN):
             happened.append(Looked())
         return happened
 
@@ -404,7 +408,7 @@ class Motion:
         else:
             self._run(command, now_s)
         self._found = False
-        row.position_trigger_m = math.inf if self._timed is None else self._timed.position_m
+        row.position_trigger_m = math.inf if self._pace.timed is None else self._pace.timed.position_m
         if command.await_radio and row.position_known and self._mission is not None:
             covered_m = next_coverage_m(self._line, self._mission.path, row.position_m)
             row.position_trigger_m = min(row.position_trigger_m, covered_m)
@@ -436,9 +440,12 @@ class Motion:
         if Order.DEPART in command.orders or Order.RESUME in command.orders:
             row.target_stop_m = row.position_m
         if command.target is not None:
-            if moved or self._found or command.orders or self._passed_by(mission.targets[command.target]):
-                self._choose_cruise(mission.targets[command.target], now_s)
-            self._aim(mission.targets[command.target].mark_m, limit_m)
+            there = mission.targets[command.target]
+            anew = self._found or self._off_plan or self._pace.passed_by(there)
+            if moved or command.orders or anew:
+                self._pace.choose(there, now_s, self.load_share)
+                self._off_plan = False
+            self._aim(there.mark_m, limit_m)
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]
         row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._length_m)
 
@@ -452,41 +459,3 @@ class Motion:
         if aim_m > row.target_stop_m + 0.01:
             row.braking_to_stop = 0
         row.target_stop_m = aim_m
-
-    def _next_passing(self, there: Target) -> Passing | None:
-        """The next station that the train runs through on its way to a stop."""
-        return next((p for p in there.passings if p.position_m > self.row.position_m), None)
-
-    def _passed_by(self, there: Target) -> bool:
-        """Whether the cruising speed was chosen for a station that the train has run through since."""
-        return self._timed is not None and self._timed is not self._next_passing(there)
-
-    def _choose_cruise(self, there: Target, now_s: float) -> None:
-        """Cruising speed for what is left of the way to the next station where there is a time, and of that time."""
-        row, parameters = self.row, self._parameters
-        due_s = there.arrival_s
-        if due_s is not None and there.departure_s is not None:
-            dwell_s = parameters.dwell_min_s if there.passengers else 0.0
-            due_s = min(due_s, there.departure_s - dwell_s)
-        row.cruise_mps = math.inf
-        row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
-        self._timed = passing = self._next_passing(there)
-        until_m = math.inf if passing is None else passing.position_m
-        if passing is not None:
-            due_s = (
-                passing.time_s + parameters.time_margin_s
-            )  # that keeps a stop's arrival, not a moment in passing
-        if due_s is None or there.mark_m <= row.position_m:
-            return
-        row.cruise_mps = cruise_for(
-            self._train,
-            self.load_share,
-            self._climb_m,
-            self._driving_mps,
-            row.position_m,
-            there.mark_m,
-            due_s - now_s - parameters.time_margin_s,
-            self._behaviour.stop_deceleration_mps2,
-            float(row.speed_mps),
-            until_m,
-        )

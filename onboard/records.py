@@ -79,6 +79,7 @@ class UnitRow(Protocol):
     path_rows: int
     plan_offset: Annotated[int, "the same of its plan"]
     plan_rows: Annotated[int, "0: no plan"]
+    plan_due_s: Annotated[float, "when the plan has the front at `target_stop_m`, since midnight"]
 
 
 UNIT: Final = dtype_of(UnitRow)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field, fields
 from enum import StrEnum
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from simulation.judge.checkers import Violation
 from simulation.judge.rail import Slippery
 from simulation.motion_digest import motion_digest
 from simulation.world.records import TRACE_EVERY_STEPS
+from simulation.world.ride import Ride
 
 
 class Ending(StrEnum):
@@ -59,10 +62,37 @@ class Phase(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class EnergyRecord:
-    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m.
+class EnergyParts:
+    """Where the energy of the motors went, J, as `vehicle.energy` counts it; together traction less regenerated."""
 
-    `from_id` and `to_id` are stations, or portal sections, where the train was to stop; alike where it stood at one.
+    kinetic_j: float = 0.0
+    resistance_j: float = 0.0
+    gradient_j: float = 0.0
+    curve_j: float = 0.0
+    friction_j: float = 0.0
+    traction_loss_j: float = 0.0
+    regeneration_loss_j: float = 0.0
+
+    def sum_j(self) -> float:
+        """All parts together."""
+        return math.fsum(astuple(self))
+
+    def since(self, before: EnergyParts) -> EnergyParts:
+        """What came on top of `before`."""
+        pairs = zip(astuple(self), astuple(before), strict=True)
+        return EnergyParts(*(now_j - before_j for now_j, before_j in pairs))
+
+
+PARTS: Final = tuple(part.name for part in fields(EnergyParts))
+
+
+@dataclass(frozen=True, slots=True)
+class EnergyRecord:
+    """Energy of one stock over one phase, J at the wire or battery, and the distance run, m; how a run was driven.
+
+    `parts` says where it went, the auxiliaries apart. `rejected_j` could have been given back, but the source did not
+    take it, so that it is in the friction. `from_id` and `to_id` are stations, or portal sections, where the train was
+    to stop; alike where it stood at one.
     """
 
     stock_id: str
@@ -77,6 +107,14 @@ class EnergyRecord:
     traction_j: float
     regenerated_j: float
     auxiliary_j: float
+    parts: EnergyParts = EnergyParts()
+    rejected_j: float = 0.0
+    ride: Ride = Ride()
+
+    @property
+    def residual_j(self) -> float:
+        """What the parts leave open of what the motors drew and gave back."""
+        return self.traction_j - self.regenerated_j - self.parts.sum_j()
 
 
 class BatteryEvent(StrEnum):

@@ -18,7 +18,7 @@ from vehicle.adhesion import (
 )
 from vehicle.brakes import electric_brake_n, service_target_mps2
 from vehicle.compiled import compiled
-from vehicle.energy import count_wire, count_work
+from vehicle.energy import NO_FORCE_SHARE, count_wire, count_work
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.records import COMMAND_DELAY_STEPS_MAX, PlantRow, TrainRow
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
@@ -106,8 +106,8 @@ def _grip(plant: PlantRow, train: TrainRow, mass: float, held_n: float, dt_s: fl
 
     regenerative_n = 0.0
     # The emergency brake is air alone, and the motors do not brake while they still pull.
-    # (A lag dies away and never quite ends: a hundredth of the force counts as none.) In a slide it is cut.
-    released = traction_n <= 0.01 * full_force_n(train, plant.load_share, plant.speed_mps)
+    # In a slide it is cut.
+    released = traction_n <= NO_FORCE_SHARE * full_force_n(train, plant.load_share, plant.speed_mps)
     slides = asked_n > brake_n or plant.wheel_speed_mps < plant.speed_mps
     if plant.emergency_deceleration_mps2 < 1e-3 and released and not slides:
         regenerative_n = electric_brake_n(train, plant.motors_share, brake_n, motored_n, plant.speed_mps)

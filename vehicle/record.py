@@ -43,6 +43,7 @@ UNITS: Final = {
     "mps": "m/s",
     "mps2": "m/s²",
     "mps3": "m/s³",
+    "m2ps5": "m²/s⁵",
     "per_s": "1/s",
     "per_s2": "1/s²",
     "s_per_m": "s/m",

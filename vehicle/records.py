@@ -72,6 +72,19 @@ class TrainRow(Protocol):
     efficiency_traction: float
     efficiency_regeneration: float
     auxiliary_power_w: float
+    # losses of one motor, its inverter and its gear in place of the two efficiencies, see vehicle.losses
+    losses_given: Annotated[float, "1: these hold; 0: the efficiencies above"]
+    loss_base_speed_mps: Annotated[float, "full flux up to it; above, flux falls as 1 / speed"]
+    loss_force_n: Annotated[float, "of one motor, to which copper and inverter losses refer"]
+    loss_standby_w: float
+    loss_magnetising_w: float
+    loss_hysteresis_w: float
+    loss_eddy_w: float
+    loss_inverter_w: float
+    loss_copper_w: float
+    loss_gear_share: float
+    motors_cut_out: Annotated[float, "1: as many motors run as lose least; 0: all in service"]
+    magnetised_coasting: Annotated[float, "1: motors stay magnetised when the train coasts"]
     # limits
     speed_max_mps: float
     adhesion_dry: float

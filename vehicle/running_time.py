@@ -18,7 +18,7 @@ from vehicle.compiled import compiled
 from vehicle.mass import equivalent_mass_kg
 from vehicle.pull import full_pull_n, grip_n, held_back_n
 from vehicle.records import TrainRow
-from vehicle.wire import wire_power_w
+from vehicle.wire import power_at_grip_w
 
 STEPS_MAX: Final = 200_000
 ALL_MOTORS: Final = 1.0
@@ -196,11 +196,11 @@ def _run(
             return (time_s if left <= 1e-3 else math.inf), energy_j, position
         force_n = inertia * (after - speed) / dt_s + resist_n
         energy_j += train.auxiliary_power_w * dt_s
+        rail_n = grip_n(train, load_share, adhesion_factor, speed)
         motors_n = force_n
         if force_n <= 0.0:
-            rail_n = grip_n(train, load_share, adhesion_factor, speed)
             motors_n = -electric_brake_n(train, motors_share, -force_n, rail_n, speed)
-        energy_j += wire_power_w(train, motors_share, motors_n, distance / dt_s) * dt_s
+        energy_j += power_at_grip_w(train, motors_share, motors_n, distance / dt_s, rail_n) * dt_s
         if distance >= min(left, until_m - position):
             share = min(left, until_m - position) / distance
             return time_s + share * dt_s, energy_j, min(stop_m, until_m)

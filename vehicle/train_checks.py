@@ -10,11 +10,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
+import numpy as np
+
 from network.errors import InputError
 from vehicle.adhesion import DRY, adhesion_coefficient, grip_mps2
+from vehicle.losses import no_load_w
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
 from vehicle.resistance import resistance_n
 from vehicle.traction import full_force_n, motored_grip_n
+from vehicle.wire import wire_power_w
 
 Record: TypeAlias = (
     Any  # one of TRAIN: numpy knows no type of its fields, and compiled laws take it as a TrainRow
@@ -72,6 +76,31 @@ def _drag_n_per_kn(train: Record) -> float:
     return drag_n / (float(mass) * GRAVITY_MPS2 * 1e-3)
 
 
+def _best_efficiency(train: Record) -> float:
+    """Greatest share of the power at the rim in that at the wire, over speeds and forces of the full notch and less."""
+    best = 0.0
+    for speed_mps in np.linspace(0.02, 1.0, 50) * float(train["speed_max_mps"]):
+        full_n = float(full_force_n(train, _FULL, speed_mps))
+        for force_n in np.linspace(0.02, 1.0, 50) * full_n:
+            rim_w = force_n * speed_mps
+            best = max(best, float(rim_w / wire_power_w(train, 1.0, force_n, speed_mps)))
+    return best
+
+
+def _full_efficiency(train: Record) -> float:
+    """The same at the greatest force, at base speed."""
+    base_mps = float(train["loss_base_speed_mps"])
+    full_n = float(full_force_n(train, _EMPTY, base_mps))
+    return full_n * base_mps / float(wire_power_w(train, 1.0, full_n, base_mps))
+
+
+def _no_load_share(train: Record) -> float:
+    """No-load losses of all motors at base speed by the greatest power."""
+    base_mps = float(train["loss_base_speed_mps"])
+    return float(train["motors"]) * float(no_load_w(train, base_mps)) / float(train["traction_power_max_w"])
+
+
+LOSSES: Final = "losses"  # rules of keys below it hold for trains that have the table
 RULES: Final[tuple[Rule, ...]] = (
     Rule(
         "load over empty mass",
@@ -176,12 +205,54 @@ RULES: Final[tuple[Rule, ...]] = (
         "an emergency brake is no weaker",
         lambda train: float(train["emergency_deceleration_mps2"]) / _service_mps2(train),
     ),
+    Rule(
+        "greatest efficiency of motors, inverters and gears",
+        "losses.copper_w",
+        (LOSSES, "traction"),
+        "",
+        0.0,
+        0.985,
+        "assumed: published drives with gear reach 0.90 to 0.96; none gives all, or more than it takes",
+        _best_efficiency,
+    ),
+    Rule(
+        "efficiency of motors, inverters and gears at the greatest force and base speed",
+        "losses.copper_w",
+        (LOSSES, "traction"),
+        "",
+        0.4,
+        1.0,
+        "assumed: what loses more than it gives is a heater",
+        _full_efficiency,
+    ),
+    Rule(
+        "no-load losses at base speed by greatest power",
+        "losses.standby_w",
+        (LOSSES, "traction.power_max_w", "traction.motors"),
+        "",
+        0.0005,
+        0.3,
+        "assumed: induction motors take 2 to 5 % of their rating; without any, light load would be free",
+        _no_load_share,
+    ),
+    Rule(
+        "base speed over greatest speed",
+        "losses.base_speed_mps",
+        ("body.speed_max_mps",),
+        "",
+        0.02,
+        1.5,
+        "assumed: flux is weakened from a fifth to the whole of the greatest speed",
+        lambda train: float(train["loss_base_speed_mps"]) / float(train["speed_max_mps"]),
+    ),
 )
 
 
 def check_train(file: str, train: Record, written: Mapping[str, str], value_of: Callable[[str], Any]) -> None:
     """Every rule, or InputError; `written` has the file's own key by that in SI, `value_of` its value."""
     for rule in RULES:
+        if rule.key.startswith(LOSSES) and train["losses_given"] <= 0.0:
+            continue
         figure = rule.figure(train)
         if rule.low <= figure <= rule.high:
             continue

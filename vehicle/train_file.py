@@ -58,6 +58,7 @@ from network.files.raw import is_list, is_table
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
 from vehicle.battery_file import BatteryTable, battery_row
+from vehicle.loss_file import Losses, set_losses
 from vehicle.records import CURVE_POINTS_MAX, NOTCHES_MAX, PLANT, TRAIN
 from vehicle.train_checks import check_train
 
@@ -220,8 +221,8 @@ class Receiver(StrEnum):
 class _Energy(Record):
     """`[energy]`: at the wire or the battery."""
 
-    efficiency_traction: Annotated[Efficiency, about("rim over wire")]
-    efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim")]
+    efficiency_traction: Annotated[Efficiency, about("rim over wire, without `[losses]`")]
+    efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim, without `[losses]`")]
     auxiliary_power_w: Annotated[AuxiliaryPowerW, about("lighting, compressors, heating and cooling")]
     regenerated_to: Annotated[
         Receiver,
@@ -263,6 +264,7 @@ class TrainFile(Record):
     emergency: _Emergency
     regeneration: _Regeneration
     energy: _Energy
+    losses: Losses | None = None
     adhesion: _Adhesion
     sensors: _Sensors
     battery: Annotated[BatteryTable | None, about("its traction battery")] = None
@@ -472,6 +474,7 @@ def _row(model: TrainFile) -> NDArray[np.void]:
         brakes.notch_deceleration_mps2
     )
     _set_curve(row, traction)
+    set_losses(row, model.losses)
     row.flags.writeable = False
     return row
 

@@ -111,6 +111,18 @@ CONSUMPTION: Final = Quantity(
 )
 EFFICIENCY: Final = Quantity("efficiency", "", ((0.05, 1.0),), "least: a steam locomotive, 5 to 10 %")
 EFFICIENCY_OR_0: Final = Quantity("efficiency of regeneration", "", ((0.0, 1.0),), "0: nothing is given back")
+MOTOR_LOSS: Final = Quantity(
+    "loss of a motor and its inverter",
+    "kW",
+    ((0.0, 300.0),),
+    "less than none would be more than 100 %; greatest assumed: a fifth of the largest motors, about 1.6 MW",
+)
+GEAR_LOSS: Final = Quantity(
+    "loss of a gear",
+    "",
+    ((0.0, 0.1),),
+    "assumed: share of what it passes on; a stage of spur gears loses 1 to 3 %",
+)
 ADHESION: Final = Quantity(
     "adhesion coefficient",
     "",
@@ -202,6 +214,15 @@ LINK_RATE: Final = Quantity(
 )
 FRAME_RATE: Final = Quantity("rate of frames", "Hz", ((0.1, 10.0),), "the camera's own, 10 Hz")
 GAIN: Final = Quantity("control gain", "1/s", ((0.01, 10.0),), "greatest: a step of 0.1 s; least assumed")
+INTEGRAL_GAIN: Final = Quantity(
+    "gain of an integral", "1/s^2", ((0.0, 10.0),), "as a control gain, over a second; 0: none"
+)
+DERIVATIVE_GAIN: Final = Quantity(
+    "gain of a derivative", "", ((0.0, 10.0),), "as a control gain, times a second; 0: none"
+)
+ACCELERATION_BAND: Final = Quantity(
+    "band about an acceleration", "m/s^2", ((0.0, 1.0),), "assumed: several notches of any train"
+)
 OWN_WAY: Final = Quantity("way beyond a portal", "km", ((0.0, 1000.0),), "assumed: a day of a local set")
 CHARGE_TIME: Final = Quantity("time of charging", "min", ((0.0, 1440.0),), "a day")
 DISTANCE: Final = Quantity(
@@ -285,6 +306,8 @@ ResistanceOhm = Annotated[float, RESISTANCE_OHM]
 Consumption = Annotated[float, CONSUMPTION]
 Efficiency = Annotated[float, EFFICIENCY]
 EfficiencyOr0 = Annotated[float, EFFICIENCY_OR_0]
+MotorLossW = Annotated[float, MOTOR_LOSS.in_unit("W", 1e3)]
+GearLoss = Annotated[float, GEAR_LOSS]
 Adhesion = Annotated[float, ADHESION]
 AdhesionSlope = Annotated[float, ADHESION_SLOPE]
 WheelDiameterM = Annotated[float, WHEEL_DIAMETER.in_unit("m", 1.0, 1e3)]
@@ -317,6 +340,9 @@ AddedDelay = Annotated[float, ADDED_DELAY]
 LinkRate = Annotated[float, LINK_RATE]
 FrameRate = Annotated[float, FRAME_RATE]
 Gain = Annotated[float, GAIN]
+IntegralGain = Annotated[float, INTEGRAL_GAIN]
+DerivativeGain = Annotated[float, DERIVATIVE_GAIN]
+AccelerationBand = Annotated[float, ACCELERATION_BAND]
 Distance = Annotated[float, DISTANCE]
 OwnWay = Annotated[float, OWN_WAY]
 ChargeTime = Annotated[float, CHARGE_TIME]

@@ -1,7 +1,8 @@
 """What energy each stock took and gave, cut wherever it began to move or came to a stand (電力量).
 
 Every joule that a plant counts on the line is in exactly one record: of a run between two places where the train was to
-stop, of a stand there, of a stand elsewhere, of a layover, or of stock stabled after its last train.
+stop, of a stand there, of a stand elsewhere, of a layover, or of stock stabled after its last train. So is every joule
+of the parts that it went into.
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from onboard.duty.mission import Target
-from simulation.result import EnergyRecord, Phase
+from simulation.result import PARTS, EnergyParts, EnergyRecord, Phase
 from simulation.setup import STEP_S, STEPS_PER_S
+from simulation.world.ride import Ride, taken
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
@@ -23,6 +25,8 @@ class Counters:
     regenerated_j: float
     auxiliary_j: float
     travelled_m: float
+    parts: EnergyParts
+    rejected_j: float
 
 
 @dataclass(slots=True)
@@ -54,6 +58,7 @@ class EnergyBook:
         """A stock has taken up a train and stands at its first target."""
         phase = Phase.HELD if duty.mission.targets[0].station_id is None else Phase.LAYOVER
         self._accounts[slot] = Account(duty, phase, 0, step, self._counters(slot))
+        taken(self._trains.rides[slot])  # whatever was before it is of no run
 
     def moves(self, slot: int, step: int) -> None:
         """A stock has moved in this step."""
@@ -118,6 +123,9 @@ class EnergyBook:
             now.traction_j - since.traction_j,
             now.regenerated_j - since.regenerated_j,
             now.auxiliary_j - since.auxiliary_j,
+            now.parts.since(since.parts),
+            now.rejected_j - since.rejected_j,
+            taken(self._trains.rides[slot]) if account.phase is Phase.RUNNING else Ride(),
         )
         (account.leg if on_leg else self.records).append(record)
         account.since_step, account.since = step, now
@@ -136,4 +144,6 @@ class EnergyBook:
             float(plant.energy_regenerated_j),
             float(plant.energy_auxiliary_j),
             float(plant.travelled_m),
+            EnergyParts(*(float(getattr(plant, f"energy_{part}")) for part in PARTS)),
+            float(plant.energy_rejected_j),
         )

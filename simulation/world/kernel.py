@@ -28,6 +28,7 @@ from simulation.world.records import (
     TraceRow,
     TruthRow,
 )
+from simulation.world.ride import count_motion, count_notches
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.dynamics import step as move
@@ -175,19 +176,22 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     step_s = row.board.behaviour.step_s
     gradient, curvature = track_under(truth, track.profile, row.body.length_m)
     wheel_before_m = plant.wheel_travelled_m
-    before_mps = plant.speed_mps
+    before_mps, before_mps2 = plant.speed_mps, plant.acceleration_mps2
     dead = truth.powered == 0
     notch = -row.body.brake_notches if dead else unit.notch
     protects = row.body.wheel_slide_share_max < 1.0
     plant.last_axle_released = 1 if protects and row.sensed.wheel_slide < 0 else 0
+    emergency = dead or unit.emergency != 0
+    count_notches(row.ride, unit, plant, notch)
     battery = row.battery
     traction_j, regenerated_j = plant.energy_traction_j, plant.energy_regenerated_j
     if battery.fitted != 0:
         offer(battery, plant, step_s)
-    move(plant, row.body, notch, dead or unit.emergency != 0, gradient, curvature, step_s)
+    move(plant, row.body, notch, emergency, gradient, curvature, step_s)
     if battery.fitted != 0:
         drain(battery, plant, row.body, traction_j, regenerated_j, step_s)
         steer(battery, row.charging, plant.speed_mps, step * step_s)
+    count_motion(row.ride, plant, before_mps, before_mps2, emergency, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
     found = passed(truth, track.tag_positions_m, row.body.length_m)
     if before_mps > 0.0 and plant.speed_mps == 0.0:

@@ -61,6 +61,7 @@ class OnBoard:
             trains.behaviours[slot],
             self._keepers[slot],
             trains.readers[slot],
+            trains.laws[slot],
         )
 
     # what people and sensors tell it ------------------------------------------------------------------------------
@@ -88,6 +89,9 @@ class OnBoard:
         self._trains.truths[slot].clock_ahead_s = own_s - now_s
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
+        laid = motion.taken_plan()
+        if laid is not None:
+            motion.follow(self._trains.pool.lay_plan(slot, laid.rows.size, laid.rows), laid.rows.size)
         if answer.wake_at_s is not None:
             answer = msgspec.structs.replace(answer, wake_at_s=clock.true_s(answer.wake_at_s))
         return answer, [*motion.taken_notes(), *answer.notes]

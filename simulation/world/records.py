@@ -11,6 +11,7 @@ from onboard.board import BoardRow, SensedRow
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.table import SensorsRow
 from simulation.world.charge_control import ChargingRow
+from simulation.world.ride import RideRow
 from vehicle.battery import BatteryRow
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
@@ -54,6 +55,7 @@ class StockRow(Protocol):
     sensors: Annotated[SensorsRow, "its sensors"]
     sensed: Annotated[SensedRow, "what its sensors show"]
     board: Annotated[BoardRow, "what it has on board"]
+    ride: Annotated[RideRow, "how it is driven"]
 
 
 TRUTH: Final = dtype_of(TruthRow)

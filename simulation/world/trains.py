@@ -29,6 +29,7 @@ from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.premises import Premises
 from simulation.world.records import STOCK, TruthRow
+from simulation.world.ride import RideRow
 from simulation.world.roster import Duty
 from vehicle.record import cells_of
 from vehicle.records import PlantRow, TrainRow
@@ -84,6 +85,7 @@ class Trains:
         self.tascs: Sequence[TascRow] = _rows(board["tasc"])
         self.designs: Sequence[DesignRow] = _rows(board["design"])
         self.waves: Sequence[WaveRow] = _rows(board["wave"])
+        self.rides: Sequence[RideRow] = [cells_of(RideRow, row) for row in _rows(self.stock["ride"])]
         self._active = self.stock["truth"]["active"]
         self._position_m = self.stock["truth"]["position_m"]
         self._offset_m = self.stock["truth"]["offset_m"]

@@ -25,6 +25,12 @@ _SHOWN: Final[Mapping[str, tuple[tuple[str, str, int], ...]]] = {
         ("traction_kwh", "traction, kWh", 1),
         ("regenerated_kwh", "back, kWh", 1),
     ),
+    "driving": (
+        ("running_kwh", "running, kWh", 2),
+        ("power_changes", "power notch changes", 0),
+        ("coasting_way_percent", "coasting, % of the way", 0),
+        ("late_s", "late, s", 1),
+    ),
     "telegrams": (("sent", "sent", 0), ("lost", "lost", 0)),
     "stops": (("stop_error_m", "stop error, m", 3),),
 }

@@ -12,7 +12,9 @@ import polars as pl
 from study.compare.meets import meets_of
 from study.compare.side import Side
 from study.compare.times import What
+from study.measures.driving import driven
 from study.report.data import place_name
+from study.run.driving import read_hops
 from study.run.summary import ENERGIES, TELEGRAM_COUNTS, arrived_trains, energy_summary
 
 # Minutes as punctuality is told in, and the 15 s in which Japanese timetables are planned.
@@ -95,6 +97,7 @@ def figures_of(side: Side) -> Iterator[Figure]:
         yield from _punctuality(side, what)
     yield from _margins(side)
     yield from _energy(side)
+    yield from _driving(side)
     for name in TELEGRAM_COUNTS:
         yield Figure("telegrams", name, "", 0, float(tables.telegrams[name].sum()))
     yield Figure("telegrams", "volume", "kB", 1, float(tables.telegrams["bytes"].sum()) / 1000.0)
@@ -154,6 +157,13 @@ def _energy(side: Side) -> Iterator[Figure]:
         yield Figure("energy", "net, with layovers", unit, 3, whole[key]["all"])
 
 
+def _driving(side: Side) -> Iterator[Figure]:
+    """Means over the hops as `study.measures.driving.driven` has them; none of a run without any."""
+    whole = driven(read_hops(side.run.tables.driving))
+    for name, words, unit, digits in _DRIVEN:
+        yield Figure("driving", words, unit, digits, None if whole is None else getattr(whole, name))
+
+
 def _stop_errors(side: Side) -> Iterator[Figure]:
     stops = side.run.tables.stops
     error_m = stops["stop_error_m"].drop_nulls()
@@ -181,6 +191,20 @@ def _on_hop(side: Side, margins: pl.DataFrame) -> str:
     return f"{margins['train'][0]} {' – '.join(ends)}"
 
 
+# Of all hops together: the field, its words, its unit, digits.
+_DRIVEN: Final = (
+    ("running_kwh", "traction less what came back", "kWh", 1),
+    ("power_changes", "power notch changes a hop", "", 1),
+    ("brake_changes", "brake notch changes a hop", "", 1),
+    ("jerk_max_mps3", "largest jerk", "m/s³", 2),
+    ("jerk_rms_mps3", "jerk, rms", "m/s³", 3),
+    ("coasting_time_percent", "coasting, of the time", "%", 1),
+    ("coasting_way_percent", "coasting, of the way", "%", 1),
+    ("cruising_way_percent", "even speed under power, of the way", "%", 1),
+    ("braking_way_percent", "braking, of the way", "%", 1),
+    ("early_s", "arrival before the time, mean", "s", 1),
+)
+
 # What is compared row by row: columns that name a row, and those that are figures of it.
 _TABLES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "margins": (
@@ -188,6 +212,10 @@ _TABLES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
         ("planned_s", "least_s", "margin_s", "run_s", "left_s"),
     ),
     "energy": (("train",), ("traction_kwh", "regenerated_kwh", "auxiliary_kwh", "net_kwh", "distance_km")),
+    "driving": (
+        ("train", "from_station", "to_station"),
+        ("running_kwh", "power_changes", "brake_changes", "jerk_rms_mps3", "coasting_way_percent", "late_s"),
+    ),
     "telegrams": (("kind",), (*TELEGRAM_COUNTS, "bytes")),
     "stops": (("train", "station"), ("stop_error_m",)),
 }

@@ -31,6 +31,10 @@ _ROWS: Final = {
         "As planned over the least running time, and what was left on arrival.",
     ),
     "energy": ("Energy by train", "What differs, the largest difference first."),
+    "driving": (
+        "Driving by hop",
+        "Traction less what came back, notches, coasting and arrival; the largest difference first.",
+    ),
     "telegrams": ("Telegrams by kind", ""),
     "stops": (
         "Stops at the mark",

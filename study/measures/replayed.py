@@ -1,7 +1,8 @@
 """The day's traction worked out once more from where the trains were and how fast, with any running resistance.
 
 Nothing of `vehicle.dynamics` is used: between two samples of the trace the work at the rim is the change of kinetic and
-potential energy and what running and curve resistance took; where it is positive the motors did it.
+potential energy and what running and curve resistance took; where it is positive the motors did it. What they lose is
+the train file's efficiency, or its map of losses where it has one.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from network.profile import profile_of
 from simulation.result import RunResult, TraceSpan
 from study.run.spans import rows_by_span
 from vehicle.train_file import TrainType
+from vehicle.wire import wire_power_w
 
 Floats: TypeAlias = NDArray[np.float64]
 Resistance: TypeAlias = Callable[[TrainType, float, Floats], Floats]  # (train, mass in kg, speed in m/s) -> N
 
 STANDARD_GRAVITY_MPS2: Final = 9.80665
 KMH_PER_MPS: Final = 3.6
+LEAST_RUN_M: Final = 0.01  # between two samples: work over less of a way tells no force
 
 
 def jr_resistance_n(kind: TrainType, mass_kg: float, speed_mps: Floats) -> Floats:
@@ -82,6 +85,13 @@ def _traction_of_span_j(
     curve_j = weight_n * 1e-3 * float(row["curve_resistance_coefficient_m"]) * bend_rad
     middle_mps = 0.5 * (speed_mps[1:] + speed_mps[:-1])
     work_j = kinetic_j + weight_n * climb_m + curve_j + resistance(kind, mass, middle_mps) * run_m
+    if row["losses_given"] > 0.0:
+        pulls = (
+            (run_m > LEAST_RUN_M) & (work_j > 0.0) & ((rows["notch"][1:] > 0.0) | (rows["notch"][:-1] > 0.0))
+        )
+        force_n, time_s = work_j[pulls] / run_m[pulls], run_m[pulls] / middle_mps[pulls]
+        power_w = [wire_power_w(row, 1.0, *pair) for pair in zip(force_n, middle_mps[pulls], strict=True)]
+        return float(np.dot(power_w, time_s))
     return float(np.sum(np.maximum(work_j, 0.0)[run_m > 0.0])) / float(row["efficiency_traction"])
 
 

@@ -19,7 +19,7 @@ from study.measures.replayed import (
     own_resistance_n,
     traction_j,
 )
-from study.run.energy import JOULE_PER_KWH
+from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import make_table
 from vehicle.train_file import TrainType
 

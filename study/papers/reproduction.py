@@ -11,6 +11,7 @@ from network.errors import InputError
 
 # name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
 REPRODUCTIONS: Final[Mapping[str, str]] = {
+    "line-driving": "study.papers.line_driving",
     "battery-day": "study.papers.battery_day",
     "line-stops": "study.papers.line_stops",
     "oda-scale-track": "study.papers.oda_scale_track",
@@ -21,6 +22,8 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "stop-window": "study.papers.stop_window",
     "sugiyama-table5": "study.papers.sugiyama_table5",
     "sugiyama-tags": "study.papers.sugiyama_tags",
+    "ttobench": "study.papers.ttobench",
+    "yasunobu-energy": "study.papers.yasunobu_energy",
 }
 
 
@@ -105,6 +108,7 @@ class Options:
     seed: int = 1
     link: str = "simulated"
     out: str | None = None
+    data: str | None = None  # where reference data of others lies, see `reference_data`
     quick: bool = False  # a short slice for CI; says so in its remarks
 
 

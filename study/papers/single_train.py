@@ -7,6 +7,7 @@ same prepared row and each on its own gradient (`single_stop`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -42,6 +43,7 @@ def prepared_row(
     learned: Learned,
     pulses: bool,
     law_settings: Record | None = None,
+    drawn: Callable[[str, str], float] = lambda _law, _field: 0.0,
 ) -> Rows:
     """A STOCK row, shape (1,), of a train that drives at rest at path coordinate 0 and knows it, nothing ahead."""
     stock = np.zeros(1, dtype=STOCK)
@@ -49,7 +51,7 @@ def prepared_row(
     stock["body"], stock["board"]["kind"] = body, believed
     stock["board"]["behaviour"] = behaviour_row(driving, believed[0])
     row = stock.view(np.recarray)[0]
-    fit_law(row.board.laws, driving.law, law_settings)
+    fit_law(row.board.laws, driving.law, law_settings, drawn)
     row.truth.active = row.truth.powered = 1
     for name in ("front_boundary_m", "rear_boundary_m", "sign_m", "sight_m", "track_end_m"):
         row.truth[name] = np.inf
@@ -92,10 +94,13 @@ class Bench:
         body: Rows | None = None,
         learned: Learned | None = None,
         pulses: bool = False,
+        law_settings: Record | None = None,
+        drawn: Callable[[str, str], float] = lambda _law, _field: 0.0,
     ) -> None:
         """`train` is what the unit believes in; `body`, shape (1,), is what runs, the same if left out.
 
         Without `pulses` the tachometer counts as finely as the papers' do, whose errors are shares of the way.
+        `law_settings` are tables of `[law]`; `drawn` gives what a law draws for each stock, the mean if left out.
         """
         believed = train.row
         if learned is None:
@@ -103,7 +108,14 @@ class Bench:
         self.unit = unit
         self.learned = learned
         self.prepared = prepared_row(
-            believed if body is None else body, believed, driving, unit, learned, pulses
+            believed if body is None else body,
+            believed,
+            driving,
+            unit,
+            learned,
+            pulses,
+            law_settings,
+            drawn,
         )
         self.work = self.prepared.copy()
 

@@ -17,6 +17,7 @@ from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
 from study.plot import battery, days, energy, stations
 from study.plot.choice import Seen
+from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import draw_run_curve
@@ -153,6 +154,14 @@ _KINDS: Final = (
         "区間別電力量（正味）",
         lambda run: run.shown(run.tables.energy_legs),
         energy.draw_energy_legs,
+        _TRAIN,
+    ),
+    Kind(
+        "energy-parts",
+        "Where the energy of each leg went",
+        "区間別電力量の内訳",
+        lambda run: run.shown(run.tables.energy_legs),
+        draw_energy_parts,
         _TRAIN,
     ),
     Kind(

@@ -38,13 +38,14 @@ def chosen_trains(run: Run) -> tuple[tuple[str, str], ...]:
     return tuple(chosen)
 
 
-def _in_km(at_m: float, _place: int | None) -> str:
+def in_km(at_m: float, _place: int | None) -> str:
+    """A kilometrage as the axis has it, km."""
     return f"{at_m / 1000:g}"
 
 
 def draw_run_curve(run: Run, unit: str, train: str) -> Figure:
     """Speed, permitted and target speed over distance; below gradient, curvature and notch. Km and km/h."""
-    alignment = _alignment_of(run.line, run.courses[unit, train])
+    alignment = alignment_of(run.line, run.courses[unit, train])
     course = run.courses[unit, train].filter(
         pl.col("piece").is_in([p.id for p in run.line.pieces.values() if p.alignment_id == alignment.id])
     )
@@ -62,18 +63,18 @@ def draw_run_curve(run: Run, unit: str, train: str) -> Figure:
     # The train always runs from left to right, so the axis of an UP train is turned.
     speed.set_xlim(*((low_m, high_m) if direction is Direction.DOWN else (high_m, low_m)))
     _draw_speeds(speed, run.line, alignment, course, direction)
-    _draw_gradients(gradient, alignment, direction, high_m - low_m)
+    draw_gradients(gradient, alignment, direction, high_m - low_m)
     _draw_curves(curve, alignment, direction, high_m - low_m)
     _draw_notches(notch, course)
-    _mark_stations(run, (speed, gradient, curve, notch), low_m, high_m)
+    mark_stations(run, (speed, gradient, curve, notch), low_m, high_m)
     notch.xaxis.set_major_locator(MaxNLocator(24, steps=[1, 2, 5, 10]))
-    notch.xaxis.set_major_formatter(FuncFormatter(_in_km))
+    notch.xaxis.set_major_formatter(FuncFormatter(in_km))
     notch.set_xlabel("kilometrage, km")
     figure.align_ylabels()
     return figure
 
 
-def _alignment_of(line: Line, course: pl.DataFrame) -> Alignment:
+def alignment_of(line: Line, course: pl.DataFrame) -> Alignment:
     """The axis of kilometrage on which most of the run lies."""
     samples: dict[str, int] = {}
     for piece, count in course.group_by("piece", maintain_order=True).len().iter_rows():
@@ -115,7 +116,7 @@ def _draw_speeds(
     axes.legend(loc="lower center", ncols=5, bbox_to_anchor=(0.5, 1.09), borderaxespad=0.0)
 
 
-def _draw_gradients(axes: Axes, alignment: Alignment, direction: Direction, span_m: float) -> None:
+def draw_gradients(axes: Axes, alignment: Alignment, direction: Direction, span_m: float) -> None:
     """Gradient as the train meets it: positive climbs in its own direction of travel."""
     breaks_m = [g.from_m for g in alignment.gradients] + [g.to_m for g in alignment.gradients[-1:]]
     permille = [g.permille * direction for g in alignment.gradients]
@@ -172,7 +173,8 @@ def _draw_notches(axes: Axes, course: pl.DataFrame) -> None:
     axes.set_ylabel("notch")
 
 
-def _mark_stations(run: Run, panels: tuple[Axes, ...], low_m: float, high_m: float) -> None:
+def mark_stations(run: Run, panels: tuple[Axes, ...], low_m: float, high_m: float) -> None:
+    """A line through all panels at each station in between, with its name above the first."""
     shown = [station for station in run.stations if low_m <= station.position_m <= high_m]
     for axes in panels:
         axes.spines[:].set_color(RULE)

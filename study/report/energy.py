@@ -9,6 +9,7 @@ import polars as pl
 
 from study.report.data import Run
 from study.report.tabular import Column, Kind, Table, table_of
+from study.run.tables import PARTS_KWH
 from vehicle.train_file import Receiver
 
 RECEIVER_WORDS: Final[Mapping[str, str]] = {
@@ -18,6 +19,7 @@ RECEIVER_WORDS: Final[Mapping[str, str]] = {
     Receiver.RESISTORS.value: "to_resistors",
 }
 KINDS: Final = ("traction", "auxiliary", "regenerated", "net")
+PARTS: Final = tuple(PARTS_KWH)  # auxiliaries apart
 COLUMNS: Final = tuple(f"{kind}_kwh" for kind in KINDS)
 _KWH: Final = dict.fromkeys(COLUMNS, (Kind.NUMBER, 2))
 
@@ -29,8 +31,10 @@ def energy_tables(run: Run, facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return (
         _by_train(run),
         *_sums(facts),
+        _parts(facts),
         *_by_hour(run),
         _by_leg(run),
+        _parts_by_leg(run),
         _legs(run),
         table_of(
             "layovers",
@@ -114,6 +118,24 @@ def _sums(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return sums, per_km, takes
 
 
+def _parts(facts: Mapping[str, Any]) -> Table:
+    """Where the net energy of the day went, with what of it."""
+    energy = facts["energy"]
+    whole = energy["all"]
+    rows = {"auxiliary_kwh": whole["auxiliary"]} | {
+        name: energy["parts"][name.removesuffix("_kwh")] for name in PARTS
+    }
+    share = [100.0 * kwh / whole["net"] if whole["net"] > 0.0 else None for kwh in rows.values()]
+    return Table(
+        "energy_parts",
+        (
+            Column("part", Kind.WORD, list(rows)),
+            Column("kwh", Kind.NUMBER, list(rows.values()), 1),
+            Column("percent_of_net", Kind.SIGNED, share, 1),
+        ),
+    )
+
+
 def _by_hour(run: Run) -> tuple[Table, ...]:
     """The day's energy by the hour in which it was taken, of all stock and phases."""
     hours = (
@@ -129,12 +151,37 @@ def _by_hour(run: Run) -> tuple[Table, ...]:
 
 def _by_leg(run: Run) -> Table:
     """A row a leg, DOWN before UP, along the line."""
+    return table_of(
+        "energy_by_leg",
+        _summed_by_leg(run),
+        {
+            "from_station": (Kind.PLACE, 0),
+            "to_station": (Kind.PLACE, 0),
+            "trains": (Kind.NUMBER, 0),
+            "distance_km": (Kind.NUMBER, 1),
+            **_KWH,
+            "standing_kwh": (Kind.NUMBER, 2),
+            "net_per_km": (Kind.NUMBER, 2),
+        },
+    )
+
+
+def _parts_by_leg(run: Run) -> Table:
+    """Where the energy of each leg went, a train on average: what driving and timetable can change stands out."""
+    kwh = ("auxiliary_kwh", *PARTS, "net_kwh")
+    rows = [{**row, **{name: row[name] / row["trains"] for name in kwh}} for row in _summed_by_leg(run)]
+    ends = {"from_station": (Kind.PLACE, 0), "to_station": (Kind.PLACE, 0), "trains": (Kind.NUMBER, 0)}
+    return table_of("energy_parts_by_leg", rows, {**ends, **dict.fromkeys(kwh, (Kind.NUMBER, 2))})
+
+
+def _summed_by_leg(run: Run) -> list[dict[str, Any]]:
+    """The sums of all trains of each leg, with one of the trains; DOWN before UP, along the line."""
     sums = (
         run.tables.energy_legs.group_by("from_station", "to_station", maintain_order=True)
         .agg(
             pl.len().alias("trains"),
             pl.col("train").first(),
-            pl.col("distance_km", "running_s", "standing_s", "standing_kwh", *COLUMNS).sum(),
+            pl.col("distance_km", "running_s", "standing_s", "standing_kwh", *COLUMNS, *PARTS).sum(),
         )
         .with_columns((pl.col("net_kwh") / pl.col("distance_km")).alias("net_per_km"))
         .iter_rows(named=True)
@@ -146,19 +193,7 @@ def _by_leg(run: Run) -> Table:
         at_m = order.get(row["from_station"], -direction * float("inf"))
         return -int(direction), direction * at_m
 
-    return table_of(
-        "energy_by_leg",
-        sorted(sums, key=place),
-        {
-            "from_station": (Kind.PLACE, 0),
-            "to_station": (Kind.PLACE, 0),
-            "trains": (Kind.NUMBER, 0),
-            "distance_km": (Kind.NUMBER, 1),
-            **_KWH,
-            "standing_kwh": (Kind.NUMBER, 2),
-            "net_per_km": (Kind.NUMBER, 2),
-        },
-    )
+    return sorted(sums, key=place)
 
 
 def _legs(run: Run) -> Table:

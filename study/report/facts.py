@@ -45,6 +45,7 @@ def headline(run: Run, facts: Mapping[str, Any], drill: DrillShown | None = None
         *_margin(run, facts),
         _stops(facts),
         energy_fact(facts, run.tables.energy),
+        parts_fact(facts),
         Fact(
             "Telegrams",
             ", ".join(f"{telegrams[name]:,} {name}" for name in TELEGRAM_COUNTS),
@@ -183,6 +184,31 @@ def energy_fact(facts: Mapping[str, Any], energy_table: pl.DataFrame) -> Fact:
             f"折返しを含め {per_km['all']:.2f}（{per_car['all']:.2f}）"
         )
     return Fact("Energy", text, False, "電力量", text_ja)
+
+
+_PARTS: Final = (
+    ("resistance", "running resistance", "走行抵抗"),
+    ("curve", "curves", "曲線抵抗"),
+    ("gradient", "gradients", "勾配"),
+    ("friction", "air brake", "空気ブレーキ"),
+    ("traction_loss", "losses pulling", "力行損失"),
+    ("regeneration_loss", "losses braking", "回生損失"),
+    ("kinetic", "still in motion", "運動エネルギー"),
+)
+
+
+def parts_fact(facts: Mapping[str, Any]) -> Fact:
+    """Where the day's net energy went, in one line; what is nothing is not named."""
+    energy = facts["energy"]
+    parts, auxiliary = energy["parts"], energy["all"]["auxiliary"]
+    told = [(name, name_ja, parts[part]) for part, name, name_ja in _PARTS if abs(parts[part]) >= 0.05]
+    told = sorted(told, key=lambda row: -row[2])
+    text = ", ".join([f"auxiliary {auxiliary:,.1f}", *(f"{name} {kwh:,.1f}" for name, _, kwh in told)])
+    text_ja = "、".join([f"補機 {auxiliary:,.1f}", *(f"{name} {kwh:,.1f}" for _, name, kwh in told)])
+    if parts["rejected"] >= 0.05:
+        text += f"; {parts['rejected']:,.1f} could have come back and was not taken"
+        text_ja += f"；回生失効 {parts['rejected']:,.1f}"
+    return Fact("Where it went", f"{text} kWh", False, "電力量の内訳", f"{text_ja} kWh")
 
 
 def net_by_distance(energy: Mapping[str, Any]) -> str:

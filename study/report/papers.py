@@ -13,6 +13,7 @@ from study.measures.station_papers import track_occupation
 from study.report.battery import battery_tables
 from study.report.data import Run, place_name
 from study.report.drill import DrillShown, Mark, MarkKind
+from study.report.driving import driving_tables
 from study.report.energy import energy_tables
 from study.report.tabular import Column, Kind, Table, table_of
 from study.report.tasc import KMHPS_PER_MPS2, Tuned
@@ -34,6 +35,7 @@ def tables_shown(
         _occupation(run),
         _punctuality(run),
         *energy_tables(run, facts),
+        *driving_tables(run),
         *battery_tables(run, facts),
         *_margins(run),
         *_learned(tuned),

@@ -65,7 +65,7 @@ def tables_of(
     legs: Sequence[PlannedLeg] = (),
     passings: Sequence[PlannedPassing] = (),
 ) -> RunTables:
-    """All tables of a run but comparisons and waits; `fleet` says what each stock is, the rest what was planned."""
+    """All tables of a run but driving, comparisons and waits; `fleet` says what each stock is, the rest what was planned."""
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
     lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
     stops = stops_table(result.stops, passed(passings, spans))
@@ -77,6 +77,7 @@ def tables_of(
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),
         margins=margins_of(legs, stops),
+        driving=make_table("driving"),
         comparisons=make_table("comparisons"),
         waits=make_table("waits"),
         battery=make_table("battery"),

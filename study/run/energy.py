@@ -9,10 +9,10 @@ from typing import Final
 import polars as pl
 
 from simulation.result import EnergyRecord, Phase
+from study.run.energy_parts import JOULE_PER_KWH, parts_columns
 from study.run.tables import make_table
 from vehicle.train_file import Receiver, TrainType
 
-JOULE_PER_KWH: Final = 3.6e6
 ON_LEG: Final = frozenset({Phase.RUNNING, Phase.HELD})
 
 
@@ -135,6 +135,7 @@ def _frame(
         "revenue": [records[0].revenue for _, records in parts],
         "cars": [make.cars for make in makes],
         **_energy_columns(sums, makes),
+        **parts_columns([records for _, records in parts], [make.regenerated_to for make in makes]),
     }
     if name == "energy_legs":
         columns |= {"from_station": [k[2] for k, _ in parts], "to_station": [k[3] for k, _ in parts]}
@@ -166,5 +167,6 @@ def _layovers(stays: Sequence[Stay], fleet: Mapping[str, Make]) -> pl.DataFrame:
             "from_s": [record.begin_s for record in firsts],
             "to_s": [stay.records[-1].end_s for stay in stays],
             **{name: energy[name] for name in kept},
+            **parts_columns([stay.records for stay in stays], [make.regenerated_to for make in makes]),
         },
     )

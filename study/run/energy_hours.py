@@ -11,7 +11,8 @@ import polars as pl
 from numpy.typing import NDArray
 
 from simulation.result import EnergyRecord
-from study.run.energy import JOULE_PER_KWH, Make
+from study.run.energy import Make
+from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import make_table
 from vehicle.train_file import Receiver
 

@@ -50,6 +50,7 @@ from study.run.directory import (
     digests_of_tables,
     reserved,
 )
+from study.run.driving import driving_table
 from study.run.energy import Make
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.shown import shown_of
@@ -164,6 +165,7 @@ def execute(
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
         booked,
+        driving=driving_table(result, setup, booked.margins, booked.stops),
         comparisons=opinions,
         waits=waits_table(waits_of(result, setup)),
         **battery_tables(result.battery, setup),

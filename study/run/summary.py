@@ -7,8 +7,9 @@ from typing import Any, Final, cast
 import polars as pl
 
 from network.timetable import CallKind, Timetable
+from study.run.driving import driving_summary
 from study.run.margins import smallest
-from study.run.tables import RunTables
+from study.run.tables import PARTS_KWH, RunTables
 
 TELEGRAM_COUNTS: Final = ("sent", "delivered", "lost", "dropped")
 ENERGIES: Final = ("traction", "regenerated", "auxiliary")
@@ -25,7 +26,8 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
     - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
     - stops and stop_error_m_mean, _sigma (of the sample, n - 1), _max_abs: over stops with a known error.
     - energy_kwh {traction, regenerated, auxiliary} of trains and layovers; energy: `energy_summary`.
-    - margins: `study.run.margins.smallest`; comparisons: rows of that table.
+    - margins: `study.run.margins.smallest`; driving: `study.run.driving.driving_summary`.
+    - comparisons: rows of that table.
     - telegrams {sent, delivered, lost, dropped}.
     """
     stops = tables.stops
@@ -54,6 +56,7 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
         },
         "energy": energy_summary(tables),
         "margins": smallest(tables.margins),
+        "driving": driving_summary(tables.driving),
         "comparisons": tables.comparisons.to_dicts(),
         "telegrams": {name: int(telegrams[name].sum()) for name in TELEGRAM_COUNTS},
     }
@@ -63,6 +66,8 @@ def energy_summary(tables: RunTables) -> dict[str, Any]:
     """The day's energy, kWh: of trains running, of trains standing, of layovers and of all, and per km.
 
     `regenerated_to` says which receiver took how much; per km are trains alone (`trains`) and with layovers (`all`).
+    `parts` says where the net energy of all went beside the auxiliaries; `rejected` of it is in friction or losses, and
+    what they leave open is the residual.
     """
     energy, layovers = tables.energy, tables.layovers
     standing = float(energy["standing_kwh"].sum())
@@ -81,6 +86,10 @@ def energy_summary(tables: RunTables) -> dict[str, Any]:
         },
         "standing": {"traction": 0.0, "regenerated": 0.0, "auxiliary": standing, "net": standing},
         "layovers": stays,
+        "parts": {
+            name.removesuffix("_kwh"): float(energy[name].sum()) + float(layovers[name].sum())
+            for name in PARTS_KWH
+        },
         "all": {name: trains[name] + stays[name] for name in trains},
         "train_km": train_km,
         "car_km": car_km,

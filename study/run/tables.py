@@ -75,6 +75,18 @@ TELEGRAMS: Final[Schema] = {
     "dropped": pl.Int64,
     "bytes": pl.Int64,
 }
+# Where the energy of a row went, kWh: with the auxiliaries the parts make up the net, but for the residual.
+PARTS_KWH: Final[Schema] = {
+    "kinetic_kwh": pl.Float64,  # change of kinetic energy, of what turns too
+    "resistance_kwh": pl.Float64,  # running and starting resistance
+    "gradient_kwh": pl.Float64,  # lifted; < 0 downhill
+    "curve_kwh": pl.Float64,
+    "friction_kwh": pl.Float64,  # taken by the air brake
+    "traction_loss_kwh": pl.Float64,  # motors and inverters that pull or coast
+    "regeneration_loss_kwh": pl.Float64,  # motors and inverters that brake, and resistors
+    "rejected_kwh": pl.Float64,  # no part: not taken by battery or wire, burnt by resistors
+    "residual_kwh": pl.Float64,  # what the parts leave open
+}
 # One row a train, from where it begins to move to where it ends; layovers have a table of their own.
 ENERGY: Final[Schema] = {
     "unit": pl.String,
@@ -90,6 +102,7 @@ ENERGY: Final[Schema] = {
     "auxiliary_kwh": pl.Float64,
     "standing_kwh": pl.Float64,  # of the auxiliary: at stops, before stop limits, in portals
     "net_kwh": pl.Float64,  # traction and auxiliary, less what came back
+    **PARTS_KWH,
 }
 # One row a train and leg: from a place where it stops to the next, with the stop there. Places: stations, portals.
 ENERGY_LEGS: Final[Schema] = {
@@ -126,6 +139,7 @@ LAYOVERS: Final[Schema] = {
     "regenerated_kwh": pl.Float64,
     "auxiliary_kwh": pl.Float64,
     "net_kwh": pl.Float64,
+    **PARTS_KWH,
 }
 # One row a train and hop of the timetable: the margin as planned, and what was left of it on arrival.
 MARGINS: Final[Schema] = {
@@ -141,6 +155,34 @@ MARGINS: Final[Schema] = {
     "margin_percent": pl.Float64,  # of the least running time
     "run_s": pl.Float64,
     "left_s": pl.Float64,  # from the true arrival to that latest one
+}
+# One row a train and hop as driven: study.measures.driving.DrivenHop. Notches and jerk are counted every 0.1 s.
+DRIVING: Final[Schema] = {
+    "unit": pl.String,
+    "train": pl.String,
+    "revenue": pl.Boolean,
+    "law": pl.String,  # onboard.driving.laws.table
+    "from_station": pl.String,
+    "to_station": pl.String,
+    "begin_s": pl.Float64,  # when it began to move
+    "run_s": pl.Float64,  # moving
+    "distance_m": pl.Float64,
+    "traction_kwh": pl.Float64,
+    "regenerated_kwh": pl.Float64,
+    "running_kwh": pl.Float64,  # traction less what came back, without auxiliaries
+    "power_changes": pl.Int64,  # of the power notch, the first one too
+    "brake_changes": pl.Int64,  # the same of the brake, the release at the start too; without steps: by a notch or more
+    "jerk_max_mps3": pl.Float64,  # of the true acceleration from step to step; the step that ends in a stand left out
+    "jerk_rms_mps3": pl.Float64,  # over the time in which it moved
+    "jolt_mps2": pl.Float64,  # deceleration in the last whole step before the stand
+    "coasting_time_percent": pl.Float64,  # neither power nor brake commanded
+    "coasting_way_percent": pl.Float64,
+    "cruising_time_percent": pl.Float64,  # power, and within 0.1 m/s2 of even speed
+    "cruising_way_percent": pl.Float64,
+    "braking_time_percent": pl.Float64,
+    "braking_way_percent": pl.Float64,
+    "late_s": pl.Float64,  # against the latest arrival that keeps the plan; negative: early
+    "stop_error_m": pl.Float64,
 }
 # Our figures beside others': one row a figure.
 COMPARISONS: Final[Schema] = {
@@ -223,6 +265,7 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "energy_hours": ENERGY_HOURS,
     "layovers": LAYOVERS,
     "margins": MARGINS,
+    "driving": DRIVING,
     "comparisons": COMPARISONS,
     "waits": WAITS,
     "battery": BATTERY,
@@ -263,6 +306,7 @@ class RunTables:
     energy_hours: pl.DataFrame
     layovers: pl.DataFrame
     margins: pl.DataFrame
+    driving: pl.DataFrame
     comparisons: pl.DataFrame
     waits: pl.DataFrame
     battery: pl.DataFrame

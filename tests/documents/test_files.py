@@ -13,12 +13,13 @@ import pytest
 from documents.files import FILE, KINDS, UNIT_OF, document, tables_of
 from network.errors import InputError
 from network.files.line_schema import LineFile
+from network.files.schema_walk import resolved
 from network.files.shipped import shipped_line
 from study.scenario import schemas
 from study.scenario.scenario import shipped_scenarios
 from study.scenario.scenario_file import ScenarioFile
 from study.scenario.schemas import other_keys, schema_of
-from vehicle.train_file import TRAINS_FOLDER, TrainFile, _table_in_si
+from vehicle.train_file import TRAINS_FOLDER, _table_in_si
 
 # Faults, acts and expectations are types of their own: what their keys mean is said with each.
 SCRIPT = ("[[fault]]", "[[act]]", "[[expect]]")
@@ -102,10 +103,7 @@ def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
     for file in TRAINS_FOLDER.glob("*.toml"):
         for name, values in tomllib.loads(file.read_text("utf-8")).items():
             if isinstance(values, dict) and name != "provenance":
-                node = TrainFile.model_json_schema()["properties"][name]
-                table = train["$defs"][
-                    node.get("$ref", node.get("anyOf", [{}])[0].get("$ref")).rpartition("/")[2]
-                ]
+                table = resolved(train, train["properties"][name])
                 assert set(values) <= set(table["properties"]), (file, name)
     assert shipped_scenarios()
     assert "patch" in ScenarioFile.model_json_schema()["properties"]

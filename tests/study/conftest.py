@@ -142,11 +142,13 @@ def _run_train(
     km = abs(tracks[-1].marks_m[direction] - tracks[0].marks_m[direction]) / 1000
     traction, regenerated, auxiliary = 2.1 * km + 2, 0.6 * km, 0.4 * km
     figures = (traction, regenerated, auxiliary, 0.1 * km, traction + auxiliary - regenerated)
+    motors = traction - regenerated
+    figures += (0.0, 0.4 * motors, 0.0, 0.0, 0.2 * motors, 0.3 * motors, 0.1 * motors, 0.05 * motors, 0.0)
     rows.add("energy", unit, number, train.revenue, 2, "battery", km, 120.0 * km, 20.0 * km, *figures)
     ends = (train.calls[0].station_id, train.calls[-1].station_id)
     rows.add("energy_legs", unit, number, train.revenue, *ends, 2, km, 120.0 * km, 20.0 * km, *figures)
     end_s = came_s[len(train.calls) - 1]
-    rows.add("layovers", unit, ends[1], number, None, end_s, end_s + 600.0, 0.0, 0.0, 5.0, 5.0)
+    rows.add("layovers", unit, ends[1], number, None, end_s, end_s + 600.0, 0.0, 0.0, 5.0, 5.0, *[0.0] * 9)
     rows.add("margins", unit, number, train.revenue, *ends, 200.0, 160.0, 165.0, 40.0, 25.0, 190.0, 10.0)
 
 

@@ -10,6 +10,7 @@ from vehicle.record import dtype_of
 PLAN_NONE: Final = 0  # no plan here
 PLAN_HOLD: Final = 1  # be at the plan's speed
 PLAN_COAST: Final = 2  # neither power nor brake
+PLAN_FOLLOW: Final = 3  # as the plan's speed rises or falls from here to the next metre: power or brake
 
 
 class CueRow(Protocol):
@@ -32,7 +33,7 @@ class PlanRow(Protocol):
 
     speed_mps: float
     time_left_s: Annotated[float, "from here to the target, by the plan"]
-    mode: Annotated[int, "PLAN_NONE, PLAN_HOLD or PLAN_COAST"]
+    mode: Annotated[int, "PLAN_NONE, PLAN_HOLD, PLAN_COAST or PLAN_FOLLOW"]
 
 
 CUE: Final = dtype_of(CueRow)

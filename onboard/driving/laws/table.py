@@ -18,6 +18,8 @@ from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
 from onboard.driving.laws.follow_plan import FollowPlan, FollowPlanRow, follow_plan
 from onboard.driving.laws.hold_speed import HoldSpeedRow, hold_speed
+from onboard.driving.laws.optimal import Optimal, OptimalRow, optimal
+from onboard.driving.laws.pid import Pid, PidRow, pid
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled_lines
 from vehicle.record import dtype_of
@@ -30,7 +32,8 @@ class Law:
 
     `settings`: the table of a scenario with its figures, whose keys are fields of the row too. `drawn`: fields of the
     row that are drawn for each stock, standard normal. `plans`: it follows a plan, which the unit makes at each
-    departure. `stops`: it brings the train to the mark by itself, without TASC.
+    departure, and anew when the train is off it by more than the setting `replan_after_s`; the setting
+    `regeneration_share` counts in it. `stops`: it brings the train to the mark by itself, without TASC.
     """
 
     function: Callable[..., float]
@@ -48,7 +51,9 @@ class Law:
 
 LAWS: Final = (
     Law(hold_speed, HoldSpeedRow),
-    Law(follow_plan, FollowPlanRow, FollowPlan, plans=True),
+    Law(follow_plan, FollowPlanRow, FollowPlan),
+    Law(optimal, OptimalRow, Optimal, plans=True),
+    Law(pid, PidRow, Pid, stops=True),
 )
 LAW_NAMES: Final = tuple(law.name for law in LAWS)
 

@@ -269,10 +269,11 @@ export function energyPaper(host, context) {
       { label: words.say("regenerated"), colour: COLOURS.regenerated, values: regenerated.map((kwh) => -kwh) },
     ],
   }));
-  tables(host, context, ["energy_sums", "energy_per_km", "energy_taken"], true);
+  tables(host, context, ["energy_sums", "energy_parts", "energy_per_km", "energy_taken"], true);
   energyByHour(host, context);
+  tables(host, context, ["driving"], true);
   batteries(host, context);
-  tables(host, context, ["energy_trains", "energy_by_leg", "energy_legs", "layovers"]);
+  tables(host, context, ["energy_trains", "energy_by_leg", "energy_parts_by_leg", "energy_legs", "layovers"]);
   tables(host, context, ["opinion"], true);
 }
 

@@ -11,11 +11,20 @@ from simulation.settings import Driving
 from study.papers.line_stops import SCENARIO, WITH_SIGNS
 from study.papers.oda_scale_track import TrackTest, car_bench
 from study.papers.oda_tuning import Hidden, bench_with
-from study.papers.parameter_sets import LINE, NOT_DRIVEN, SECTION_3_2, SETS, TENTH_SCALE, ParameterSet
+from study.papers.parameter_sets import (
+    LINE,
+    NOT_DRIVEN,
+    SECTION_3_2,
+    SETS,
+    TABLE_1,
+    TENTH_SCALE,
+    ParameterSet,
+)
 from study.papers.reproduction import REPRODUCTIONS
 from study.papers.single_train import Bench
 from study.papers.stop_statistics import statistics_bench
 from study.papers.table4_stops import best_gain_per_s, controller, oda_train
+from study.papers.yasunobu_train import paper_bench
 from study.scenario.scenario import load_scenario
 
 BENCHES = (
@@ -23,13 +32,14 @@ BENCHES = (
     (LINE, bench_with(oda_train(), Hidden(1.0, 0.1, 0.0), Learned("A", 1.0))),
     (LINE, statistics_bench(0.3)),
     (TENTH_SCALE, car_bench(TrackTest())),
+    (TABLE_1, paper_bench("hold_speed")),
 )
 
 
 def test_every_reproduction_has_one_set_or_drives_nothing() -> None:
     named = [name for parameters in SETS for name in parameters.used_by] + list(NOT_DRIVEN)
     assert sorted(named) == sorted(REPRODUCTIONS)
-    assert len(SETS) == 3
+    assert len(SETS) == 4
 
 
 @pytest.mark.parametrize(("stated", "bench"), BENCHES, ids=lambda value: getattr(value, "name", ""))

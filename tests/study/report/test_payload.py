@@ -16,7 +16,7 @@ from study.report.data import Run
 from study.report.packing import unpacked
 from study.report.payload import Shows, courses_of, payload_of
 from study.run.summary import summarise
-from study.run.tables import SCHEMAS, RunTables, make_table
+from study.run.tables import PARTS_KWH, SCHEMAS, RunTables, make_table
 from tests.study.report.page import table_in
 
 
@@ -139,6 +139,7 @@ def test_energy_per_km_is_net_over_distance(weekday: Run) -> None:
             "regenerated_to": ["battery", "battery"], "distance_km": [20.0, 0.0], "running_s": [1800.0, 1.0],
             "standing_s": [300.0, 0.0], "traction_kwh": [50.0, 0.0], "regenerated_kwh": [14.0, 0.0],
             "auxiliary_kwh": [9.0, 1.0], "standing_kwh": [2.0, 0.0], "net_kwh": [45.0, 1.0],
+            **{name: [0.0, 0.0] for name in PARTS_KWH},
         },
     )  # fmt: skip
     run = with_table(weekday, energy=energy)

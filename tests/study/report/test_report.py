@@ -28,7 +28,7 @@ from study.report.papers import CHANGES_SHOWN, EVENTS_SHOWN_MAX, _changes, _even
 from study.report.report import BYTES_AIMED, write_report
 from study.report.style import BAND_S_MAX, clock, drawing, spread, svg_of, time_bands, time_grid
 from study.run.summary import summarise
-from study.run.tables import SCHEMAS, RunTables, make_table
+from study.run.tables import PARTS_KWH, SCHEMAS, RunTables, make_table
 from tests.study.report.page import payload_of, table_in
 
 FACTS: dict[str, Any] = {
@@ -289,7 +289,7 @@ def test_energy_label_is_net_kwh_per_km(weekday: Run) -> None:
             "unit": ["V1"], "train": ["321M"], "revenue": [True], "cars": [2], "regenerated_to": ["battery"],
             "distance_km": [20.0], "running_s": [1800.0], "standing_s": [300.0],
             "traction_kwh": [50.0], "regenerated_kwh": [14.0], "auxiliary_kwh": [9.0], "standing_kwh": [2.0],
-            "net_kwh": [45.0],
+            "net_kwh": [45.0], **{name: [0.0] for name in PARTS_KWH},
         },
     )  # fmt: skip
     tables = RunTables(**{**{n: make_table(n) for n in SCHEMAS}, "energy": energy})

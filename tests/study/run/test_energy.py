@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from simulation.result import EnergyRecord, Phase
 from simulation.world.energy_book import EnergyBook
 from study.run.drill import find_drill
-from study.run.energy import JOULE_PER_KWH, Make, energy_tables, stays_of
+from study.run.energy import Make, energy_tables, stays_of
+from study.run.energy_parts import JOULE_PER_KWH
 from study.run.run import simulated
 from study.scenario.scenario import load_scenario
 from vehicle.train_file import Receiver

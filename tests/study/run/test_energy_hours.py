@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simulation.result import EnergyRecord, Phase
-from study.run.energy import JOULE_PER_KWH, Make
+from study.run.energy import Make
 from study.run.energy_hours import energy_hours_of, shares
+from study.run.energy_parts import JOULE_PER_KWH
 from vehicle.train_file import Receiver
 
 FLEET = {"K1": Make(40.0, 2, Receiver.BATTERY), "K2": Make(40.0, 2, Receiver.RESISTORS)}

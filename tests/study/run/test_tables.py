@@ -16,7 +16,7 @@ from network.model import Direction
 from network.timetable import Call, Stabled, Timetable, TimetableTrain
 from study.report.data import Run
 from study.run.summary import arrived_trains, summarise
-from study.run.tables import EVENTS, SCHEMAS, STOPS, RunTables, make_table
+from study.run.tables import EVENTS, PARTS_KWH, SCHEMAS, STOPS, RunTables, make_table
 
 
 def empty() -> dict[str, pl.DataFrame]:
@@ -71,7 +71,7 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
             "regenerated_to": ["battery", "battery"], "distance_km": [2.0, 1.0],
             "running_s": [200.0, 100.0], "standing_s": [60.0, 30.0],
             "traction_kwh": [10.0, 4.5], "regenerated_kwh": [3.0, 1.0], "auxiliary_kwh": [2.0, 0.25],
-            "standing_kwh": [0.5, 0.05], "net_kwh": [9.0, 3.75],
+            "standing_kwh": [0.5, 0.05], "net_kwh": [9.0, 3.75], **{name: [0.0, 0.0] for name in PARTS_KWH},
         },
     )  # fmt: skip
     layovers = make_table(
@@ -79,6 +79,7 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
         {
             "unit": ["U"], "station": ["C"], "after_train": ["1"], "before_train": ["3"], "from_s": [0.0],
             "to_s": [60.0], "traction_kwh": [0.0], "regenerated_kwh": [0.0], "auxiliary_kwh": [0.75], "net_kwh": [0.75],
+            **{name: [0.0] for name in PARTS_KWH},
         },
     )  # fmt: skip
     telegrams = make_table(

@@ -1,0 +1,315 @@
+"""`branchline reproduce line-driving`: a weekday of the Karasuyama line by every driving law, equally punctual.
+
+Each law of the table drives all trains of the same day by the code of `branchline run`. How early they aim to arrive
+(`unit.time_margin_s`, one figure a law and day) is set anew until they arrive as early as those of every other law, so
+that no law saves by coming late. Energy is traction less what came back, without auxiliaries, which do not depend on
+how a train is driven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from statistics import fmean, pstdev
+from typing import Any, Final
+
+from onboard.driving.laws.optimal import optimal
+from onboard.driving.laws.table import LAW_NAMES, LAWS
+from study.measures.driving import DrivenHop, driven
+from study.measures.least_energy import Allowed, HopLeast, Key, Least, least_of_hops
+from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.report.data import Run as RunSeen
+from study.report.hop import write_hop
+from study.run.driving import read_hops
+from study.run.run import CarrierKind, Link, Run, execute
+from study.scenario.scenario import Scenario, load_scenario
+
+SCENARIO: Final = "karasuyama_weekday"
+SLICE: Final = "karasuyama_round_trip"
+SHOWN: Final = ("322M", "TAK")  # the hop of the picture
+PRESENT: Final = LAW_NAMES[0]
+BEST: Final = optimal.__name__
+EARLY_S: Final = 10.0
+WITHIN_S: Final = 1.0
+ROOM_S: Final = 15.0
+LATE_S: Final = 1.0
+ROUNDS: Final = 5
+MARGIN_MAX_S: Final = 60.0
+DRIVERS_DAYS: Final = 5
+ABOVE_BOUND_PERCENT: Final = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Day:
+    """A day of one law, with the margin that its trains aimed at and in how many runs that was found."""
+
+    law: str
+    seed: int
+    time_margin_s: float
+    runs: int
+    run: Run
+    hops: tuple[DrivenHop, ...]
+
+    @property
+    def early_s(self) -> tuple[float, ...]:
+        """Seconds before the time at each arrival of the hops that leave a law room, in order."""
+        room = with_room(self.run)
+        return tuple(-hop.late_s for hop in self.hops if key_of(hop) in room and hop.late_s is not None)
+
+    @property
+    def mean_early_s(self) -> float:
+        """Mean of those; minus infinity where no train arrived."""
+        return fmean(self.early_s) if self.early_s else float("-inf")
+
+    @property
+    def late(self) -> frozenset[Key]:
+        """Hops of which the train came later than the plan allows."""
+        return frozenset(key_of(hop) for hop in self.hops if hop.late_s is not None and hop.late_s > LATE_S)
+
+    def least(self, allowed: Allowed, time_s: dict[Key, float] | None = None) -> tuple[HopLeast, ...]:
+        """The hops beside what they could have cost at the least."""
+        return least_of_hops(self.run.scenario.setup, self.run.result, self.hops, allowed, time_s)
+
+
+def key_of(hop: DrivenHop) -> Key:
+    """What names a hop of the timetable."""
+    return hop.train, hop.from_station, hop.to_station
+
+
+def with_room(run: Run) -> frozenset[Key]:
+    """Hops that a train can run, as far below the limits as it is driven, at least `ROOM_S` faster than planned."""
+    table = run.tables.margins
+    room = table.filter(table["planned_s"] - table["attainable_s"] >= ROOM_S)
+    return frozenset(room.select("train", "from_station", "to_station").iter_rows())
+
+
+def drive(scenario: Scenario, law: str, time_margin_s: float) -> Run:
+    """The scenario's day with every stock driven by one law that aims to arrive so much before the time."""
+    setup = scenario.setup
+    unit = setup.unit.model_copy(update={"time_margin_s": time_margin_s})
+    driving = setup.driving.model_copy(update={"law": law, "law_of": {}})
+    laws = dict.fromkeys(setup.trains, law)
+    changed = replace(setup, unit=unit, driving=driving, laws=laws)
+    return execute(replace(scenario, setup=changed), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def day_of(scenario: Scenario, law: str, time_margin_s: float, runs: int = 1) -> Day:
+    """One day of a law at a margin."""
+    run = drive(scenario, law, time_margin_s)
+    return Day(law, scenario.setup.seed, time_margin_s, runs, run, read_hops(run.tables.driving))
+
+
+def punctual_day(scenario: Scenario, law: str) -> Day:
+    """A day of a law with the margin by which its trains arrive `EARLY_S` before the time, in the mean.
+
+    The margin is moved by what is missing, from the scenario's own on, in at most `ROUNDS` runs.
+    """
+    margin_s, runs = scenario.setup.unit.time_margin_s, 1
+    day = day_of(scenario, law, margin_s)
+    while abs(day.mean_early_s - EARLY_S) > WITHIN_S and runs < ROUNDS and day.early_s:
+        margin_s = min(max(margin_s + EARLY_S - day.mean_early_s, 0.0), MARGIN_MAX_S)
+        runs += 1
+        day = day_of(scenario, law, margin_s, runs)
+    return day
+
+
+def told_of(day: Day) -> dict[str, Any]:
+    """The figures of a day."""
+    whole = driven(day.hops)
+    if whole is None:
+        return {}
+    figures = {name: _rounded(value) for name, value in asdict(whole).items() if name != "early_s"}
+    early = day.early_s
+    return {
+        **figures,
+        "early_s": _rounded(day.mean_early_s),
+        "early_s_sigma": _rounded(pstdev(early)) if early else None,
+        "hops_late": len(day.late),
+        "time_margin_s": _rounded(day.time_margin_s),
+        "runs": day.runs,
+    }
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 3)
+
+
+def punctuality_row(day: Day, present: Day) -> Row:
+    """Whether a law's day is as punctual as the present law's, and whole."""
+    as_early = abs(day.mean_early_s - EARLY_S) <= WITHIN_S
+    same_late = day.late == present.late
+    ours = told_of(day) | {"also_late": sorted(map(" ".join, day.late - present.late))}
+    if day.run.broken:
+        ours["broken"] = day.run.broken[:3]
+    passed = as_early and same_late and not day.run.broken
+    criterion = (
+        f"mean arrival {EARLY_S:g} s before the time, within {WITHIN_S:g} s, on hops with {ROOM_S:g} s of room;"
+        f" late on the hops on which {PRESENT} is; everyone arrives, nothing broken"
+    )
+    return Row(f"{day.law}: the day, equally punctual", None, ours, passed, criterion)
+
+
+def bound_rows(days: Sequence[Day], least: dict[str, Least]) -> tuple[Row, ...]:
+    """How far the law of least energy is above its own bound, and whether any law takes less than it."""
+    if BEST not in least:
+        return ()
+    above = least[BEST].above_bound_percent
+    taken = {day.law: sum(hop.running_kwh for hop in day.hops) for day in days}
+    cheapest = min(taken, key=lambda law: taken[law])
+    return (
+        Row(
+            f"{BEST}: as driven, above the lower bound of the same hops in the same times",
+            None,
+            f"{above:.2f} %",
+            above <= ABOVE_BOUND_PERCENT,
+            f"at most {ABOVE_BOUND_PERCENT:g} %: notches, brake steps, telegrams and stops in it",
+        ),
+        Row(
+            "the law that takes least on this day",
+            None,
+            cheapest,
+            cheapest == BEST,
+            f"{BEST}",
+        ),
+    )
+
+
+def standing_figures(scenario: Scenario) -> tuple[Figure, ...]:
+    """Where driving stands: the present law as shipped, and what the same times, or all of them, would allow."""
+    day = day_of(scenario, PRESENT, scenario.setup.unit.time_margin_s)
+    allowed = Allowed.as_units_drive(scenario.setup)
+    margins = day.run.tables.margins
+    whole_s = {
+        (t, a, b): s
+        for t, a, b, s in margins.select("train", "from_station", "to_station", "planned_s").iter_rows()
+    }
+    same, whole = Least.of(day.least(allowed)), Least.of(day.least(allowed, whole_s))
+    return (
+        Figure("the present law as shipped", told_of(day), f"{PRESENT}, time_margin_s as in the scenario"),
+        Figure(
+            "what an optimum saves at the same running times, %",
+            round(100.0 * (1.0 - same.least_kwh / same.running_kwh), 1),
+            f"{same.running_kwh:.1f} kWh as driven on {same.hops} hops of the timetable, {same.least_kwh:.1f} at the least",
+        ),
+        Figure(
+            "what it saves using all of the time, %",
+            round(100.0 * (1.0 - whole.least_kwh / whole.running_kwh), 1),
+            f"{whole.least_kwh:.1f} kWh, from the planned departure to the latest arrival that keeps the plan",
+        ),
+    )
+
+
+def saving_figures(days: Sequence[Day], least: dict[str, Least]) -> tuple[Figure, ...]:
+    """Each law beside the present one and beside its own bound."""
+    present = driven(days[0].hops)
+    figures: list[Figure] = []
+    for day in days:
+        whole = driven(day.hops)
+        if whole is None or present is None:
+            continue
+        beside = least[day.law]
+        figures.append(
+            Figure(
+                f"{day.law}: against {PRESENT}",
+                {
+                    "traction_percent": round(100.0 * (whole.traction_kwh / present.traction_kwh - 1.0), 1),
+                    "net_percent": round(100.0 * (whole.running_kwh / present.running_kwh - 1.0), 1),
+                    "above_bound_percent": round(beside.above_bound_percent, 1),
+                },
+                "net: traction less what came back; bound: of the same hops in the same times, as units may drive",
+            )
+        )
+    return tuple(figures)
+
+
+def drawn_laws() -> tuple[str, ...]:
+    """Laws of which a part is drawn for each stock: no two drivers are alike."""
+    return tuple(law.name for law in LAWS if law.drawn)
+
+
+def drivers_figures(days: Sequence[Day]) -> tuple[Figure, ...]:
+    """The spread between drivers of days that are equally punctual, each beside the bound of what they drove."""
+    if not days:
+        return ()
+    above: dict[str, float] = {}
+    for day in days:
+        found = day.least(Allowed.as_units_drive(day.run.scenario.setup))
+        units = {hop.train: hop.unit for hop in day.hops}
+        for unit in sorted(set(units.values())):
+            own = Least.of(hop for hop in found if units[hop.train] == unit)
+            above[f"seed {day.seed} {unit}"] = round(own.above_bound_percent, 1)
+    kwh = [sum(hop.running_kwh for hop in day.hops) for day in days]
+    ratios = [100.0 + percent for percent in above.values()]
+    spread = 100.0 * (max(ratios) - min(ratios)) / fmean(ratios)
+    return (
+        Figure(
+            f"{days[0].law}: net kWh of a day, by seed",
+            {day.seed: round(value, 1) for day, value in zip(days, kwh, strict=True)},
+            "each seed draws four drivers, and the loads of the trains anew",
+        ),
+        Figure(f"{days[0].law}: above the bound, %, by driver", above, "the bound has the loads in it"),
+        Figure(
+            f"{days[0].law}: from the thriftiest driver to the other end, % of their mean",
+            round(spread, 1),
+            f"{len(above)} drivers; about 20 % between drivers is known from practice",
+        ),
+    )
+
+
+def parameters(scenario: Scenario, days: Sequence[Day]) -> tuple[Parameter, ...]:
+    """What was chosen, and why."""
+    return (
+        Parameter(
+            "scenario",
+            scenario.id,
+            "",
+            "the line's own day, on the plain carrier: kernel and units as on SUMO",
+        ),
+        Parameter("laws", ", ".join(day.law for day in days), "", "every law of the table of laws"),
+        Parameter("arrival before the time", EARLY_S, "s", "assumed: what units aim at as shipped"),
+        Parameter("room that a hop must leave", ROOM_S, "s", "assumed: that, and 5 s to choose in"),
+        Parameter("late", LATE_S, "s", "after the latest arrival that keeps the plan"),
+        Parameter("days of drivers", DRIVERS_DAYS, "", "seeds from --seed on, four drivers each"),
+    )
+
+
+def reproduce(options: Options) -> Reproduction:
+    """Every law on the day of `seed`, at equal punctuality; the laws with drawn drivers on further days."""
+    scenario = load_scenario(SLICE if options.quick else SCENARIO, options.seed)
+    days = [punctual_day(scenario, law) for law in LAW_NAMES]
+    allowed = Allowed.as_units_drive(scenario.setup)
+    least = {day.law: Least.of(day.least(allowed)) for day in days}
+    drivers: list[Figure] = []
+    for law in drawn_laws():
+        more = (
+            []
+            if options.quick
+            else [
+                punctual_day(load_scenario(SCENARIO, options.seed + n), law) for n in range(1, DRIVERS_DAYS)
+            ]
+        )
+        drivers += drivers_figures([*(day for day in days if day.law == law), *more])
+    remarks = [
+        "The margin that trains aim at is the only thing that is set for each law; the figures say what it came to.",
+        "Hops planned faster than a train can run are late by every law; they are in the energy and in no mean arrival.",
+        "The bound is of the same trains, loads and running times, as far below the limits and braked as gently as"
+        " units drive; it knows no notches, no dead times and no telegrams.",
+    ]
+    if options.quick:
+        remarks.append("A short slice: one round trip instead of the day, and one day of drivers.")
+    if options.out is not None:
+        runs = [
+            RunSeen(day.run.scenario.setup.line, day.run.scenario.setup.timetable, day.run.tables)
+            for day in days
+        ]
+        written = write_hop(runs, SHOWN, Path(options.out))
+        remarks.append(f"Wrote {', '.join(path.name for path in written)}.")
+    return Reproduction(
+        "line-driving",
+        "A weekday of the Karasuyama line by every driving law, equally punctual",
+        parameters(scenario, days),
+        (*(punctuality_row(day, days[0]) for day in days), *bound_rows(days, least)),
+        tuple(remarks),
+        (*standing_figures(scenario), *saving_figures(days, least), *drivers),
+    )

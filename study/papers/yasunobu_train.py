@@ -1,0 +1,44 @@
+"""The train of table 1 of Yasunobu and others on its 1,000 m hop, under any law: what both experiments on it share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from network.files.toml_input import Record
+from study.papers.parameter_sets import TABLE_1
+from study.papers.single_hop import HopBench, Planner, Way, one_gradient
+from study.papers.single_train import Bench
+from vehicle.train_file import TrainType, load_train, shipped_train
+
+HOP_M: Final = 1000.0  # 6.1
+GRADIENTS_PERMILLE: Final = (10.0, 0.0, -10.0)
+ORDERS_S: Final = (80.0, 85.0, 90.0, 95.0, 100.0)
+NOMINAL_S: Final = 85.0  # figure 9, on the level
+
+
+def paper_train() -> TrainType:
+    """The train of table 1."""
+    return load_train(shipped_train("hitachi_train"))
+
+
+def paper_bench(
+    law: str,
+    law_settings: Record | None = None,
+    drawn: Callable[[str, str], float] = lambda _law, _field: 0.0,
+) -> Bench:
+    """That train under a law, driven by the one set of parameters of all experiments on it."""
+    driving = TABLE_1.driving.model_copy(update={"law": law})
+    return Bench(paper_train(), driving, TABLE_1.unit, law_settings=law_settings, drawn=drawn)
+
+
+def paper_hops(
+    law: str,
+    gradient_permille: float = 0.0,
+    law_settings: Record | None = None,
+    planner: Planner | None = None,
+    way: Way | None = None,
+) -> HopBench:
+    """The paper's hop on one gradient, or another way, under a law."""
+    over = one_gradient(HOP_M, gradient_permille) if way is None else way
+    return HopBench(paper_bench(law, law_settings), over, planner)

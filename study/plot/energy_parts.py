@@ -1,0 +1,78 @@
+"""Where the energy of each leg went (区間別の電力量内訳)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from network.model import Direction
+from study.plot.choice import Seen
+from study.report.style import AUXILIARY, INK, PALE, REGENERATED, RULE, TRACTION, WIDTH_IN
+
+_PARTS: Final = (
+    ("resistance_kwh", "running resistance", TRACTION),
+    ("curve_kwh", "curves", "#86a9cf"),
+    ("gradient_kwh", "gradients", "#8c6d1f"),
+    ("friction_kwh", "air brake", "#b3261e"),
+    ("traction_loss_kwh", "losses pulling", "#a0568a"),
+    ("regeneration_loss_kwh", "losses braking", REGENERATED),
+    ("auxiliary_kwh", "auxiliary", AUXILIARY),
+)
+
+
+def draw_energy_parts(run: Seen) -> Figure | None:
+    """The parts of each leg's net energy, the mean of its trains, stacked; a panel a direction, the net as a dot."""
+    directions = pl.Series(
+        "direction", [int(run.directions[train]) for train in run.tables.energy_legs["train"]]
+    )
+    legs = run.shown(run.tables.energy_legs.with_columns(directions))
+    at_m = {station.id: station.position_m for station in run.stations}
+    panels: list[tuple[Direction, list[dict[str, float | str]]]] = []
+    for direction in Direction:
+        means = (
+            legs.filter(pl.col("direction") == int(direction))
+            .group_by("from_station", "to_station")
+            .agg(pl.col("net_kwh", *(name for name, _, _ in _PARTS)).mean())
+        )
+
+        def along(row: dict[str, float | str], direction: Direction = direction) -> float:
+            outside = -direction * float("inf") if row["to_station"] in at_m else direction * float("inf")
+            return direction * at_m.get(str(row["from_station"]), outside)
+
+        if means.height:
+            panels.append((direction, sorted(means.to_dicts(), key=along)))
+    if not panels:
+        return None
+    figure = Figure(figsize=(WIDTH_IN, 3.6 * len(panels)), layout="constrained")
+    rows = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
+    for axes, (direction, stacks) in zip(rows, panels, strict=True):
+        _draw_stack(axes, run, direction, stacks)
+    rows[0].legend(loc="lower right", ncols=8, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    return figure
+
+
+def _draw_stack(axes: Axes, run: Seen, direction: Direction, means: list[dict[str, float | str]]) -> None:
+    at = np.arange(len(means))
+    above, below = np.zeros(len(means)), np.zeros(len(means))
+    for name, label, colour in _PARTS:
+        kwh = np.array([float(row[name]) for row in means])
+        bottom = np.where(kwh >= 0.0, above, below)
+        axes.bar(at, kwh, 0.7, bottom=bottom, color=colour, label=label)
+        above, below = above + np.maximum(kwh, 0.0), below + np.minimum(kwh, 0.0)
+    net = [float(row["net_kwh"]) for row in means]
+    axes.plot(at, net, ls="", marker="o", ms=4, color=INK, label="net")
+    names = [f"{run.name(str(row['from_station']))}\n{run.name(str(row['to_station']))}" for row in means]
+    many = len(means) > 12
+    axes.set_xticks(at, names)
+    axes.tick_params(axis="x", length=0, labelsize=6.5, labelrotation=60 if many else 0)
+    axes.set_xlim(-0.7, max(len(means), 5) - 0.3)
+    axes.axhline(0, color=PALE, lw=0.6)
+    axes.set_title(direction.name.lower(), pad=4)
+    axes.set_ylabel("per train, kWh")
+    axes.margins(y=0.1)
+    axes.grid(axis="y")
+    axes.spines[:].set_color(RULE)

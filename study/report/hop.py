@@ -1,0 +1,151 @@
+"""One hop as several laws or runs drove it: speed over distance, and the notches of each on a strip of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from network.model import Direction
+from study.measures.driving import DrivenHop
+from study.report.curve import KMH_PER_MPS, alignment_of, draw_gradients, in_km, mark_stations
+from study.report.data import Run, limits_mps
+from study.report.style import INK, PALE, RULE, UNIT_COLOURS, WIDTH_IN, drawing
+from study.run.driving import read_hops
+
+PICTURE: Final = "laws"
+SPEED_IN: Final = 3.4
+STRIP_IN: Final = 0.55
+_DASHES: Final = ("-", (0, (6, 1.5)), (0, (3, 1)), (0, (6, 1.5, 1, 1.5)))
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """A hop as it was driven once: what to call it, its figures, and its samples of the trajectory."""
+
+    label: str
+    hop: DrivenHop
+    samples: pl.DataFrame
+
+    @property
+    def text(self) -> str:
+        """For the legend: name, energy and time."""
+        hop = self.hop
+        kwh = f"{hop.running_kwh:.2f}".replace("-", "−")
+        return f"{self.label}: {kwh} kWh, {hop.run_s:.0f} s"
+
+
+def driving_of(run: Run, train: str, from_station: str | None, label: str | None = None) -> Driving | None:
+    """The hop of a train that begins at a station, its first one if none is named; None where it did not run it.
+
+    Without a label it goes by its law.
+    """
+    hops = [hop for hop in read_hops(run.tables.driving) if hop.train == train]
+    known = [hop for hop in hops if hop.from_station in run.line.stations]
+    hop = next((hop for hop in known if from_station in (None, hop.from_station)), None)
+    if hop is None or (hop.unit, train) not in run.courses:
+        return None
+    arrived = run.tables.stops.filter(pl.col("train") == train, pl.col("station") == hop.to_station)
+    arrival_s = arrived["arrival_s"][0] if arrived.height else None
+    end_s = hop.begin_s + hop.run_s if arrival_s is None else float(arrival_s)
+    course = run.courses[hop.unit, train]
+    samples = course.filter(pl.col("t_s").is_between(hop.begin_s - 1.0, end_s + 0.05))
+    return Driving(hop.law if label is None else label, hop, samples)
+
+
+def draw_hop(run: Run, driven: Sequence[Driving]) -> Figure:
+    """All of them over one axis of distance, in the direction of travel: speed, gradient, notches. Km and km/h."""
+    first = driven[0]
+    alignment = alignment_of(run.line, first.samples)
+    direction = run.directions[first.hop.train]
+    heights = [SPEED_IN, 0.7, *(STRIP_IN for _ in driven)]
+    figure = Figure(figsize=(WIDTH_IN, sum(heights) + 1.3), layout="constrained")
+    panels: tuple[Axes, ...] = tuple(
+        figure.subplots(len(heights), 1, sharex=True, gridspec_kw={"height_ratios": heights})
+    )
+    speed, gradient, *strips = panels
+    low_m, high_m = _extent_m(driven)
+    speed.set_xlim(*((low_m, high_m) if direction is Direction.DOWN else (high_m, low_m)))
+    breaks_m, limit_mps = limits_mps(run.line, alignment, direction)
+    speed.step(
+        breaks_m, limit_mps * KMH_PER_MPS, where="post", color=INK, lw=0.9, label="speed limit of the line"
+    )
+    for index, (one, strip) in enumerate(zip(driven, strips, strict=True)):
+        colour = UNIT_COLOURS[index % len(UNIT_COLOURS)]
+        at_m = one.samples["kilometrage_m"].to_numpy()
+        kmh = one.samples["speed_mps"].to_numpy() * KMH_PER_MPS
+        dashes = _DASHES[index % len(_DASHES)]
+        speed.plot(at_m, kmh, color=colour, ls=dashes, lw=1.4, label=one.text)
+        _draw_notches(strip, one, colour)
+    speed.set_ylim(0, float(limit_mps.max()) * KMH_PER_MPS * 1.12)
+    speed.set_ylabel("speed, km/h")
+    speed.grid(axis="y")
+    draw_gradients(gradient, alignment, direction, high_m - low_m)
+    mark_stations(run, panels, low_m, high_m)
+    strips[-1].xaxis.set_major_locator(MaxNLocator(24, steps=[1, 2, 5, 10]))
+    strips[-1].xaxis.set_major_formatter(FuncFormatter(in_km))
+    strips[-1].set_xlabel("kilometrage, km")
+    figure.legend(*speed.get_legend_handles_labels(), loc="outside lower center", ncols=4, handlelength=3.2)
+    figure.align_ylabels()
+    return figure
+
+
+def _extent_m(driven: Sequence[Driving]) -> tuple[float, float]:
+    """Lowest and highest kilometrage, with a little room at both ends."""
+    ends_m = [
+        float(end)
+        for one in driven
+        for end in (one.samples["kilometrage_m"].min(), one.samples["kilometrage_m"].max())
+    ]  # type: ignore[arg-type]
+    room_m = max(0.015 * (max(ends_m) - min(ends_m)), 1.0)
+    return min(ends_m) - room_m, max(ends_m) + room_m
+
+
+def _draw_notches(axes: Axes, one: Driving, colour: str) -> None:
+    """Power up, brake down, with the name of the law at the left and how often each changed at the right."""
+    at_m = one.samples["kilometrage_m"].to_numpy()
+    notch = np.nan_to_num(one.samples["notch"].to_numpy())
+    axes.fill_between(at_m, np.maximum(notch, 0), step="post", color=colour, lw=0)
+    axes.fill_between(at_m, np.minimum(notch, 0), step="post", color=colour, alpha=0.45, lw=0)
+    axes.axhline(0, color=PALE, lw=0.5)
+    axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
+    axes.tick_params(axis="y", labelsize=6)
+    axes.spines[:].set_color(RULE)
+    axes.set_ylabel(one.label, rotation=0, ha="right", va="center", fontsize=7, color=colour)
+    hop = one.hop
+    changes = f"{hop.power_changes} power,\n{hop.brake_changes} brake"
+    axes.annotate(
+        changes,
+        (1.0, 0.5),
+        xycoords="axes fraction",
+        xytext=(4, 0),
+        textcoords="offset points",
+        ha="left",
+        va="center",
+        fontsize=6.5,
+        annotation_clip=False,
+    )
+
+
+def write_hop(runs: Sequence[Run], which: tuple[str, str], folder: Path) -> tuple[Path, ...]:
+    """Write the picture of one hop (train, station where it begins) below `folder`, which is made; the files written.
+
+    Runs in which the train did not run the hop are left out; nothing is written where it did in none.
+    """
+    found = [driving for run in runs if (driving := driving_of(run, *which)) is not None]
+    if not found:
+        return ()
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = tuple(folder / f"{PICTURE}-{'-'.join(which)}.{kind}" for kind in ("svg", "png"))
+    with drawing():
+        figure = draw_hop(runs[0], found)
+        figure.savefig(paths[0], metadata={"Date": None, "Creator": None})
+        figure.savefig(paths[1], dpi=130, metadata={"Software": None})
+    return paths

@@ -1,0 +1,113 @@
+"""When a unit plans: at a departure, when it is off its plan, and not at all for a law that follows none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from network.model import Line
+from onboard.driving.laws.cue import PLAN_NONE
+from onboard.driving.laws.settings import fit_law
+from onboard.driving.laws.table import LAWS_ROW
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.duty.mission import Mission
+from onboard.duty.records import Command, Limit, Looked, Order
+from onboard.motion import Motion, PathData
+from onboard.records import EVENT_OFF_PLAN, BehaviourRow, UnitRow
+from onboard.unit_records import UnitParameters
+from vehicle.records import TrainRow
+
+Rows = NDArray[np.void]
+DEPART = Command(
+    drive=True, target=1, limit=Limit(5, None, "end of the path"), rear=0, orders=(Order.DEPART,)
+)
+ON = msgspec.structs.replace(DEPART, orders=())
+
+
+@pytest.fixture
+def made(
+    rtri: Line,
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+) -> Callable[[str], Motion]:
+    def make(law: str) -> Motion:
+        laws = np.zeros(1, dtype=LAWS_ROW).view(np.recarray)[0]
+        fit_law(laws, law)
+        motion = Motion(rtri, UnitParameters(), unit, train, behaviour, keeper(), laws=laws)
+        path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
+        motion.stand_at_start(mission, path, 0.0)
+        return motion
+
+    return make
+
+
+def departed(motion: Motion, mission: Mission) -> float:
+    """It leaves as long before it is due as by the timetable; when that is."""
+    due_s = mission.targets[1].arrival_s
+    assert due_s is not None
+    now_s = due_s - 120.0
+    motion.obey(DEPART, now_s)
+    return now_s
+
+
+def test_a_law_that_follows_a_plan_has_one_from_its_departure(
+    made: Callable[[str], Motion], mission: Mission
+) -> None:
+    motion = made("optimal")
+    now_s = departed(motion, mission)
+    laid = motion.taken_plan()
+    assert laid is not None
+    assert laid.takes_s == pytest.approx(120.0 - UnitParameters().time_margin_s, abs=0.5)
+    assert motion.row.plan_due_s == pytest.approx(now_s + laid.takes_s)
+    assert laid.rows["mode"][int(motion.row.position_m) + 1] != PLAN_NONE
+    assert motion.taken_plan() is None
+
+
+def test_off_its_plan_it_plans_anew_for_the_time_that_is_left(
+    made: Callable[[str], Motion], mission: Mission
+) -> None:
+    motion = made("optimal")
+    now_s = departed(motion, mission)
+    motion.taken_plan()
+    motion.obey(ON, now_s + 20.0)
+    assert motion.taken_plan() is None
+    motion.row.position_m += 100.0
+    motion.row.speed_mps = 8.0
+    assert motion.events(EVENT_OFF_PLAN) == [Looked()]
+    motion.obey(ON, now_s + 20.0)
+    laid = motion.taken_plan()
+    assert laid is not None
+    assert laid.takes_s == pytest.approx(100.0 - UnitParameters().time_margin_s, abs=0.5)
+    assert laid.rows["speed_mps"][int(motion.row.position_m) + 1] == pytest.approx(8.0, abs=0.5)
+
+
+def test_too_late_it_plans_for_little_more_than_the_least_time(
+    made: Callable[[str], Motion], mission: Mission
+) -> None:
+    motion = made("optimal")
+    due_s = mission.targets[1].arrival_s
+    assert due_s is not None
+    motion.obey(DEPART, due_s + 300.0)
+    fast = motion.taken_plan()
+    motion.obey(DEPART, due_s + 600.0)
+    faster = motion.taken_plan()
+    assert fast is not None
+    assert faster is not None
+    assert fast.takes_s == pytest.approx(faster.takes_s)
+
+
+def test_a_law_without_plans_has_none(made: Callable[[str], Motion], mission: Mission) -> None:
+    motion = made("hold_speed")
+    departed(motion, mission)
+    assert motion.taken_plan() is None
+    assert motion.row.replan_s == math.inf
+    assert math.isfinite(motion.row.cruise_mps)

@@ -1,0 +1,60 @@
+"""Every train and leg of a real day: what it drew is found again by a second account, to 0.1 %."""
+
+from __future__ import annotations
+
+import pytest
+
+from simulation.result import PARTS, Phase, RunResult
+from study.run.energy import Make, energy_tables
+from study.run.run import simulated
+from study.scenario.scenario import load_scenario
+from tests.system.energy_apart import Balance, Part, balances, figures_of
+
+pytestmark = pytest.mark.system
+
+CLOSES: float = 1e-3
+LEGS_LEAST = 200
+
+
+@pytest.fixture(scope="module")
+def day() -> RunResult:
+    with simulated(load_scenario("karasuyama_weekday").setup) as simulation:
+        return simulation.run()
+
+
+@pytest.fixture(scope="module")
+def legs(day: RunResult) -> tuple[Balance, ...]:
+    setup = load_scenario("karasuyama_weekday").setup
+    (train,) = {kind.id: kind for kind in setup.trains.values()}.values()
+    return tuple(balances(day, setup.line, figures_of(train.row[0])))
+
+
+def test_every_leg_of_every_train_closes(legs: tuple[Balance, ...]) -> None:
+    assert len(legs) >= LEGS_LEAST
+    worst = max(legs, key=Balance.open_share)
+    assert worst.open_share() < CLOSES, worst
+
+
+@pytest.mark.parametrize("part", [part for part in Part if part is not Part.KINETIC])
+def test_a_part_left_out_is_found_out(legs: tuple[Balance, ...], part: Part) -> None:
+    assert max(leg.open_share(part) for leg in legs) > 10.0 * CLOSES
+
+
+def test_the_records_close_by_themselves(day: RunResult) -> None:
+    for record in day.energy:
+        assert abs(record.residual_j) <= 1e-6 * (record.traction_j + record.auxiliary_j), record
+        if record.phase is not Phase.RUNNING:
+            assert record.parts.sum_j() == record.rejected_j == 0.0
+    for part in PARTS:
+        assert sum(abs(getattr(record.parts, part)) for record in day.energy) > 0.0, part
+
+
+def test_the_tables_carry_what_the_records_have(day: RunResult) -> None:
+    setup = load_scenario("karasuyama_weekday").setup
+    made = energy_tables(day.energy, {stock: Make.of(kind) for stock, kind in setup.trains.items()})
+    names = [part.removesuffix("_j") for part in PARTS]
+    for table in ("energy", "energy_legs"):
+        for row in made[table].iter_rows(named=True):
+            found = sum(row[f"{name}_kwh"] for name in names) + row["auxiliary_kwh"] + row["residual_kwh"]
+            assert found == pytest.approx(row["net_kwh"], abs=1e-9), row
+            assert abs(row["residual_kwh"]) <= 1e-6 * row["traction_kwh"] + 1e-12

@@ -1,0 +1,351 @@
+"""A proven lower bound of the energy (双対): what no run of the course can save, whatever its form.
+
+Weak duality. With z = v^2/2, force f per equivalent mass, z' = f - r(z) - g(s) and the energy phi(f, z) by metre, take
+any price lambda >= 0 of a second and any costate mu(s), straight on each stretch between points s_i and with jumps
+J_i = mu(s_i+) - mu(s_i-) at them. For every run that keeps the limits and takes at most T,
+
+    E >= E + lambda (t - T) + int mu (z' - f + r + g) ds
+      = -lambda T + mu(S) z(S) - mu(0) z(0) - sum J_i z(s_i) + int mu g ds
+        + int phi + lambda / v - mu (f - r) - mu' z  ds,
+
+integrated by parts. Each term is bounded from below by itself: z(s_i) by its box, and the last integrand by
+
+    H(s) = min over v in the stretch's box and f within the train's limits of the integrand.
+
+On a stretch mu' is constant and mu straight, so H is the least of functions that are straight in s: it is concave, and
+the trapezoid of its two ends is below its integral. No convexity of the problem is used; a poor mu gives a poor bound
+and never a wrong one.
+
+The minimum by f is at an end of its range or where phi bends, as phi is piecewise straight in f. That by v is taken cell
+by cell (`cells`): on a cell the laws are below their chords, and what is left, lambda / v + mu r - mu' v^2/2, is
+above its chord less h^2/8 times its greatest second derivative, 2 lambda / v^3 + mu r'' - mu'. In the first
+cell, where lambda / v has no bound, each term is taken at its least.
+
+Relaxed, so that the bound stays one: a stretch's limit is the greatest on it, held back deceleration counts with the
+stretch's least gradient, held back acceleration with its greatest, tunnels with their least (for mu < 0: greatest) share. The way is
+that of `way.Way`: heights below the train straight from metre to metre.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.compiled import compiled
+from vehicle.optimum.cells import Cells, cells_of, corners_mps
+from vehicle.optimum.course import Course, Optimum
+from vehicle.optimum.interior import Mesh, local
+from vehicle.optimum.laws import PULL, RESIST, STEP_MPS
+from vehicle.optimum.mesh import Laid, laid, mesh_of
+from vehicle.optimum.way import Way
+from vehicle.resistance import KMH_PER_MPS, STARTING_BAND_KMH
+
+Floats = NDArray[np.float64]
+
+BAND_MPS: Final = STARTING_BAND_KMH / KMH_PER_MPS
+
+
+GRADES: Final = 12  # halvings of the stretch at a stand
+STANDS_MPS: Final = 1e-4
+
+
+class Prices(NamedTuple):
+    """A choice of the dual: each stretch's costate at both its ends, and the price of a second, W/kg."""
+
+    left: Floats
+    right: Floats
+    second: float
+
+
+class Stretch(NamedTuple):
+    """What holds on a whole stretch."""
+
+    top: float  # m/s
+    held_back: float  # greatest deceleration less the least gradient
+    held_down: float  # greatest acceleration plus the greatest gradient
+    drag_least: float
+    drag_most: float
+
+
+class Costs(NamedTuple):
+    """What electricity costs: by N m of pull and of electric brake, and W/kg for the time itself."""
+
+    pull: float
+    brake: float
+    auxiliary: float
+    friction: float  # m/s^2
+
+
+@compiled
+def least_integrand(
+    cells: Cells, costs: Costs, stretch: Stretch, mu: float, slope: float, second: float
+) -> float:
+    """H of one end of a stretch: a lower bound of the integrand over all speeds and forces."""
+    speed, resist = cells.speed, cells.resist
+    drag = stretch.drag_least if mu >= 0.0 else stretch.drag_most
+    worth = second + costs.auxiliary
+    over, under = mu - costs.pull, costs.brake - mu
+    bend_r = cells.curving + 2.0 * stretch.drag_most
+    best = math.inf
+    for j in range(len(speed) - 1):
+        if speed[j] >= stretch.top:
+            break
+        v, w = speed[j], speed[j + 1]
+        gap = (w - v) * (w - v) / 8.0
+        bend = max(mu, 0.0) * bend_r - slope
+        free_v = mu * (resist[j] + drag * v * v) - slope * 0.5 * v * v + worth / (v if j > 0 else w)
+        free_w = mu * (resist[j + 1] + drag * w * w) - slope * 0.5 * w * w + worth / w
+        if j > 0:
+            bend += 2.0 * worth / (v * v * v)
+        if over > 0.0:
+            most_v = stretch.held_down + resist[j] + stretch.drag_most * v * v
+            most_w = stretch.held_down + resist[j + 1] + stretch.drag_most * w * w
+            by_motors = min(free_v - over * cells.pull[j, 0], free_w - over * cells.pull[j, 1])
+            by_limit = min(free_v - over * most_v, free_w - over * most_w)
+            found = max(by_motors, by_limit) - max(bend, 0.0) * gap
+        elif under > 0.0:
+            held_v = stretch.held_back - resist[j] - stretch.drag_least * v * v
+            held_w = stretch.held_back - resist[j + 1] - stretch.drag_least * w * w
+            found = -math.inf
+            for motors in range(2):
+                a_v, a_w = (held_v, held_w) if motors else (cells.electric[j, 0], cells.electric[j, 1])
+                if mu >= 0.0:
+                    low = min(free_v - under * a_v, free_w - under * a_w)
+                    found = max(found, low - max(bend + under * bend_r * motors, 0.0) * gap)
+                    continue
+                for whole in range(2):
+                    b_v = held_v if whole else cells.electric[j, 0] + costs.friction
+                    b_w = held_w if whole else cells.electric[j, 1] + costs.friction
+                    low = min(free_v - costs.brake * a_v + mu * b_v, free_w - costs.brake * a_w + mu * b_w)
+                    more = (costs.brake * motors - mu * whole) * bend_r
+                    found = max(found, low - max(bend + more, 0.0) * gap)
+        else:
+            found = min(free_v, free_w) - max(bend, 0.0) * gap
+        best = min(best, found)
+    return best
+
+
+@compiled
+def dual(
+    cells: Cells,
+    costs: Costs,
+    at_m: Floats,
+    stretches: Floats,
+    tops: Floats,
+    pulled: Floats,
+    ends: Floats,
+    prices: Prices,
+    time_s: float,
+) -> float:
+    """The bound, m^2/s^2 (J per kg of equivalent mass).
+
+    `stretches`: a row of Stretch each; `tops`: greatest z at the points; `pulled`: (stretches, 2) integrals of g and
+    of g times the way since the stretch's start; `ends`: z at start and stop.
+    """
+    n = len(at_m) - 1
+    left, right = prices.left, prices.right
+    total = -prices.second * time_s + right[n - 1] * ends[1] - left[0] * ends[0]
+    for i in range(1, n):
+        jump = left[i] - right[i - 1]
+        if jump > 0.0:
+            total -= jump * tops[i]
+    for i in range(n):
+        h = at_m[i + 1] - at_m[i]
+        slope = (right[i] - left[i]) / h
+        row = stretches[i]
+        stretch = Stretch(row[0], row[1], row[2], row[3], row[4])
+        low = least_integrand(cells, costs, stretch, left[i], slope, prices.second)
+        high = least_integrand(cells, costs, stretch, right[i], slope, prices.second)
+        total += 0.5 * h * (low + high) + left[i] * pulled[i, 0] + slope * pulled[i, 1]
+    return total
+
+
+@compiled
+def around(table: Floats, law: int, speed_mps: float) -> tuple[float, float]:
+    """The lesser and the greater of a law's values at the table's speeds below and above."""
+    i = min(int(speed_mps / STEP_MPS), len(table) - 2)
+    return min(table[i, law, 0], table[i + 1, law, 0]), max(table[i, law, 0], table[i + 1, law, 0])
+
+
+@compiled
+def ceilings(way: Way, table: Floats) -> Floats:
+    """Upper bounds of v^2/2 at the way's points: no run gets above, by steps with the greatest rate on each."""
+    n = len(way.limit)
+    most = np.empty(n + 1)
+    most[0] = way.first
+    band = around(table, RESIST, BAND_MPS)[0]
+    for i in range(n):
+        h = way.at_m[i + 1] - way.at_m[i]
+        grade = (way.lift[i + 1] - way.lift[i]) / h
+        v = math.sqrt(2.0 * most[i])
+        w = math.sqrt(2.0 * (most[i] + h * max(way.acceleration, 0.0)))
+        w = min(w, math.sqrt(2.0 * way.limit[i]))
+        pull = max(around(table, PULL, v)[1], around(table, PULL, w)[1])
+        resist = min(around(table, RESIST, v)[0], around(table, RESIST, w)[0], band)
+        rate = min(pull - resist - grade, way.acceleration)
+        top = way.limit[i] if i + 1 >= n else min(way.limit[i], way.limit[i + 1])
+        most[i + 1] = min(max(most[i] + h * rate, 0.0), top)
+    most[n] = min(most[n], way.last)
+    for i in range(n - 1, -1, -1):
+        h = way.at_m[i + 1] - way.at_m[i]
+        most[i] = min(most[i], most[i + 1] + h * way.deceleration)
+    return most
+
+
+@compiled
+def slope_of(
+    mesh: Mesh, table: Floats, i: int, low: float, high: float, a: float, mu: float, second: float
+) -> float:
+    """mu' for which the run's own speed is where H is least, on a piece of stretch `i` from z = `low` to `high`."""
+    x = local(mesh, table, i, a, 0.5 * (low + high))
+    v, w = math.sqrt(2.0 * low), math.sqrt(2.0 * high)
+    slope = mu * x.f_z
+    if v > STANDS_MPS and w > STANDS_MPS:
+        slope -= (second + mesh.auxiliary) * 2.0 / (v * w * (v + w))
+    over, under = mu - mesh.inverse_traction, mesh.regenerated - mu
+    held = mesh.deceleration - (x.f - a)
+    if over > 0.0:
+        slope -= over * x.pull_z
+    elif under > 0.0:
+        motors_z = -x.f_z if held < x.elec else x.elec_z
+        if mu >= 0.0:
+            slope -= under * motors_z
+        else:
+            whole_z = -x.f_z if held < x.elec + mesh.brake_extra else x.elec_z
+            slope -= mesh.regenerated * motors_z - mu * whole_z
+    return slope
+
+
+def graded(at_m: Floats, z: Floats) -> Floats:
+    """The mesh's points and, towards a stand, ever nearer ones: the costate grows there without end."""
+    shares = 0.5 ** np.arange(1, GRADES + 1)
+    more = [at_m]
+    if z[0] <= 0.0:
+        more.append(at_m[0] + shares * (at_m[1] - at_m[0]))
+    if z[-1] <= 0.0:
+        more.append(at_m[-1] - shares * (at_m[-1] - at_m[-2]))
+    return np.unique(np.concatenate(more))
+
+
+@compiled
+def choice(
+    mesh: Mesh, table: Floats, at_m: Floats, z: Floats, costate: Floats, second: float, fine_m: Floats
+) -> Prices:
+    """Costates at both ends of each fine stretch, the optimum's own in the middle of each of its stretches."""
+    n = len(fine_m) - 1
+    last = len(at_m) - 2
+    left, right = np.empty(n), np.empty(n)
+    i = 0
+    first_pieces = 0
+    for k in range(n):
+        while i < last and fine_m[k] >= at_m[i + 1]:
+            i += 1
+        if i == 0:
+            first_pieces = k + 1
+        h = at_m[i + 1] - at_m[i]
+        a = (z[i + 1] - z[i]) / h
+        low = z[i] + a * (fine_m[k] - at_m[i])
+        high = z[i] + a * (fine_m[k + 1] - at_m[i])
+        piece = fine_m[k + 1] - fine_m[k]
+        if piece >= h or k == 0 or i == 0:
+            mu = costate[i]
+            slope = slope_of(mesh, table, i, low, high, a, mu, second)
+            left[k], right[k] = mu - 0.5 * slope * piece, mu + 0.5 * slope * piece
+        else:  # on from the piece before
+            mu = right[k - 1]
+            slope = slope_of(mesh, table, i, low, high, a, mu, second)
+            left[k], right[k] = mu, mu + slope * piece
+    if first_pieces > 1 and first_pieces < n:  # back from the piece ahead
+        for k in range(first_pieces - 1, -1, -1):
+            h = at_m[1] - at_m[0]
+            a = (z[1] - z[0]) / h
+            low = z[0] + a * (fine_m[k] - at_m[0])
+            high = z[0] + a * (fine_m[k + 1] - at_m[0])
+            piece = fine_m[k + 1] - fine_m[k]
+            mu = left[k + 1]
+            slope = slope_of(mesh, table, 0, low, high, a, mu, second)
+            left[k], right[k] = mu - slope * piece, mu
+    return Prices(left, right, max(second, 0.0))
+
+
+@compiled
+def joined(prices: Prices, limits: Floats) -> None:
+    """Close the jumps of the costate in place, but where the limit changes: on one limit its price is spread evenly."""
+    for k in range(1, len(limits)):
+        if limits[k] == limits[k - 1]:
+            mean = 0.5 * (prices.right[k - 1] + prices.left[k])
+            prices.right[k - 1] = mean
+            prices.left[k] = mean
+
+
+@compiled
+def laid_under(way: Way, most: Floats, pull_most: float, at_m: Floats) -> tuple[Floats, Floats, Floats]:
+    """Rows of Stretch, greatest z at the points, and integrals of the gradient (see `dual`)."""
+    n = len(at_m) - 1
+    stretches, tops, pulled = np.zeros((n, 6)), np.empty(n + 1), np.zeros((n, 2))
+    k = 0
+    for i in range(n):
+        while way.at_m[k + 1] <= at_m[i]:
+            k += 1
+        top = 0.0
+        limit = 0.0
+        least, greatest = math.inf, -math.inf
+        drag_least, drag_most = math.inf, -math.inf
+        j = k
+        while j < len(way.limit) and way.at_m[j] < at_m[i + 1]:
+            a, b = max(way.at_m[j], at_m[i]), min(way.at_m[j + 1], at_m[i + 1])
+            h = way.at_m[j + 1] - way.at_m[j]
+            grade = (way.lift[j + 1] - way.lift[j]) / h
+            # Up from the metre behind at the greatest rate, and down to the one ahead.
+            rise = min(way.acceleration, pull_most - grade)
+            rise_b = most[j] + max(rise, 0.0) * (b - way.at_m[j])
+            fall_a = most[j + 1] + way.deceleration * (way.at_m[j + 1] - a)
+            if j == k:
+                fall_here = fall_a
+                rise_here = most[j] + max(rise, 0.0) * (a - way.at_m[j])
+                tops[i] = min(rise_here, fall_here, way.limit[j])
+            top = max(top, min(rise_b, fall_a, way.limit[j]))
+            limit = max(limit, way.limit[j])
+            least, greatest = min(least, grade), max(greatest, grade)
+            drag_least, drag_most = min(drag_least, way.drag[j]), max(drag_most, way.drag[j])
+            pulled[i, 0] += grade * (b - a)
+            pulled[i, 1] += grade * (b - a) * (0.5 * (a + b) - at_m[i])
+            j += 1
+        stretches[i, 0] = math.sqrt(2.0 * top)
+        stretches[i, 1] = way.deceleration - least
+        stretches[i, 2] = way.acceleration + greatest
+        stretches[i, 3] = drag_least
+        stretches[i, 4] = drag_most
+        stretches[i, 5] = limit
+    tops[0], tops[n] = way.first, way.last
+    return stretches, tops, pulled
+
+
+def lower_bound_j(course: Course, optimum: Optimum, time_s: float) -> float:
+    """No run of the course within `time_s` needs less at the wire, J; the optimum only says where to look."""
+    found = laid(course)
+    return bound_of(found, optimum, time_s)
+
+
+def bound_of(found: Laid, optimum: Optimum, time_s: float) -> float:
+    """`lower_bound_j` of a course laid out."""
+    course, way = found.course, found.way
+    mesh, _ = mesh_of(found, optimum.position_m, time_s)
+    second = optimum.price_w / found.inertia_kg
+    z = 0.5 * optimum.speed_mps**2
+    at_m = optimum.position_m
+    fine_m = graded(at_m, z)
+    prices = choice(mesh, found.table, at_m, z, optimum.costate, second, fine_m)
+    limits = np.unique(np.sqrt(2.0 * way.limit))
+    cells = cells_of(course.train, course.load_share, corners_mps(course.train, course.load_share, limits))
+    stretches, tops, pulled = laid_under(
+        way, ceilings(way, found.table), float(found.table[:, PULL, 0].max()), fine_m
+    )
+    joined(prices, stretches[:, 5])
+    costs = Costs(mesh.inverse_traction, mesh.regenerated, mesh.auxiliary, way.brake_extra)
+    ends = np.array([way.first, way.last])
+    bound = dual(cells, costs, fine_m, stretches, tops, pulled, ends, prices, time_s)
+    return bound * found.inertia_kg

@@ -1,0 +1,72 @@
+"""Least time and least energy."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.optimum.course import Course, NotFound, Optimum, Profile, TooShort
+from vehicle.optimum.interior import begun, costates, followed, told
+from vehicle.optimum.mesh import Laid, laid, mesh_of, places_m
+from vehicle.optimum.way import times_s
+
+Floats = NDArray[np.float64]
+
+WEIGHTS_FIRST: Final = (0.02, 0.2, 0.002)  # tried in turn
+
+
+def least_time(course: Course) -> Profile:
+    """The fastest run; ValueError where the train cannot get there."""
+    found = laid(course)
+    return Profile(found.way.at_m, np.sqrt(2.0 * found.fastest), times_s(found.way.at_m, found.fastest))
+
+
+def least_energy(course: Course, time_s: float, points: int = 300, warm: Optimum | None = None) -> Optimum:
+    """The run of least energy in at most `time_s`; TooShort, with the least time, where there is none.
+
+    `warm` is the optimum of a course much like this one; it saves some of the steps.
+    """
+    found = laid(course)
+    return solved(found, time_s, places_m(found, points), warm)
+
+
+def solved(found: Laid, time_s: float, at_m: Floats, warm: Optimum | None = None) -> Optimum:
+    """The optimum of a course laid out, on these points."""
+    if time_s <= found.least_s:
+        raise TooShort(time_s, found.least_s)
+    mesh, fast = mesh_of(found, at_m, time_s)
+    rounds = 0
+    for weight in WEIGHTS_FIRST:
+        z = _slower(at_m, fast, time_s) if warm is None else _like(at_m, fast, warm)
+        inner = begun(mesh, found.table, z, weight)
+        rounds = followed(mesh, found.table, z, inner)
+        if rounds:
+            break
+    else:
+        raise NotFound(time_s, found.least_s)
+    course = found.course
+    motors, air, energy_j = told(mesh, found.table, course.train, found.inertia_kg, course.regeneration, z)
+    at_s = times_s(at_m, z)
+    energy_j += mesh.auxiliary * found.inertia_kg * at_s[-1]
+    price_w = float(inner.ends[1]) * found.inertia_kg
+    costate = costates(inner, mesh.regenerated)
+    return Optimum(at_m, np.sqrt(2.0 * z), at_s, motors, air, energy_j, price_w, costate, rounds)
+
+
+def _slower(at_m: Floats, fast: Floats, time_s: float) -> Floats:
+    """The fastest run with all speeds between the ends lowered alike, so that it takes about the time."""
+    least_s = times_s(at_m, fast)[-1]
+    share = min(least_s / time_s, 1.0)
+    z = fast * (share * share * 1.02 if share < 0.99 else share * share)
+    z[0], z[-1] = fast[0], fast[-1]
+    return np.minimum(z, fast)
+
+
+def _like(at_m: Floats, fast: Floats, warm: Optimum) -> Floats:
+    """The speeds of another optimum, below the fastest run."""
+    z = np.interp(at_m, warm.position_m, 0.5 * warm.speed_mps**2)
+    z[1:-1] = np.clip(z[1:-1], 1e-3 * fast[1:-1], fast[1:-1])
+    z[0], z[-1] = fast[0], fast[-1]
+    return z
