@@ -272,7 +272,7 @@ class Simulation:
             [(trains.stock_ids[s], row) for s, row in zip(moving, speeds, strict=True)], done
         )
         self._step += hit or done
-        if moving:
+        if moving and not (self._charging is not None and self._charging.stranded(moving)):
             self._moved_step = self._step
         if hit:  # the kernel may have run on beyond it, so its sums are no measure any more
             self._observe(trains.active())

@@ -173,6 +173,10 @@ class Charging:
         """Whether a battery has nothing left above its window."""
         return self.has(slot) and available_j(self._rows[slot]) <= 0.0
 
+    def stranded(self, slots: Sequence[int]) -> bool:
+        """Whether all of these stand with an empty battery, whatever their units ask of the motors."""
+        return all(self.empty(slot) and self._trains.plants[slot].speed_mps == 0.0 for slot in slots)
+
     # off the line ----------------------------------------------------------------------------------------------
 
     def leaves(self, slot: int, step: int) -> None:

@@ -21,7 +21,6 @@ from onboard.driving.planner.wish import Style
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
-from study.run.energy_parts import JOULE_PER_KWH
 from study.measures.journeys import GAP_ENOUGH, JourneyEnergies, SampledHop, Shared, journey_energies
 from study.measures.least_energy import Allowed, course_of
 from study.measures.running_times import planned_hops
@@ -30,6 +29,7 @@ from study.papers.reference_data import reference_folder
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 from study.papers.ttobench_files import course_of as bench_course
 from study.papers.ttobench_files import read_track, read_train
+from study.run.energy_parts import JOULE_PER_KWH
 from study.scenario.scenario import load_scenario
 from vehicle.optimum.coast import coast_run, cruise_run
 from vehicle.optimum.journey import ANY_TIME, JourneyStop, Window, WindowMissed

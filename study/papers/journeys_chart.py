@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from study.run.energy_parts import JOULE_PER_KWH
 from study.measures.journeys import JourneyEnergies
 from study.report.style import INK, PALE, RED, TRACTION, drawing
+from study.run.energy_parts import JOULE_PER_KWH
 
 if TYPE_CHECKING:
     from study.papers.journeys import Case

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from simulation.result import EnergyRecord, Phase
 from simulation.world.ride import Ride
-from study.run.energy_parts import JOULE_PER_KWH
 from study.measures.driving import DrivenHop, Stock, driven, driven_hops
 from study.run.driving import driving_summary, read_hops
+from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import DRIVING, make_table
 from vehicle.train_file import Receiver
 
