@@ -16,7 +16,6 @@ import polars as pl
 from simulation.battery_settings import BatterySettings
 from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import Setup
-from study.measures.driving import JOULE_PER_KWH
 from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import make_table
 from vehicle.battery import soc_of, stand, stored_j
