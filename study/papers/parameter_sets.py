@@ -60,7 +60,7 @@ LINE: Final = ParameterSet(
     Driving(),
     UnitParameters(),
     (
-        "journeys",
+        "battery-day",
         "line-driving",
         "line-stops",
         "oda-tuning",
