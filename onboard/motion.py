@@ -393,6 +393,7 @@ class Motion:
         row.position_known = 0
         row.restricted_mps = self._parameters.restricted_mps
         row.intervention = EMERGENCY_INTERVENTION
+        self._pace.give_up_plan()
         return [PositionLost()]
 
     # what the duty wants ------------------------------------------------------------------------------------------
@@ -423,6 +424,7 @@ class Motion:
     def _run_on_sight(self, command: Command) -> None:
         """No further than the section it is in; to the next mark, if it knows where that is."""
         row, mission = self.row, self._mission
+        self._pace.give_up_plan()
         row.rear_trigger_m = row.stop_limit_m = aim_m = math.inf
         if row.position_known and mission is not None:
             row.stop_limit_m = mission.span_at(row.position_m).end_m

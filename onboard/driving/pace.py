@@ -21,6 +21,7 @@ from onboard.duty.mission import Mission, Passing, Target
 from onboard.duty.timekeeping import cruise_for
 from onboard.records import BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
+from vehicle.optimum.journey import WindowMissed
 from vehicle.records import TrainRow
 
 AT_MARK_M: Final = 5.0  # so near the mark it has called at, a train that stands is about to leave it
@@ -53,11 +54,17 @@ class Pace:
 
     def take_up(self, rows: NDArray[np.void]) -> None:
         """Another path: its rows of PATTERN."""
-        self.timed = self._laid = None
+        self.timed = None
+        self.give_up_plan()
         self.climb_m = np.ascontiguousarray(rows["climb_m"])
         self.driving_mps = np.ascontiguousarray(rows["driving_mps"])
-        self._row.plan_rows = 0  # a plan is of the path it was made for
-        self._row.cruise_mps = self._row.replan_s = math.inf
+        self._row.cruise_mps = math.inf
+
+    def give_up_plan(self) -> None:
+        """Follow no plan any more: it was for another way, another speed or another place than the train now has."""
+        self._laid = None
+        self._row.plan_rows = 0
+        self._row.replan_s = math.inf
 
     def taken_plan(self) -> Laid | None:
         """The plan made since the last call, to be laid."""
@@ -79,8 +86,8 @@ class Pace:
         if due_s is not None and there.departure_s is not None:
             dwell_s = parameters.dwell_min_s if there.passengers else 0.0
             due_s = min(due_s, there.departure_s - dwell_s)
-        row.cruise_mps = row.replan_s = math.inf
-        row.plan_rows = 0
+        row.cruise_mps = math.inf
+        self.give_up_plan()
         row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s
         self.timed = passing = self.next_passing(there)
         until_m = math.inf if passing is None else passing.position_m
@@ -110,7 +117,7 @@ class Pace:
 
     def _plan(self, mission: Mission, at: int, now_s: float, load_share: float) -> bool:
         """Have a plan laid for the way to a target, if the law follows one; False where there is none."""
-        if self._law is None:
+        if self._law is None or self._row.restricted_mps < math.inf:
             return False
         row, mark_m = self._row, mission.targets[at].mark_m
         row.due_s = self._aimed_s(mission, at, now_s, load_share)
@@ -146,7 +153,7 @@ class Pace:
                 self._behaviour.stop_deceleration_mps2,
             )
             times = Times(parameters.dwell_min_s, parameters.time_margin_s)
-            with suppress(ValueError):
+            with suppress(ValueError, WindowMissed):
                 aimed_s = arrivals_s(self._planning, on_map, mission, at - 1, now_s, times)[0]
                 self._meant = (mission.number, at, aimed_s)
         if self._meant is not None and self._meant[:2] == (mission.number, at):

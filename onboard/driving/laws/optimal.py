@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from network.files.kinds import about
 from network.files.quantities import Gain, Share, Wait
 from network.files.toml_input import Record
-from onboard.driving.laws.cue import PLAN_COAST, PLAN_FOLLOW, PLAN_NONE, CueRow
+from onboard.driving.laws.cue import PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD, PLAN_NONE, CueRow
 from onboard.driving.laws.hold_speed import holding_notch
 from onboard.driving.laws.power import overspeed_mps, power_notch
 from onboard.records import BehaviourRow, UnitRow
@@ -81,6 +81,9 @@ def optimal(
             ].time_left_s
             if unit.braking_to_stop == 0:
                 cue.late_s = cue.now_s + left_s - unit.plan_due_s
+    falls = mode == PLAN_COAST or (mode == PLAN_FOLLOW and after_mps <= speed_mps)
+    if falls and unit.speed_mps == 0.0 and unit.braking_to_stop == 0:
+        mode = PLAN_HOLD  # a plan on which the train already runs gets none away that stands there
     if mode == PLAN_COAST:
         cue.ceiling_mps = np.inf
         return 0.0

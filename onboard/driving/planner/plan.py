@@ -89,19 +89,19 @@ def planned(ahead: Ahead, planning: Planning = PLAIN) -> Laid | None:
 
     None where the train cannot get there, or no run is found.
     """
-    course = Course(
-        ahead.train,
-        ahead.load_share,
-        ahead.climb_m,
-        kept_mps(ahead.driving_mps),
-        ahead.start_m,
-        ahead.stop_m,
-        ahead.deceleration_mps2,
-        initial_mps=ahead.initial_mps,
-        regeneration=ahead.regeneration_share,
-    )
     idle_s = answers_s(ahead.train) if ahead.initial_mps == 0.0 else 0.0
     try:
+        course = Course(
+            ahead.train,
+            ahead.load_share,
+            ahead.climb_m,
+            kept_mps(ahead.driving_mps),
+            ahead.start_m,
+            ahead.stop_m,
+            ahead.deceleration_mps2,
+            initial_mps=ahead.initial_mps,
+            regeneration=ahead.regeneration_share,
+        )
         found = laid(course)
         free = math.isinf(ahead.available_s)
         reserve = planning.free_reserve_share if free else planning.late_reserve_share

@@ -81,7 +81,7 @@ def _latest_departure_s(target: Target, over_s: float) -> float:
 def _over_s(mission: Mission, index: int, tolerance_s: float) -> float:
     """How much later than the timetable a plan may be at a target."""
     stations = [i for i, target in enumerate(mission.targets) if target.station_id is not None]
-    at_end = index <= stations[0] or index >= stations[-1]
+    at_end = not stations or index <= stations[0] or index >= stations[-1]
     return 0.0 if at_end or mission.targets[index].crossing else tolerance_s
 
 

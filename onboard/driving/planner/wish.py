@@ -41,7 +41,7 @@ class Planning(Record):
         Field(strict=False),
         about(
             "end: hops in their standard times, the rest stays in hand; spread: over the hops in proportion; saving:"
-            " where a second saves most energy"
+            " where a second saves most energy; between fixed departures spread and saving have nothing to share"
         ),
     ] = Margin.SAVING
     late_reserve_share: Annotated[

@@ -18,7 +18,7 @@ from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, Limit, Looked, Order
 from onboard.motion import Motion, PathData
-from onboard.records import EVENT_OFF_PLAN, MODE_DRIVE, BehaviourRow, UnitRow
+from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.records import TrainRow
 
@@ -123,3 +123,31 @@ def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(
     assert motion.taken_plan() is None
     assert motion.row.plan_rows == 0
     assert motion.row.mode == MODE_DRIVE
+
+
+def test_on_sight_and_without_a_position_there_is_no_plan(
+    made: Callable[[str], Motion], mission: Mission
+) -> None:
+    """The plan was for a train that knows where it is; standing on a coast of it, it would never leave."""
+    motion = made("optimal")
+    now_s = departed(motion, mission)
+    laid = motion.taken_plan()
+    assert laid is not None
+    motion.follow(0, laid.rows.size)
+    motion.row.position_m += 300.0
+    motion.events(EVENT_TAG_OVERDUE)
+    assert motion.row.plan_rows == 0
+    motion.follow(0, laid.rows.size)
+    motion.obey(Command(drive=True, on_sight=True, orders=(Order.RELEASE,)), now_s + 60.0)
+    assert motion.row.plan_rows == 0
+    assert motion.row.replan_s == math.inf
+    assert motion.taken_plan() is None
+
+
+def test_under_a_restricted_speed_it_holds_a_speed(made: Callable[[str], Motion], mission: Mission) -> None:
+    motion = made("optimal")
+    due_s = mission.targets[1].arrival_s
+    assert due_s is not None
+    motion.obey(msgspec.structs.replace(DEPART, sweeps=True), due_s - 120.0)
+    assert motion.row.restricted_mps < math.inf
+    assert motion.taken_plan() is None

@@ -11,6 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final
 
+from onboard.driving.laws.table import LAW_NAMES
 from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
 from study.scenario.script_file import names_of
@@ -29,6 +30,7 @@ EVENT_P: Final = 0.6
 BEFORE_S: Final = 30  # trains ask for their routes before they move
 GIVE_BACK_P: Final = 0.15
 BY_HAND_P: Final = 0.2
+OTHER_LAW_P: Final = 0.3
 AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
 
 
@@ -105,4 +107,7 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
         head["air"] = AIR
     if draw.chance(BY_HAND_P):
         head["operation"] = {"reentry": "by_hand"}
+    law = draw.of("law")
+    if law.chance(OTHER_LAW_P):
+        head["driving"] = {"law": law.one_of(LAW_NAMES)}
     return head
