@@ -28,6 +28,7 @@ class Gauge:
     gains_w: float = 0.0
     now_s: float = 0.0
     connected: bool = False
+    full: bool = False
     asked: list[tuple[float, float]] = field(default_factory=list)
 
     @property
@@ -110,6 +111,9 @@ def test_it_reckons_with_the_charge_it_will_have() -> None:
     gauge.gains_w = 90e3
     why = watch(gauge).why_not(down, 1)
     assert why is not None and "charging" in why.words
+    gauge.full = True
+    why = watch(gauge).why_not(down, 1)
+    assert why is not None and why.words.endswith("and it is full")
 
 
 def test_told_of_a_dead_charger_it_reckons_anew() -> None:

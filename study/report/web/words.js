@@ -63,6 +63,8 @@ export const WORDS = {
   "event_fault over": ["fault over", "故障復旧"],
   event_act: ["act", "人の操作"],
   event_stop: ["stop", "停止"],
+  "event_unable to leave": ["unable to leave", "出発不能"],
+  "event_able to leave": ["able to leave", "出発可能"],
   event_unsafe: ["unsafe", "危険"],
   event_telegram: ["telegram", "電文"],
   event_points: ["points", "転てつ機"],
