@@ -19,7 +19,6 @@ from network.files.quantities import (
 )
 from network.files.toml_input import Record
 
-
 KWH_J: Final = 3.6e6
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -82,6 +82,14 @@ def test_to_the_next_charger_and_past_a_dead_one() -> None:
     assert to_next_charge(ahead, ()) == Reach(7 * 5.0 * KWH + 6 * KWH, "KRS", 7)
     assert to_next_charge(ahead, {"KRS"}) == Reach(14 * 5.0 * KWH + 13 * KWH, "HSK", 14)
     assert to_next_charge(ahead, {"KRS", "HSK"}).hops == len(ahead)
+
+
+def test_what_is_taken_off_the_line_counts_before_the_charge_there() -> None:
+    home, later = ways().ahead("336M", 0)[:2], ways().ahead("336M", 2)[:1]
+    leaves = replace(home[1], charger="", wire=True, beyond_j=46.8 * KWH)
+    assert to_next_charge((home[0], leaves, *later), ()).needed_j == pytest.approx((10.0 + 1.0 + 46.8) * KWH)
+    uncharged = to_next_charge((home[0], replace(leaves, wire=False), *later), ())
+    assert uncharged.hops == 3 and uncharged.needed_j == pytest.approx((10.0 + 2.0 + 46.8 + 6.0) * KWH)
 
 
 def test_no_charger_is_left_before_the_day_ends() -> None:

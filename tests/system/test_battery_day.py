@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import polars as pl
 import pytest
 
 from network.timetable import clock
 from onboard.charge import ChargeWatch
-from onboard.notes import UnableToLeave
+from onboard.notes import AbleToLeave, UnableToLeave
 from simulation.battery_settings import Departure
+from simulation.judge.log import Checker
 from simulation.result import Ending
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
@@ -158,13 +160,36 @@ def test_so_v4_says_so_and_stays_at_hoshakuji() -> None:
     ran = dead.tables.stops.filter(pl.col("departure_s").is_not_null())["train"].unique().to_list()
     assert "334M" in ran and not {"333M", "335M", "336M"} & set(ran)
     waiting = {w.stock_id: w for w in dead.result.waiting}
-    assert "it is charging" in waiting["V4"].waits_for and waiting["V4"].number == "333M"
+    assert "it is full" in waiting["V4"].waits_for and waiting["V4"].number == "333M"
     assert dead.result.ended_because is Ending.STALLED
     assert not dead.result.violations or all("arrive" in str(v.checker) for v in dead.result.violations)
     waits = dead.tables.waits.filter(pl.col("unit") == "V4", pl.col("cause") == "unable")
     assert waits["train"].to_list() == ["333M"]
 
 
+def test_the_run_is_bad_and_says_why_but_no_state_is_dead() -> None:
+    """Waiting for a charger that stays dead is no dead state: the set says what it lacks, and nobody has lied."""
+    dead = run("karasuyama/60_charger_dead")
+    assert dead.broken and dead.summary["trains_arrived"] == 13
+    assert any("what takes it to SHN" in text and "it is full" in text for text in dead.broken)
+    assert not [v for v in dead.result.violations if v.checker == Checker.NO_DEAD_STATE]
+
+
+def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
+    fault = '[[fault]]\nkind = "charger_dead"\ntarget = "KRS"\nstart = "14:00:00"\nduration_s = 4500.0\n'
+    path = tmp_path / "mended.toml"
+    path.write_text(f'extends = "karasuyama_battery"\nid = "mended"\nname = "mended"\n{fault}', "utf-8")
+    mended = execute(load_scenario(str(path)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    able = [entry for entry in mended.result.journal.entries if isinstance(entry.event, AbleToLeave)]
+    left = mended.tables.stops.filter(pl.col("train") == "333M", pl.col("station") == "HSK")["departure_s"][0]
+    mended_s = 14 * 3600 + 4500.0
+    assert able[0].who == "V4" and mended_s <= able[0].t_s <= left <= mended_s + 60.0
+    assert not mended.broken and mended.result.ended_because is Ending.FINISHED
+    told = mended.tables.events.filter(pl.col("source") == "V4", pl.col("kind").str.ends_with("to leave"))
+    assert told["kind"].to_list()[:2] == ["unable to leave", "able to leave"]
+
+
+@pytest.mark.nightly
 def test_without_its_reckoning_v4_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the drill guards, switched off by name: then 333M departs, and the drill would fail."""
     monkeypatch.setattr(ChargeWatch, "why_not", lambda _self, _mission, _at: None)
