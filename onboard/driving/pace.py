@@ -126,7 +126,7 @@ class Pace:
             row.due_s - now_s,
             float(self._law.regeneration_share),
         )
-        self._laid = found = planned(ahead, self._planning.style)
+        self._laid = found = planned(ahead, self._planning)
         if found is None:
             return False
         row.plan_due_s = now_s + found.takes_s

@@ -93,6 +93,9 @@ def optimal(
         if unit.braking_to_stop == 1:
             return 0.0  # the stop is TASC's alone
         if slope_mps2 < 0.0:
+            cue.ceiling_mps = (
+                speed_mps  # on the plan's way down to a limit, not on the steeper one of the limits
+            )
             return service_notch(train, -wanted_mps2) if wanted_mps2 < 0.0 else 0.0
         force_n = wanted_mps2 * equivalent_mass_kg(train, cue.load_share) * (1.0 - own.force_reserve_share)
         return power_notch(train, cue.load_share, unit.speed_mps, force_n)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from onboard.driving.ahead import LOOK_AHEAD_S
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
-from onboard.driving.planner.wish import Style
+from onboard.driving.planner.wish import PLAIN, Planning, Style
 from vehicle.optimum import Course, Optimum, Profile
 from vehicle.optimum.coast import coast_on, cruise_on
 from vehicle.optimum.mesh import Laid as CourseLaid
@@ -26,9 +26,6 @@ LEVEL_MPS2: Final = 0.01  # assumed: a speed that changes by less is held: half 
 NO_FORCE_MPS2: Final = 0.005  # assumed: so little force is none: what a solver leaves of a coast
 
 POINTS: Final = 150  # assumed: a plan that a unit makes at a departure needs no finer mesh
-
-HASTE_SHARE: Final = 1.01  # assumed: of the least time, which an expert driver takes even when late
-FREE_SHARE: Final = 1.05  # assumed: of the least time, where nobody says when the train is to be there
 
 Floats = NDArray[np.float64]
 
@@ -87,11 +84,10 @@ class Ahead:
     regeneration_share: float = 1.0  # of what comes back that counts
 
 
-def planned(ahead: Ahead, style: Style = Style.OPTIMAL) -> Laid | None:
+def planned(ahead: Ahead, planning: Planning = PLAIN) -> Laid | None:
     """The plan for the time that is left, or for little more than the least where that is too short.
 
-    The last second costs more than all others: a train that is late plans to take HASTE_SHARE of the way's least time,
-    not to spend any energy on being less late. None where the train cannot get there, or no run is found.
+    None where the train cannot get there, or no run is found.
     """
     course = Course(
         ahead.train,
@@ -107,10 +103,10 @@ def planned(ahead: Ahead, style: Style = Style.OPTIMAL) -> Laid | None:
     idle_s = answers_s(ahead.train) if ahead.initial_mps == 0.0 else 0.0
     try:
         found = laid(course)
-        ordered_s = (
-            FREE_SHARE * found.least_s if math.isinf(ahead.available_s) else ahead.available_s - idle_s
-        )
-        profile, rim_mps2 = _run(found, max(ordered_s, HASTE_SHARE * found.least_s), style)
+        free = math.isinf(ahead.available_s)
+        reserve = planning.free_reserve_share if free else planning.late_reserve_share
+        ordered_s = 0.0 if free else ahead.available_s - idle_s
+        profile, rim_mps2 = _run(found, max(ordered_s, (1.0 + reserve) * found.least_s), planning.style)
     except ValueError:
         return None
     return lay(profile, rim_mps2, ahead.climb_m.size, idle_s)

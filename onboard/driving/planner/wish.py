@@ -8,7 +8,7 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from network.files.kinds import about
-from network.files.quantities import Wait
+from network.files.quantities import Share, Wait
 from network.files.toml_input import Record
 
 
@@ -44,6 +44,18 @@ class Planning(Record):
             " where a second saves most energy"
         ),
     ] = Margin.SAVING
+    late_reserve_share: Annotated[
+        Share,
+        about(
+            "of the least running time, that a plan takes beyond it however late the train is: the last seconds cost"
+            " more than all others",
+            "assumed: what an expert driver leaves",
+        ),
+    ] = 0.01
+    free_reserve_share: Annotated[
+        Share,
+        about("the same where nobody says when the train is to be there", "assumed: a usual supplement"),
+    ] = 0.05
     plan_tolerance_s: Annotated[
         Wait,
         about(
