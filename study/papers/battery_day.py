@@ -55,9 +55,9 @@ def reproduce(options: Options) -> Reproduction:
     remarks = (
         "Assumptions are changed one at a time; a set that has too little waits for its charge, so that a bad"
         " assumption shows as lateness or as trains that do not arrive before it shows as a lower margin.",
-        "A set that has waited runs late and at the limits, and takes more than it reckoned with for a run on time: so its"
-        " margin may be below 0 kWh, which is what the reserve is for.",
-        "A power that moves nothing is not what binds: beside it stand the battery's own limit or that of the charger, and"
+        "A set that has waited runs late and at the limits, and takes more than it reckoned with for a run on time: so"
+        " its margin may be below 0 kWh, which is what the reserve is for.",
+        "A power that moves nothing is not what binds: beside it stand the battery's own limit or the charger's, and"
         " stays at Karasuyama that fill the battery in any case.",
         *(
             ("quick: two of the assumptions alone are tried",)
