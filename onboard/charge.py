@@ -30,6 +30,11 @@ class Gauge(Protocol):
         ...
 
     @property
+    def full(self) -> bool:
+        """Whether the battery takes no more."""
+        ...
+
+    @property
     def connected(self) -> bool:
         """Whether the pantograph is not down."""
         ...
@@ -90,6 +95,7 @@ class ChargeWatch:
             has_j=round(has_j, -4),
             needed_j=round(self._needed_j, -4),
             charges=self._gauge.charges,
+            full=short and self._gauge.full,
             connected=not short,
         )
 

@@ -31,11 +31,19 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True)
+class OffLine:
+    """What a set does once it has left the line: what that takes of its battery, J, and whether it charges then."""
+
+    takes_j: float = 0.0
+    charges: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class Hop:
     """From one stop to the next: what the run takes, J at the battery, and then the stand there.
 
-    `charger`: the station whose charger is at the stop where it ends; empty: none. `wire`: it ends at a portal beyond
-    which sets charge.
+    `charger`: the station whose charger is at the stop where it ends; empty: none. `beyond_j`: what the set then takes
+    of its battery off the line, before it charges there (`wire`) or comes back.
     """
 
     number: str
@@ -45,6 +53,7 @@ class Hop:
     stand_j: float
     charger: str = ""
     wire: bool = False
+    beyond_j: float = 0.0
 
 
 def place_of(target: Target) -> str:
@@ -119,12 +128,14 @@ def hops_of(
     auxiliary_w: float,
     dwell_s: float,
     following: Mission | None,
+    off: OffLine,
 ) -> tuple[Hop, ...]:
     """The hops of a mission, given what each run takes; `following`: the set's next, if it stays on the line."""
     found: list[Hop] = []
     for (here, there), takes_j in zip(pairwise(mission.targets), runs_j, strict=True):
         last = there is mission.targets[-1]
         next_first = following.targets[0] if last and following is not None else None
+        leaves = there.station_id is None
         found.append(
             Hop(
                 mission.number,
@@ -133,7 +144,8 @@ def hops_of(
                 takes_j,
                 stands_s(there, next_first, dwell_s) * auxiliary_w,
                 charger_at(line, there),
-                there.station_id is None,
+                leaves and off.charges,
+                off.takes_j if leaves else 0.0,
             )
         )
     return tuple(found)
@@ -152,7 +164,7 @@ def to_next_charge(hops: Sequence[Hop], dead: Collection[str]) -> Reach:
     """What the way takes that begins with the first of these hops."""
     needed_j = 0.0
     for count, hop in enumerate(hops, 1):
-        needed_j += hop.run_j
+        needed_j += hop.run_j + hop.beyond_j
         if hop.wire or (hop.charger and hop.charger not in dead):
             return Reach(needed_j, hop.to_place, count)
         needed_j += hop.stand_j

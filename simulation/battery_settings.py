@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import Field
 
@@ -18,6 +18,8 @@ from network.files.quantities import (
     SpeedKmh,
 )
 from network.files.toml_input import Record
+
+KWH_J: Final = 3.6e6
 
 
 class Departure(StrEnum):
@@ -56,6 +58,11 @@ class Beyond(Record):
     charge_kw: Annotated[
         BatteryPowerKw, about("power of that, at most", "assumed: as the normal charging of Hoshakuji")
     ] = 200.0
+
+    @property
+    def takes_j(self) -> float:
+        """What running there takes of the battery, J."""
+        return self.distance_km * self.consumption_kwh_per_km * KWH_J
 
 
 class BatterySettings(Record):

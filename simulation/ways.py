@@ -12,7 +12,7 @@ from network.path import Path
 from network.profile import profile_of
 from onboard.driving.pattern import pattern_of
 from onboard.duty.mission import Mission
-from onboard.reach import Ground, Hop, SetWays, hops_of, run_j
+from onboard.reach import Ground, Hop, OffLine, SetWays, hops_of, run_j
 from onboard.records import BehaviourRow
 from simulation.setup import Setup, behaviour_row
 from simulation.world.roster import Duty
@@ -50,8 +50,17 @@ def _ways(
         stays = following.mission if following is not None and not duty.leaves else None
         first[mission.number] = len(hops)
         auxiliary_w = float(train.auxiliary_power_w)
-        hops += hops_of(setup.believed_line, mission, runs, auxiliary_w, dwell_s, stays)
+        off = _off_line(setup, mission.number)
+        hops += hops_of(setup.believed_line, mission, runs, auxiliary_w, dwell_s, stays, off)
     return SetWays(tuple(hops), first)
+
+
+def _off_line(setup: Setup, number: str) -> OffLine:
+    """What a set does off the line after one of its trains."""
+    if setup.battery is None:
+        return OffLine()
+    beyond = setup.battery.beyond_of(number)
+    return OffLine(beyond.takes_j, charges=beyond.charge_min > 0.0 and beyond.charge_kw > 0.0)
 
 
 def _runs_j(

@@ -42,7 +42,8 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
     """The battery does not take the set to its next charge, `station` (empty: none is to come), or is being charged.
 
     `has_j` as it would leave now, `needed_j` by the unit's prediction with what it keeps back; `charges`: a charger
-    gives it more meanwhile; `connected`: there is enough, and the pantograph has yet to come down.
+    gives it more meanwhile, or would if it were not `full`; `connected`: there is enough, and the pantograph has yet to
+    come down.
     """
 
     station: str
@@ -50,6 +51,7 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
     needed_j: float
     charges: bool
     connected: bool = False
+    full: bool = False
 
     @property
     def words(self) -> str:
@@ -58,6 +60,8 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
             return "a lowered pantograph"
         where = f"to {self.station}, where it can charge next" if self.station else "to where its day ends"
         how = "it is charging" if self.charges else "there is no charger here that works"
+        if self.full:
+            how = "it is full"
         return f"{self.needed_j / 3.6e6:.1f} kWh {where}: it has {self.has_j / 3.6e6:.1f} kWh, and {how}"
 
 

@@ -52,10 +52,15 @@ def fits(battery: BatteryRow, charging: ChargingRow) -> None:
 
 
 @compiled
+def is_full(battery: BatteryRow) -> bool:
+    """Whether it takes no more, or next to nothing."""
+    return bool(battery.charge_c >= FULL_SHARE * battery.soc_high * battery.full_c)
+
+
+@compiled
 def enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
     """Whether the battery has what its unit asks for, and so much more, unless it takes no more."""
-    full = battery.charge_c >= FULL_SHARE * battery.soc_high * battery.full_c
-    return available_j(battery) >= charging.needed_j + (0.0 if full else spare_j)
+    return available_j(battery) >= charging.needed_j + (0.0 if is_full(battery) else spare_j)
 
 
 @compiled

@@ -20,7 +20,7 @@ from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.ways import ways_of
 from simulation.world.books import Books
-from simulation.world.charge_control import DOWN, READY_S, UP, ChargingRow, fits
+from simulation.world.charge_control import DOWN, READY_S, UP, ChargingRow, fits, is_full
 from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -31,7 +31,6 @@ SAMPLES_EVERY_S: Final = 30.0
 BEYOND_STEP_S: Final = 1.0
 SPARE_S: Final = 120.0  # assumed: for the pantograph, the route, and until the train moves
 BEYOND_SAMPLES_S: Final = 120.0
-KWH_J: Final = 3.6e6
 
 
 @dataclass(slots=True)
@@ -55,6 +54,11 @@ class BatteryGauge:
     def charges(self) -> bool:
         """Whether the set stands at a charger that works."""
         return self._control.power_w > 0.0
+
+    @property
+    def full(self) -> bool:
+        """Whether the battery takes no more."""
+        return is_full(self._battery)
 
     @property
     def connected(self) -> bool:
@@ -200,7 +204,7 @@ class Charging:
         """Run, charge, wait: the battery carries nothing but what it is asked for there."""
         row = self._rows[slot]
         runs_s = min(beyond.distance_km / beyond.speed_kmh * 3600.0, back_s - left_s)
-        takes_j = beyond.distance_km * beyond.consumption_kwh_per_km * KWH_J
+        takes_j = beyond.takes_j
         if takes_j > 0.0 and runs_s > 0.0:
             stand(row, takes_j / runs_s, 0.0, runs_s, BEYOND_STEP_S)
             self._write(slot, round((left_s + runs_s) * STEPS_PER_S), BatteryEvent.RAN_BEYOND)

@@ -85,7 +85,7 @@ def _day(one: _Set, duties: tuple[Duty, ...]) -> Iterator[Finding]:
 def _beyond(one: _Set, number: str, away_s: float) -> None:
     beyond = one.settings.beyond_of(number)
     runs_s = min(beyond.distance_km / beyond.speed_kmh * 3600.0, away_s)
-    takes_j = beyond.distance_km * beyond.consumption_kwh_per_km * KWH_J
+    takes_j = beyond.takes_j
     if takes_j > 0.0 and runs_s > 0.0:
         stand(one.battery, takes_j / runs_s, 0.0, runs_s, STEP_S)
         away_s -= runs_s

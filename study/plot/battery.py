@@ -21,6 +21,9 @@ HOUR_S: Final = 3600.0
 CHARGED: Final = "#cfe3cf"
 OFF_LINE: Final = "#f1f1f1"
 NUMBER_PT: Final = 6.0
+LABEL_PERCENT: Final = 4.0
+RAISED_PERCENT: Final = 32.0  # above the red lines
+LABEL_S: Final = 2400.0  # names nearer than this touch
 NARROW_S: Final = 720.0  # a name above a charge has no room in less
 
 
@@ -48,8 +51,8 @@ def draw_battery(run: Seen) -> Figure | None:
     figure.legend(
         handles=[
             Line2D([], [], color=INK, lw=1.4, label="state of charge"),
-            Line2D([], [], color=RED, lw=0.9, ls=(0, (5, 3)), label="to be kept back"),
-            Line2D([], [], color=RED, lw=0.9, label="low end of the window"),
+            Line2D([], [], color=RED, lw=0.9, ls=(0, (5, 3)), label="reserve to be kept"),
+            Line2D([], [], color=RED, lw=0.9, label="nothing to use below"),
             Patch(color=CHARGED, lw=0, label="charges"),
             Patch(color=OFF_LINE, lw=0, label="off the line"),
         ],
@@ -78,7 +81,7 @@ def _panel(axes: Axes, run: Seen, unit: str, rows: pl.DataFrame, colour: str) ->
     # Towards the middle of the panel, so that it stays inside.
     right = times_s[at] > 0.5 * (times_s[0] + times_s[-1])
     axes.annotate(
-        f"{soc[at]:.0f} %, {lowest['above_low_kwh']:.0f} kWh ({lowest['train']})",
+        f"{lowest['train']}: {soc[at]:.0f} %, {lowest['above_low_kwh']:.0f} kWh left to use",
         (times_s[at], soc[at]),
         xytext=(-6 if right else 6, -1),
         textcoords="offset points",
@@ -107,7 +110,8 @@ def _off_line(rows: pl.DataFrame) -> list[tuple[float, float]]:
 
 
 def _charges(axes: Axes, run: Seen, unit: str) -> None:
-    """Each charge, with its station above where there is room."""
+    """Each charge, with its station where there is room: higher up, where it would touch the one before."""
+    last_s, at_percent = -np.inf, LABEL_PERCENT
     for charge in run.tables.charges.filter(pl.col("unit") == unit).iter_rows(named=True):
         axes.axvspan(charge["from_s"], charge["to_s"], color=CHARGED, lw=0, zorder=0.3)
         if charge["to_s"] - charge["from_s"] < NARROW_S:
@@ -116,7 +120,9 @@ def _charges(axes: Axes, run: Seen, unit: str) -> None:
         place = run.name(charge["station"]) if charge["station"] else "off the line"
         gained = round(charge["gained_kwh"])
         text = f"{place}\n{gained:+d} kWh".replace("-", "−") if gained else place
-        axes.annotate(text, (middle_s, 5), ha="center", va="bottom", fontsize=NUMBER_PT, color=PALE)
+        touches = middle_s - last_s < LABEL_S and at_percent == LABEL_PERCENT
+        last_s, at_percent = middle_s, RAISED_PERCENT if touches else LABEL_PERCENT
+        axes.annotate(text, (middle_s, at_percent), ha="center", va="bottom", fontsize=NUMBER_PT, color=PALE)
 
 
 def _numbers(axes: Axes, run: Seen, unit: str) -> None:

@@ -55,8 +55,8 @@ JAPANESE: Final[Mapping[str, str]] = {
     "hour": "時",
     "net": "正味",
     "state of charge": "充電状態",
-    "to be kept back": "留保分",
-    "low end of the window": "使用下限",
+    "reserve to be kept": "留保分",
+    "nothing to use below": "使用下限",
     "charges": "充電",
     "off the line": "線外",
     "time": "時刻",
@@ -121,6 +121,9 @@ _PATTERNS: Final = (
         re.compile(r"(.+), (down|up): minimum running times and what the timetable plans"),
         r"\1 \2：基準運転時分と計画",
     ),
+    (re.compile(r"(.+)\ncharge, %"), r"\1\n充電率 [%]"),
+    (re.compile(r"(.+): (\d+) %, (-?\d+) kWh left to use"), r"\1：\2 %、残り \3 kWh"),
+    (re.compile(r"off the line\n(.+)"), r"線外\n\1"),
 )
 
 

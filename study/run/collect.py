@@ -45,6 +45,8 @@ TOLD: Final[Mapping[EventType, str]] = {
     notes.PositionFault: "fault",
     notes.StoppedShort: "stop",
     notes.StopImpossible: "stop",
+    notes.UnableToLeave: "unable to leave",
+    notes.AbleToLeave: "able to leave",
     notes.Overran: "stop",
     events.Unsafe: "unsafe",
     events.Collision: "unsafe",

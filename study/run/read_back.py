@@ -194,7 +194,10 @@ def _check_tables(directory: Path, shown: Shown) -> None:
     try:
         found = digests_of_tables(directory)
     except OSError as error:
-        raise InputError(str(error.filename), "", None, f"a table of a run ({error.strerror})") from error
+        why = error.strerror
+        if isinstance(error, FileNotFoundError) and Path(error.filename).name not in shown.tables:
+            why = "this run is of an older version, which had none: run the scenario again"
+        raise InputError(str(error.filename), "", None, f"a table of a run ({why})") from error
     for name, digest in found.items():
         if shown.tables.get(name) != digest:
             expected = f"the table that this run has written, by its digest in {SHOWN_FILE}"

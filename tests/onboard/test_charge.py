@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -28,6 +28,7 @@ class Gauge:
     gains_w: float = 0.0
     now_s: float = 0.0
     connected: bool = False
+    full: bool = False
     asked: list[tuple[float, float]] = field(default_factory=list)
 
     @property
@@ -83,6 +84,14 @@ def test_to_the_next_charger_and_past_a_dead_one() -> None:
     assert to_next_charge(ahead, {"KRS", "HSK"}).hops == len(ahead)
 
 
+def test_what_is_taken_off_the_line_counts_before_the_charge_there() -> None:
+    home, later = ways().ahead("336M", 0)[:2], ways().ahead("336M", 2)[:1]
+    leaves = replace(home[1], charger="", wire=True, beyond_j=46.8 * KWH)
+    assert to_next_charge((home[0], leaves, *later), ()).needed_j == pytest.approx((10.0 + 1.0 + 46.8) * KWH)
+    uncharged = to_next_charge((home[0], replace(leaves, wire=False), *later), ())
+    assert uncharged.hops == 3 and uncharged.needed_j == pytest.approx((10.0 + 2.0 + 46.8 + 6.0) * KWH)
+
+
 def test_no_charger_is_left_before_the_day_ends() -> None:
     ahead = ways().ahead("333M", 1)[:8]
     assert to_next_charge(ahead, {"KRS"}) == Reach(8 * 5.0 * KWH + 8 * KWH, None, 8)
@@ -110,6 +119,9 @@ def test_it_reckons_with_the_charge_it_will_have() -> None:
     gauge.gains_w = 90e3
     why = watch(gauge).why_not(down, 1)
     assert why is not None and "charging" in why.words
+    gauge.full = True
+    why = watch(gauge).why_not(down, 1)
+    assert why is not None and why.words.endswith("and it is full")
 
 
 def test_told_of_a_dead_charger_it_reckons_anew() -> None:

@@ -249,6 +249,9 @@ def test_the_shipped_trains_with_and_without_losses_are_otherwise_alike() -> Non
     assert lossy.pop("losses")
     for table in (plain, lossy):
         del table["id"], table["name"]
+    # Whose efficiencies have the battery among them says so, and the other that its map has not.
+    assert "battery, inverter, motor and gear" in plain["provenance"].pop("energy")
+    assert "to the terminals of the battery" in lossy["provenance"].pop("energy")
     own = {key: text for key, text in lossy["provenance"].items() if key.partition(".")[0] == "losses"}
     assert plain["provenance"] == {k: text for k, text in lossy.pop("provenance").items() if k not in own}
     assert {key: plain[key] for key in plain if key != "provenance"} == lossy

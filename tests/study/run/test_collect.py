@@ -16,7 +16,7 @@ from network.files.shipped import shipped_line
 from network.graph import find_route
 from network.model import Direction, Line
 from network.path import path_of
-from onboard.notes import Intervention, Moving
+from onboard.notes import AbleToLeave, Intervention, Moving, UnableToLeave
 from radio.noted import TelegramDropped
 from simulation.events import MANAGER, WORLD, Collision, Left
 from simulation.journal import Journal
@@ -259,9 +259,12 @@ def test_events_are_what_a_person_should_hear_of() -> None:
     journal.write(2.0, "K1", Intervention(level=2))
     journal.write(3.0, MANAGER, Refused(unit_id="K2", section_ids=("5", "6"), why="HELD"))
     journal.write(4.0, WORLD, Collision(text="K1 with K2"))
+    journal.write(5.0, "K1", UnableToLeave(station="A", why="a pull"))
+    journal.write(6.0, "K1", AbleToLeave(station="A"))
     made = tables(result(journal=journal)).events
-    assert made["t_s"].to_list() == [2.0, 3.0, 4.0]
-    assert made["kind"].to_list() == ["intervention", "refusal", "unsafe"]
+    assert made["t_s"].to_list() == [2.0, 3.0, 4.0, 5.0, 6.0]
+    kinds = ["intervention", "refusal", "unsafe", "unable to leave", "able to leave"]
+    assert made["kind"].to_list() == kinds
     assert made["text"][0] == "emergency brake"
     assert "sections 5 6" in made["text"][1]
     assert "K1 with K2" in made["text"][2]

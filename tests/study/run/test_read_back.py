@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from polars.testing import assert_frame_equal
 
 from network.errors import InputError
-from study.run.directory import TABLE_FILES, digests_of_tables
+from study.run.directory import SHOWN_FILE, TABLE_FILES, digests_of_tables
 from study.run.drill import run_drill, shown
 from study.run.read_back import parsed, read_run, report_again
 from study.run.run import CarrierKind, Link, Run, execute, write_run
@@ -213,3 +213,15 @@ def test_a_table_with_any_byte_changed_is_refused(directory: Path, name: str, da
         assert name in error_of(directory)
     finally:
         (directory / name).write_bytes(whole)
+
+
+def test_a_run_of_before_there_was_a_table_is_told_as_such(copy: Path) -> None:
+    """What `compare` and `plot` read: one error, that names the table and what to do."""
+    written = json.loads((copy / SHOWN_FILE).read_text("utf-8"))
+    for name in ("battery.parquet", "charges.parquet"):
+        (copy / name).unlink()
+        del written["tables"][name]
+    (copy / SHOWN_FILE).write_text(json.dumps(written), "utf-8")
+    with pytest.raises(InputError, match="older version") as error:
+        read_run(copy)
+    assert error.value.file.endswith("battery.parquet") and "run the scenario again" in str(error.value)

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
+from simulation.ways import ways_of
+from simulation.world.roster import drawn_up
 from study.scenario.scenario import Scenario, load_scenario
 
 FAULT = '[[fault]]\nkind = "charger_dead"\ntarget = "{target}"\nstart = "14:00:00"\n'
@@ -47,6 +49,18 @@ def test_a_cold_day_is_more_auxiliaries_for_train_and_unit(tmp_path: Path) -> No
     for setup, power_w in ((mild, 30e3), (cold, 45e3)):
         assert setup.trains["V1"].row[0]["auxiliary_power_w"] == pytest.approx(power_w)
         assert setup.believed_train("V1").row[0]["auxiliary_power_w"] == pytest.approx(power_w)
+
+
+def test_what_a_set_does_off_the_line_is_in_its_ways(tmp_path: Path) -> None:
+    text = "[battery.beyond]\nconsumption_kwh_per_km = 2.0\n[battery.beyond_after.322M]\ncharge_min = 0.0\n"
+    setup = loaded(tmp_path, text).setup
+    hops = [hop for way in ways_of(setup, drawn_up(setup, setup.line)).values() for hop in way.hops]
+    off = {hop.number: hop for hop in hops if hop.to_place == "HSK.MU"}
+    uncharged = off.pop("322M")  # a table of its own, in which the wire feeds it
+    assert not uncharged.wire and uncharged.beyond_j == 0.0
+    assert all(hop.wire for hop in off.values())
+    assert {hop.beyond_j for hop in off.values()} == {2.0 * 23.4 * 3.6e6}
+    assert not any(hop.beyond_j for hop in hops if hop.to_place != "HSK.MU")
 
 
 def test_what_a_set_does_off_the_line_may_be_said_by_train(tmp_path: Path) -> None:
