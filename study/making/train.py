@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from network.errors import COMMAND_LINE, InputError
 from network.files.raw import is_table
+from network.files.schema_walk import resolved
 from network.files.text_input import existing_file
 from network.files.toml_input import read_text
 from study.making.place import checked_new, write_new
@@ -123,7 +124,6 @@ def _explained(row: str, meaning: str) -> str:
 def _meaning(schema: Mapping[str, Any], table: str, key: str) -> str:
     properties = schema["properties"]
     if table:
-        name = properties[table].get("$ref", "").rpartition("/")[2]
-        properties = schema["$defs"].get(name, {}).get("properties", {})
+        properties = resolved(schema, properties[table]).get("properties", {})
     node = properties.get(key, {})
     return str(node.get("description", "")) if is_table(node) else ""

@@ -94,7 +94,7 @@ class Cell:
     @property
     def comparable(self) -> bool:
         """Whether PID and fuzzy both keep the time and the mark."""
-        return all(kept(self.hops[way]) for way in (Way.PID, Way.FUZZY))
+        return bool(self.hops) and all(kept(self.hops[way]) for way in (Way.PID, Way.FUZZY))
 
 
 def gradient_named(permille: float) -> str:
@@ -169,21 +169,22 @@ def run_cells(gradient_permille: float, orders_s: Sequence[float]) -> list[Cell]
     idle_s = float(first.train.traction_dead_time_s + first.train.traction_lag_s)
     for asked_s in orders_s:
         nominal = (gradient_permille, asked_s) == NOMINAL
-        hops = {way: bench.timed(asked_s) for way, bench in benches.items()}
         optimum_j = bound_j = None
         least_s = 0.0
+        hops: dict[Way, Timed] = {}
         try:
             optimum_j, bound_j = best_j(asked_s, False)
+            hops = {way: bench.timed(asked_s) for way, bench in benches.items()}
         except TooShort as short:
-            least_s = short.least_s
+            optimum_j, least_s = None, short.least_s
         cells.append(
             Cell(
                 gradient_permille,
                 asked_s,
                 hops,
                 {way: over(hop) for way, hop in hops.items()},
-                over(hops[Way.FUZZY], idle_s=idle_s) if nominal else float("nan"),
-                over(hops[Way.FUZZY], strong=True) if nominal else float("nan"),
+                over(hops[Way.FUZZY], idle_s=idle_s) if nominal and hops else float("nan"),
+                over(hops[Way.FUZZY], strong=True) if nominal and hops else float("nan"),
                 optimum_j,
                 bound_j,
                 least_s,
@@ -325,7 +326,7 @@ def write_pictures(cells: Sequence[Cell], folder: Path) -> tuple[Path, ...]:
     """The like of figures 8 and 9 below `folder`."""
     curves: dict[str, dict[str, Curve]] = {}
     for gradient in GRADIENTS_PERMILLE:
-        of_gradient = [cell for cell in cells if cell.gradient_permille == gradient]
+        of_gradient = [cell for cell in cells if cell.gradient_permille == gradient and cell.hops]
         if not of_gradient:
             continue
         lines = {

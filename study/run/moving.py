@@ -127,6 +127,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "stuck": Single(60.0, {}),
     "no_detection": Single(60.0, {}),
     "slow": Single(60.0, {"factor": 3.0}),
+    "charger_dead": Single(600.0, {}),
 }
 # A person looks at the restored picture, and again, until the trains out of coverage have answered, too.
 REENTRY_AFTER_S: Final = (30.0, 120.0, 300.0, 600.0, 1200.0)

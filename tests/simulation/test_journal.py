@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.model import Position
 from onboard.notes import Arrived, Departs, Holds, Moving, Proven
-from simulation.events import EVENTS, WORLD, Collision, Entry, EventType, authors_of, unit_of, word_of
+from simulation.events import EVENTS, WORLD, Collision, Entry, authors_of, unit_of, word_of
 from simulation.journal import SPILL_BYTES, Journal, decode_entry, encode_entry, last_time_s, read_journal
 from wayside.said import Granted, Refused
 
@@ -46,11 +46,13 @@ def values(hint: object) -> st.SearchStrategy[Any]:
         return st.dictionaries(*map(values, get_args(hint)), max_size=3)
     if isinstance(hint, type) and issubclass(hint, Enum):
         return st.sampled_from(hint)
+    if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
+        return made(hint)
     assert isinstance(hint, type)
     return LEAVES[hint]
 
 
-def made(kind: EventType) -> st.SearchStrategy[Any]:
+def made(kind: type[msgspec.Struct]) -> st.SearchStrategy[Any]:
     hints = get_type_hints(kind)
     return st.fixed_dictionaries({name: values(hints[name]) for name in kind.__struct_fields__}).map(
         lambda data: kind(**data)

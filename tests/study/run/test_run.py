@@ -41,6 +41,7 @@ from study.scenario.scenario import load_scenario
 TABLES = (
     *("trajectory", "stops", "blocks", "telegrams", "events"),
     *("energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"),
+    *("driving", "battery", "charges"),
 )
 TEXTS = ("summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html")
 WRITTEN = {*TEXTS, *(f"{name}.parquet" for name in TABLES)}
