@@ -133,7 +133,10 @@ def hops_of(
     following: Mission | None,
     off: OffLine,
 ) -> tuple[Hop, ...]:
-    """The hops of a mission, given the time (s) and energy (J) of each run; `following`: the set's next, if it stays on the line."""
+    """The hops of a mission, given the time (s) and energy (J) of each run.
+
+    `following`: the set's next, if it stays on the line.
+    """
     found: list[Hop] = []
     for (here, there), (time_s, takes_j) in zip(pairwise(mission.targets), runs, strict=True):
         last = there is mission.targets[-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace, replace
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -157,7 +157,7 @@ def test_a_raised_pantograph_keeps_it_too() -> None:
 
 
 @pytest.mark.parametrize("waits", [True, False])
-def test_whatever_the_rule_a_raised_pantograph_keeps_it_though_its_clock_be_set_back(waits: bool) -> None:  # noqa: FBT001
+def test_whatever_the_rule_a_raised_pantograph_keeps_it_though_its_clock_be_set_back(waits: bool) -> None:
     down, _ = missions()
     gauge = Gauge(has=90.0 * KWH, connected=True)
     own = watch(gauge, waits=waits)
