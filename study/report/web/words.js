@@ -226,8 +226,8 @@ export const WORDS = {
   comparable: ["what is comparable, what not", "比較できる点とできない点"],
   // batteries
   battery_title: ["Batteries", "蓄電池"],
-  battery_caption: ["Lowest state of charge of each set in the day; above, how far its energy then lay over what is to be kept back. Minutes that suffice: the least charging after which the set comes to its next charge with just that; – where no time would do. A place – lies off the line.",
-    "各編成の一日の最低充電状態。棒の上は、その時の電力量と留保分との差。充足分：次の充電地点に留保分ちょうどで到着できる最短の充電時間（– は不足）。場所の – は線外"],
+  battery_caption: ["Lowest state of charge of each set in the day; above, how far its energy then lay over what is to be kept back. Minutes that suffice: the least charging after which the set comes to its next charge with just that; – where no time would do. A place – lies off the line. Given, taken and lost are counted at the battery; missing is what a train asked of it and did not get.",
+    "各編成の一日の最低充電状態。棒の上は、その時の電力量と留保分との差。充足分：次の充電地点に留保分ちょうどで到着できる最短の充電時間（– は不足）。場所の – は線外。放電・充電・損失は蓄電池での値、不足は求めて得られなかった分"],
   battery_label: ["Lowest state of charge by set", "編成別の最低充電状態"],
   table_battery_sets: ["Batteries by set", "編成別の蓄電池"],
   table_charges: ["Charges", "充電"],
