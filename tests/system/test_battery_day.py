@@ -17,12 +17,14 @@ from network.timetable import clock
 from onboard.charge import ChargeWatch
 from onboard.notes import AbleToLeave, UnableToLeave
 from simulation.battery_settings import Departure
+from simulation.events import Unsafe
 from simulation.judge.log import Checker
 from simulation.result import Ending
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.feasibility.finding import Kind
-from study.papers.battery_day import UNBALANCED_PERCENT_MAX
+from study.papers.battery_day import UNBALANCED_PERCENT_MAX, _home
+from study.papers.reproduction import Figure
 from study.run.battery import windows_of
 from study.run.drill import find_drill
 from study.run.run import CarrierKind, Link, Run, execute
@@ -187,6 +189,38 @@ def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
     assert not mended.broken and mended.result.ended_because is Ending.FINISHED
     told = mended.tables.events.filter(pl.col("source") == "V4", pl.col("kind").str.ends_with("to leave"))
     assert told["kind"].to_list()[:2] == ["unable to leave", "able to leave"]
+
+
+def clock_ahead(directory: Path, departure: Departure) -> Run:
+    """V2's clock is 25 s ahead from before its first charge on."""
+    path = directory / "ahead.toml"
+    path.write_text(
+        'extends = "karasuyama_battery"\nid = "ahead"\nname = "ahead"\n'
+        f'[battery]\ndeparture = "{departure.value}"\n'
+        '[[fault]]\nkind = "clock"\ntarget = "V2"\noffset_s = 25.0\nstart = "05:00:00"\n',
+        "utf-8",
+    )
+    return execute(load_scenario(str(path)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def test_with_a_wrong_clock_no_set_leaves_with_its_pantograph_up(tmp_path: Path) -> None:
+    """It leaves by its own clock, and by that the pantograph has come down: early, and by as much as it is ahead."""
+    ahead = clock_ahead(tmp_path, Departure.LEAVE)
+    assert not [entry for entry in ahead.result.journal.entries if isinstance(entry.event, Unsafe)]
+    first = ahead.tables.charges.filter(pl.col("unit") == "V2", pl.col("station") == "KRS")["to_s"][0]
+    usual = day().tables.charges.filter(pl.col("unit") == "V2", pl.col("station") == "KRS")["to_s"][0]
+    assert first == pytest.approx(usual - 25.0, abs=2.0)
+
+
+def test_ten_minutes_are_told_alone_and_not_judged() -> None:
+    """They were what the power was chosen by; what was in the battery before has no part in them."""
+    figure = _home(day())
+    charge = day().tables.charges.filter(pl.col("station") == "KRS", pl.col("minutes") > 10.0).sort("from_s")
+    most_kwh = 400.0 * 10.0 / 60.0
+    assert isinstance(figure, Figure) and charge.height > 0
+    told_kwh = float(str(figure.value).split(" kWh")[0])
+    assert 0.0 < told_kwh <= most_kwh + 0.5
+    assert "no independent check" in figure.meaning
 
 
 @pytest.mark.nightly
