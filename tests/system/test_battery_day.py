@@ -17,7 +17,6 @@ from network.timetable import clock
 from onboard.charge import ChargeWatch
 from onboard.notes import AbleToLeave, UnableToLeave
 from simulation.battery_settings import Departure
-from simulation.events import Unsafe
 from simulation.judge.log import Checker
 from simulation.result import Ending
 from simulation.setup import Setup
@@ -189,27 +188,6 @@ def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
     assert not mended.broken and mended.result.ended_because is Ending.FINISHED
     told = mended.tables.events.filter(pl.col("source") == "V4", pl.col("kind").str.ends_with("to leave"))
     assert told["kind"].to_list()[:2] == ["unable to leave", "able to leave"]
-
-
-def clock_ahead(directory: Path, departure: Departure) -> Run:
-    """V2's clock is 25 s ahead from before its first charge on."""
-    path = directory / "ahead.toml"
-    path.write_text(
-        'extends = "karasuyama_battery"\nid = "ahead"\nname = "ahead"\n'
-        f'[battery]\ndeparture = "{departure.value}"\n'
-        '[[fault]]\nkind = "clock"\ntarget = "V2"\noffset_s = 25.0\nstart = "05:00:00"\n',
-        "utf-8",
-    )
-    return execute(load_scenario(str(path)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
-
-
-def test_with_a_wrong_clock_no_set_leaves_with_its_pantograph_up(tmp_path: Path) -> None:
-    """It leaves by its own clock, and by that the pantograph has come down: early, and by as much as it is ahead."""
-    ahead = clock_ahead(tmp_path, Departure.LEAVE)
-    assert not [entry for entry in ahead.result.journal.entries if isinstance(entry.event, Unsafe)]
-    first = ahead.tables.charges.filter(pl.col("unit") == "V2", pl.col("station") == "KRS")["to_s"][0]
-    usual = day().tables.charges.filter(pl.col("unit") == "V2", pl.col("station") == "KRS")["to_s"][0]
-    assert first == pytest.approx(usual - 25.0, abs=2.0)
 
 
 def test_ten_minutes_are_told_alone_and_not_judged() -> None:
