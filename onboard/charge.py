@@ -1,5 +1,6 @@
 """Whether a set's charge takes it to its next charge: decided before it leaves, by its own prediction (充電残量の照査).
 
+Whatever the rule, no set leaves with its pantograph up: that comes down by itself when it is due by its unit's clock.
 Where it leaves a charger, or begins a train, it wants a reserve beyond what it predicts; on its way from there, where
 waiting would help nobody, what it predicts is enough. It reckons with the charge it will have when it is to leave.
 """
@@ -35,12 +36,17 @@ class Gauge(Protocol):
         ...
 
     @property
+    def up(self) -> bool:
+        """Whether the pantograph is up."""
+        ...
+
+    @property
     def connected(self) -> bool:
         """Whether the pantograph is not down."""
         ...
 
     def ask(self, needed_j: float, leaves_s: float) -> None:
-        """The set is to leave at a time (+inf: not known), with so much."""
+        """The set is to leave at a time of its unit's clock (+inf: not known, -inf: once it can), with so much."""
         ...
 
 
@@ -62,6 +68,12 @@ def commits_at(line: Line, mission: Mission, at: int) -> bool:
     return at == 0 or bool(charger_at(line, mission.targets[at]))
 
 
+def _leaves_s(mission: Mission, at: int) -> float:
+    """When a set is to leave a stop; -inf where the plan has no time for that."""
+    departs_s = mission.targets[at].departure_s
+    return -math.inf if departs_s is None else departs_s
+
+
 class ChargeWatch:
     """The charge of one set, as its unit watches it."""
 
@@ -73,6 +85,7 @@ class ChargeWatch:
         self._gauge: Final = gauge
         self._dead: Collection[str] = ()
         self._asked: tuple[str, int] | None = None
+        self._due_at: tuple[str, int] | None = None
         self._reach: Reach | None = None
         self._needed_j = 0.0
         self._leaves_s = math.inf
@@ -84,11 +97,13 @@ class ChargeWatch:
     def why_not(self, mission: Mission, at: int) -> NoCharge | None:
         """Why the set may not leave the stop where it stands; None where it may."""
         self._look(mission, at)
-        if self._reach is None or not self._rules.waits:
+        if self._reach is None:
             return None
+        if self.now_s >= self._leaves_s:
+            self._due_at = mission.number, at  # and stays so, though its clock be set back
         has_j = self._gauge.has_j(self._leaves_s)
-        short = has_j < self._needed_j
-        if not short and not (self._gauge.connected and self.now_s >= self._leaves_s):
+        short = self._rules.waits and has_j < self._needed_j
+        if not short and not (self._gauge.connected and self._due_at == (mission.number, at)):
             return None
         return NoCharge(
             station=self._reach.place or "",
@@ -97,17 +112,28 @@ class ChargeWatch:
             charges=self._gauge.charges,
             full=short and self._gauge.full,
             connected=not short,
+            up=self._gauge.up,
         )
+
+    def on_sight(self, mission: Mission, at: int) -> None:
+        """On sight at a stop its crew decides: nothing is asked for but that the pantograph be down when it is due."""
+        self._asked = None
+        last = at + 1 >= len(mission.targets)
+        self._gauge.ask(0.0, math.inf if last else _leaves_s(mission, at))
+
+    @property
+    def connected(self) -> bool:
+        """Whether the pantograph is not down."""
+        return self._gauge.connected
 
     def _look(self, mission: Mission, at: int) -> None:
         """What the way from a stop takes: worked out when the set comes there, and when chargers fail or are mended."""
         if self._asked == (mission.number, at):
             return
         self._asked = mission.number, at
-        departs_s = mission.targets[at].departure_s
         ahead = self._ways.ahead(mission.number, at)
         last = at + 1 >= len(mission.targets)
-        self._leaves_s = math.inf if last or departs_s is None else departs_s
+        self._leaves_s = math.inf if last else _leaves_s(mission, at)
         self._reach = None if last or not ahead else to_next_charge(ahead, self._dead)
         self._needed_j = 0.0
         if self._reach is not None and self._rules.waits:

@@ -434,6 +434,9 @@ class Motion:
             row.target_stop_m = row.mark_m = aim_m
             row.braking_to_stop = 0
         may_run = command.drive and row.intervention != EMERGENCY_INTERVENTION
+        if self.charge is not None and mission is not None and command.stands_at is not None:
+            self.charge.on_sight(mission, command.stands_at)
+            may_run = may_run and not self.charge.connected
         row.mode = MODE_DRIVE if may_run else MODE_HOLD
 
     def _run(self, command: Command, now_s: float) -> None:

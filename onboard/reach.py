@@ -40,7 +40,7 @@ class OffLine:
 
 @dataclass(frozen=True, slots=True)
 class Hop:
-    """From one stop to the next: what the run takes, J at the battery, and then the stand there.
+    """From one stop to the next: what the run takes, J at the battery in `run_s`, and then the stand there.
 
     `charger`: the station whose charger is at the stop where it ends; empty: none. `beyond_j`: what the set then takes
     of its battery off the line, before it charges there (`wire`) or comes back.
@@ -49,6 +49,7 @@ class Hop:
     number: str
     from_place: str
     to_place: str
+    run_s: float
     run_j: float
     stand_j: float
     charger: str = ""
@@ -75,7 +76,7 @@ def due_s(there: Target, dwell_s: float) -> float | None:
     return ready_s if there.arrival_s is None else min(there.arrival_s, ready_s)
 
 
-def run_j(
+def run_of(
     train: TrainRow,
     behaviour: BehaviourRow,
     load_share: float,
@@ -83,8 +84,11 @@ def run_j(
     ends: tuple[Target, Target],
     dwell_s: float,
     margin_s: float,
-) -> float:
-    """Predicted energy of a run from stop to stop on time, J, auxiliaries among it; at the limits where no time is."""
+) -> tuple[float, float]:
+    """Predicted time (s) and energy (J, auxiliaries among it) of a run from stop to stop on time.
+
+    At the limits where no time is.
+    """
     here, there = ends
     cruise_mps = np.inf
     arrives_s = due_s(there, dwell_s)
@@ -99,7 +103,7 @@ def run_j(
             arrives_s - here.departure_s - margin_s,
             behaviour.stop_deceleration_mps2,
         )
-    _, energy_j = predicted_run(
+    return predicted_run(
         train,
         load_share,
         ground.climb_m,
@@ -110,7 +114,6 @@ def run_j(
         behaviour.stop_deceleration_mps2,
         PREDICTION_STEP_S,
     )
-    return energy_j
 
 
 def stands_s(there: Target, following: Target | None, dwell_s: float) -> float:
@@ -124,15 +127,18 @@ def stands_s(there: Target, following: Target | None, dwell_s: float) -> float:
 def hops_of(
     line: Line,
     mission: Mission,
-    runs_j: Sequence[float],
+    runs: Sequence[tuple[float, float]],
     auxiliary_w: float,
     dwell_s: float,
     following: Mission | None,
     off: OffLine,
 ) -> tuple[Hop, ...]:
-    """The hops of a mission, given what each run takes; `following`: the set's next, if it stays on the line."""
+    """The hops of a mission, given the time (s) and energy (J) of each run.
+
+    `following`: the set's next, if it stays on the line.
+    """
     found: list[Hop] = []
-    for (here, there), takes_j in zip(pairwise(mission.targets), runs_j, strict=True):
+    for (here, there), (time_s, takes_j) in zip(pairwise(mission.targets), runs, strict=True):
         last = there is mission.targets[-1]
         next_first = following.targets[0] if last and following is not None else None
         leaves = there.station_id is None
@@ -141,6 +147,7 @@ def hops_of(
                 mission.number,
                 place_of(here),
                 place_of(there),
+                time_s,
                 takes_j,
                 stands_s(there, next_first, dwell_s) * auxiliary_w,
                 charger_at(line, there),

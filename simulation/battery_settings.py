@@ -48,7 +48,7 @@ class Beyond(Record):
     consumption_kwh_per_km: Annotated[
         Consumption,
         about(
-            "taken from the battery there",
+            "taken from the battery there, auxiliaries among it",
             "published: the main line has a wire of 1500 V, from which sets run",
         ),
     ] = 0.0
@@ -58,6 +58,11 @@ class Beyond(Record):
     charge_kw: Annotated[
         BatteryPowerKw, about("power of that, at most", "assumed: as the normal charging of Hoshakuji")
     ] = 200.0
+
+    @property
+    def runs_s(self) -> float:
+        """How long the run there takes, s."""
+        return self.distance_km / self.speed_kmh * 3600.0
 
     @property
     def takes_j(self) -> float:

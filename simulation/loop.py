@@ -283,7 +283,15 @@ class Simulation:
         for slot, passed, events in bits:
             self._report(slot, passed, events)
         if self._charging is not None:
-            self._charging.look(self._step)
+            self._look_at_pantographs(self._charging)
+
+    def _look_at_pantographs(self, charging: Charging) -> None:
+        """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again."""
+        for slot in charging.moved_connected():
+            self._unsafe(slot, "moved with its pantograph up")
+        for slot in charging.look(self._step):
+            if self.on_board.shown(slot).on_sight:
+                self._cabs.tell(slot, self._step, (Looked(),))
 
     def _observe(self, slots: list[int]) -> list[Truth]:
         """Truth to the checkers; only trains that moved can have changed anything."""

@@ -12,7 +12,7 @@ from network.path import Path
 from network.profile import profile_of
 from onboard.driving.pattern import pattern_of
 from onboard.duty.mission import Mission
-from onboard.reach import Ground, Hop, OffLine, SetWays, hops_of, run_j
+from onboard.reach import Ground, Hop, OffLine, SetWays, hops_of, run_of
 from onboard.records import BehaviourRow
 from simulation.setup import Setup, behaviour_row
 from simulation.world.roster import Duty
@@ -21,7 +21,7 @@ from vehicle.records import TrainRow
 
 def ways_of(setup: Setup, drawn: Mapping[str, Iterable[Duty]]) -> dict[str, SetWays]:
     """The hops of every set, by stock id, at the scenario's mean load and by what its unit believes."""
-    known: dict[tuple[object, ...], float] = {}
+    known: dict[tuple[object, ...], tuple[float, float]] = {}
     grounds: dict[tuple[object, ...], Ground] = {}
     return {
         stock_id: _ways(setup, stock_id, tuple(duties), known, grounds) for stock_id, duties in drawn.items()
@@ -32,7 +32,7 @@ def _ways(
     setup: Setup,
     stock_id: str,
     duties: tuple[Duty, ...],
-    known: dict[tuple[object, ...], float],
+    known: dict[tuple[object, ...], tuple[float, float]],
     grounds: dict[tuple[object, ...], Ground],
 ) -> SetWays:
     kind = setup.believed_train(stock_id)
@@ -46,7 +46,7 @@ def _ways(
         key = (kind.id, mission.path.piece_ids)
         if key not in grounds:
             grounds[key] = ground_of(setup.believed_line, mission.path, train, behaviour)
-        runs = _runs_j(setup, key, mission, train, behaviour, grounds[key], known)
+        runs = _runs_of(setup, key, mission, train, behaviour, grounds[key], known)
         stays = following.mission if following is not None and not duty.leaves else None
         first[mission.number] = len(hops)
         auxiliary_w = float(train.auxiliary_power_w)
@@ -63,23 +63,23 @@ def _off_line(setup: Setup, number: str) -> OffLine:
     return OffLine(beyond.takes_j, charges=beyond.charge_min > 0.0 and beyond.charge_kw > 0.0)
 
 
-def _runs_j(
+def _runs_of(
     setup: Setup,
     key: tuple[object, ...],
     mission: Mission,
     train: TrainRow,
     behaviour: BehaviourRow,
     ground: Ground,
-    known: dict[tuple[object, ...], float],
-) -> list[float]:
-    """What each run of a mission takes; the same run at the same times is predicted once."""
-    found: list[float] = []
+    known: dict[tuple[object, ...], tuple[float, float]],
+) -> list[tuple[float, float]]:
+    """Time (s) and energy (J) of each run of a mission; the same run at the same times is predicted once."""
+    found: list[tuple[float, float]] = []
     for here, there in zip(mission.targets, mission.targets[1:], strict=False):
         times = (here.departure_s, there.arrival_s, there.departure_s)
         since = 0.0 if here.departure_s is None else here.departure_s
         run = (*key, here.mark_m, there.mark_m, *(None if t is None else t - since for t in times))
         if run not in known:
-            known[run] = run_j(
+            known[run] = run_of(
                 train,
                 behaviour,
                 setup.load.load_share_mean,

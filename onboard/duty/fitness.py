@@ -2,7 +2,8 @@
 
 Invariant: no train departs while its vehicle is not in order; one on its way is stopped by the emergency brake, and
 that is not released before the vehicle is in order again, the train stands and its driver acknowledges. None departs
-to a stop that by its unit's own prediction it cannot reach: it says why, and looks again by a timer.
+to a stop that by its unit's own prediction it cannot reach: it says why, and looks again by a timer. On sight its crew
+decides that; all that is left then is that it does not move off with its pantograph up (`onboard.motion`).
 """
 
 from __future__ import annotations

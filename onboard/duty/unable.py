@@ -41,9 +41,9 @@ class TooSteep(msgspec.Struct, frozen=True, tag=True):
 class NoCharge(msgspec.Struct, frozen=True, tag=True):
     """The battery does not take the set to its next charge, `station` (empty: none is to come), or is being charged.
 
-    `has_j` as it would leave now, `needed_j` by the unit's prediction with what it keeps back; `charges`: a charger
-    gives it more meanwhile, or would if it were not `full`; `connected`: there is enough, and the pantograph has yet to
-    come down.
+    `has_j` as it would leave now, `needed_j` by the unit's prediction with what it keeps back; `charges`: the charger
+    here works, and gives it more meanwhile where it is not `full` and its pantograph is `up`; `connected`: there is
+    enough, and the pantograph has yet to come down.
     """
 
     station: str
@@ -52,6 +52,7 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
     charges: bool
     connected: bool = False
     full: bool = False
+    up: bool = True
 
     @property
     def words(self) -> str:
@@ -59,7 +60,9 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
         if self.connected:
             return "a lowered pantograph"
         where = f"to {self.station}, where it can charge next" if self.station else "to where its day ends"
-        how = "it is charging" if self.charges else "there is no charger here that works"
+        how = "there is no charger here that works"
+        if self.charges:
+            how = "it is charging" if self.up else "its pantograph is not up"
         if self.full:
             how = "it is full"
         return f"{self.needed_j / 3.6e6:.1f} kWh {where}: it has {self.has_j / 3.6e6:.1f} kWh, and {how}"

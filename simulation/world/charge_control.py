@@ -2,7 +2,8 @@
 
 Before a step the battery says what it gives and takes; after it, it is charged or discharged by what the plant drew.
 The pantograph is raised where a set stands at a charger long enough, or has too little to leave, and is down again
-when the set is to leave, but not before its battery has what the set's unit asks for.
+when the set is to leave by its unit's clock, but not before its battery has what the set's unit asks for. A set that
+moves with its pantograph up draws nothing more by it and lowers it, and that is counted.
 """
 
 from __future__ import annotations
@@ -21,6 +22,11 @@ RISING: Final = 1
 UP: Final = 2
 FALLING: Final = 3
 
+# charging.moved
+NOT_MOVED: Final = 0
+MOVED: Final = 1
+TOLD: Final = 2
+
 WORTH_S: Final = 30.0  # assumed: nobody raises a pantograph for less charging than this
 FULL_SHARE: Final = 0.999
 READY_S: Final = 1.0  # it is down this long before the set leaves
@@ -32,11 +38,14 @@ class ChargingRow(Protocol):
     power_w: Annotated[float, "what the charger here gives at most; 0: none here, or it is dead"]
     connect_s: float
     disconnect_s: float
-    leaves_s: Annotated[float, "when the set is to leave, by its plan; +inf: not yet known"]
+    leaves_s: Annotated[
+        float, "when the set is to leave, by its unit's clock; -inf: once it has enough; +inf: not yet known"
+    ]
     needed_j: Annotated[float, "what must be available before it leaves"]
     spare_j: Annotated[float, "and so much more before the pantograph comes down: it takes that to leave"]
     pantograph: Annotated[int, "DOWN, RISING, UP, FALLING"]
     moves_until_s: Annotated[float, "when it is up, or down"]
+    moved: Annotated[int, "with the pantograph not down: NOT_MOVED, MOVED, TOLD"]
 
 
 CHARGING: Final = dtype_of(ChargingRow)
@@ -48,6 +57,7 @@ def fits(battery: BatteryRow, charging: ChargingRow) -> None:
     charging.leaves_s = math.inf
     charging.needed_j = charging.spare_j = 0.0
     charging.pantograph = DOWN
+    charging.moved = NOT_MOVED
     battery.supply_w = 0.0
 
 
@@ -64,13 +74,29 @@ def enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
 
 
 @compiled
-def steer(battery: BatteryRow, charging: ChargingRow, speed_mps: float, now_s: float) -> None:
-    """Raise or lower the pantograph, and connect the battery to the charger while it is up."""
+def steer(
+    battery: BatteryRow,
+    charging: ChargingRow,
+    speed_mps: float,
+    held: int,
+    now_s: float,
+    ahead_s: float,
+) -> None:
+    """Raise or lower the pantograph, and connect the battery to the charger while it is up.
+
+    `held`: whether the unit holds the train, so that it may be raised; `ahead_s`: its clock, of true time `now_s`.
+    """
     state = charging.pantograph
     if speed_mps > 0.0:
-        state, charging.power_w = DOWN, 0.0
-    lowers_s = charging.leaves_s - charging.disconnect_s - READY_S
-    if state == DOWN and charging.power_w > 0.0 and speed_mps == 0.0:
+        charging.power_w = 0.0
+        if state != DOWN and charging.moved == NOT_MOVED:
+            charging.moved = MOVED
+        if state == RISING:
+            state = UP  # it comes down from wherever it is
+    elif state == DOWN and charging.moved == TOLD:
+        charging.moved = NOT_MOVED
+    lowers_s = charging.leaves_s - ahead_s - charging.disconnect_s - READY_S
+    if state == DOWN and held != 0 and charging.power_w > 0.0:
         worth = now_s + charging.connect_s + WORTH_S <= lowers_s
         if worth or not enough(battery, charging, 0.0):
             state, charging.moves_until_s = RISING, now_s + charging.connect_s

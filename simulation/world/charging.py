@@ -8,7 +8,7 @@ is its unit's own prediction (`simulation.ways`), what it has is what its batter
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -20,7 +20,7 @@ from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.ways import ways_of
 from simulation.world.books import Books
-from simulation.world.charge_control import DOWN, READY_S, UP, ChargingRow, fits, is_full
+from simulation.world.charge_control import DOWN, MOVED, READY_S, TOLD, UP, ChargingRow, fits, is_full
 from simulation.world.records import PASSED_FROM_A_STAND, PASSED_TO_A_STAND
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
@@ -59,6 +59,11 @@ class BatteryGauge:
     def full(self) -> bool:
         """Whether the battery takes no more."""
         return is_full(self._battery)
+
+    @property
+    def up(self) -> bool:
+        """Whether the pantograph is up."""
+        return bool(self._control.pantograph == UP)
 
     @property
     def connected(self) -> bool:
@@ -143,7 +148,8 @@ class Charging:
         for watch in self._watches.values():
             watch.told(self._dead)
         for slot in self._trains.active():
-            self.stands(slot, step)
+            if self._trains.plants[slot].speed_mps == 0.0:
+                self.stands(slot, step)
 
     def stands(self, slot: int, step: int) -> None:
         """A set has come to a stand, or takes up a train where it stands: is there a charger?"""
@@ -169,7 +175,7 @@ class Charging:
         return self._watches.get(slot)
 
     def now(self, slot: int, now_s: float) -> None:
-        """A set's unit is about to look."""
+        """A set's unit is about to look, at a time of its own clock."""
         if slot in self._watches:
             self._watches[slot].now_s = self._gauges[slot].now_s = now_s
 
@@ -203,10 +209,10 @@ class Charging:
     def _go_beyond(self, slot: int, beyond: Beyond, left_s: float, back_s: float) -> None:
         """Run, charge, wait: the battery carries nothing but what it is asked for there."""
         row = self._rows[slot]
-        runs_s = min(beyond.distance_km / beyond.speed_kmh * 3600.0, back_s - left_s)
         takes_j = beyond.takes_j
-        if takes_j > 0.0 and runs_s > 0.0:
-            stand(row, takes_j / runs_s, 0.0, runs_s, BEYOND_STEP_S)
+        runs_s = min(beyond.runs_s, max(back_s - left_s, 0.0))
+        if takes_j > 0.0:  # all of it, and at its own power, however short the plan makes the time for it
+            stand(row, takes_j / beyond.runs_s, 0.0, beyond.runs_s, BEYOND_STEP_S)
             self._write(slot, round((left_s + runs_s) * STEPS_PER_S), BatteryEvent.RAN_BEYOND)
         # Under a wire it charges while it runs; from its battery only once it has run.
         since_s = left_s + (runs_s if takes_j > 0.0 else 0.0)
@@ -236,20 +242,34 @@ class Charging:
         elif passed & PASSED_TO_A_STAND:
             self.stands(slot, step)
 
-    def look(self, step: int) -> None:
-        """Write down how batteries are: now and then, and where a pantograph has gone up or down."""
+    def moved_connected(self) -> Iterator[int]:
+        """The sets that have begun to move with the pantograph not down, each once."""
+        for slot in self._trains.active():
+            if self._control[slot].moved == MOVED:
+                self._control[slot].moved = TOLD
+                yield slot
+
+    def look(self, step: int) -> list[int]:
+        """Write down how batteries are: now and then, and where a pantograph has gone up or down.
+
+        Returns the sets whose pantograph has come down.
+        """
         now_s = step / STEPS_PER_S
+        lowered: list[int] = []
         for slot in self._trains.active():
             if not self.has(slot):
                 continue
             before, state = self._pantograph[slot], self._control[slot].pantograph
             self._pantograph[slot] = state
+            if state == DOWN and before != DOWN:
+                lowered.append(slot)
             if state == UP and before != UP:
                 self._write(slot, step, BatteryEvent.CONNECTED)
             elif before == UP and state != UP:
                 self._write(slot, step, BatteryEvent.DISCONNECTED)
             elif now_s - self._sampled_s[slot] >= SAMPLES_EVERY_S:
                 self._write(slot, step, BatteryEvent.NONE)
+        return lowered
 
     def close(self, step: int) -> None:
         """The run is over."""

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.records import MODE_DRIVE, UnitRow
+from onboard.records import MODE_DRIVE, MODE_HOLD, UnitRow
 from onboard.tick import tick
 from simulation.sensors.scene import NO_TAG_M
 from simulation.sensors.table import sense_all
@@ -190,7 +190,9 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     move(plant, row.body, notch, emergency, gradient, curvature, step_s)
     if battery.fitted != 0:
         drain(battery, plant, row.body, traction_j, regenerated_j, step_s)
-        steer(battery, row.charging, plant.speed_mps, step * step_s)
+        held = 1 if dead or unit.mode == MODE_HOLD else 0
+        ahead_s = row.truth.clock_ahead_s
+        steer(battery, row.charging, plant.speed_mps, held, step * step_s, ahead_s)
     count_motion(row.ride, plant, before_mps, before_mps2, emergency, step_s)
     truth.position_m = truth.offset_m + plant.travelled_m
     found = passed(truth, track.tag_positions_m, row.body.length_m)

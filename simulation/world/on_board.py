@@ -82,14 +82,14 @@ class OnBoard:
         if slot in self.unpowered:
             return None
         motion = self._motions[slot]
-        if self.charging is not None:
-            motion.charge = self.charging.watch_of(slot)
-            self.charging.now(slot, now_s)
         motion.adhesion_factor = self._setup.scatter.adhesion_least(now_s)
-        report = Report(motion.place(), tuple(happened))
         clock = self.clocks[slot]
         own_s = clock.shows(now_s)
         self._trains.truths[slot].clock_ahead_s = own_s - now_s
+        if self.charging is not None:
+            motion.charge = self.charging.watch_of(slot)
+            self.charging.now(slot, own_s)
+        report = Report(motion.place(), tuple(happened))
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
         laid = motion.taken_plan()

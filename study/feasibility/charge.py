@@ -37,9 +37,11 @@ class _Set:
     rules: ChargeRules
     auxiliary_w: float
 
-    def draw(self, energy_j: float) -> None:
-        """Take energy out, at the mean power of a run."""
-        stand(self.battery, self.auxiliary_w, 0.0, energy_j / self.auxiliary_w, 60.0)
+    def run(self, energy_j: float, time_s: float) -> None:
+        """Take what a run takes, auxiliaries among it, at its mean power; one that gives more than that charges."""
+        finite_s = min(time_s, WAITS_S_MAX)  # who cannot climb takes for ever: another finding says so
+        if finite_s > 0.0:
+            stand(self.battery, energy_j / finite_s, 0.0, finite_s, STEP_S)
 
     def charge(self, power_w: float, time_s: float) -> None:
         if time_s > 0.0:
@@ -64,7 +66,7 @@ def charge_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
         rules = ChargeRules(
             settings.departure is Departure.WAIT, settings.reserve_share * window_j, settings.prediction_share
         )
-        auxiliary_w = max(float(kind.row[0]["auxiliary_power_w"]), 1.0)
+        auxiliary_w = float(kind.row[0]["auxiliary_power_w"])
         yield from _day(_Set(setup, settings, ways[stock_id], row, rules, auxiliary_w), duties)
 
 
@@ -84,11 +86,9 @@ def _day(one: _Set, duties: tuple[Duty, ...]) -> Iterator[Finding]:
 
 def _beyond(one: _Set, number: str, away_s: float) -> None:
     beyond = one.settings.beyond_of(number)
-    runs_s = min(beyond.distance_km / beyond.speed_kmh * 3600.0, away_s)
-    takes_j = beyond.takes_j
-    if takes_j > 0.0 and runs_s > 0.0:
-        stand(one.battery, takes_j / runs_s, 0.0, runs_s, STEP_S)
-        away_s -= runs_s
+    if beyond.takes_j > 0.0:  # all of it, however short the plan makes the time for it
+        stand(one.battery, beyond.takes_j / beyond.runs_s, 0.0, beyond.runs_s, STEP_S)
+        away_s -= beyond.runs_s
     charges_s = min(beyond.charge_min * 60.0, away_s)
     if charges_s > 0.0:
         stand(one.battery, 0.0, beyond.charge_kw * 1e3, charges_s, STEP_S)
@@ -105,7 +105,7 @@ def _train(one: _Set, duty: Duty, following: Duty | None) -> Iterator[Finding]:
             yield finding
             if finding.short_s is None:
                 return
-        one.draw(hops[at].run_j)
+        one.run(hops[at].run_j, hops[at].run_s)
         there = targets[at + 1]
         last = at + 2 == len(targets)
         next_first = (
@@ -133,8 +133,7 @@ def _stands(one: _Set, station_id: str, time_s: float) -> None:
     if charger is not None:
         connected_s = max(time_s - charger.connect_s - charger.disconnect_s - READY_S, 0.0)
         one.charge(charger.power_w, connected_s)
-    if time_s > connected_s:
-        one.draw(one.auxiliary_w * (time_s - connected_s))
+    one.charge(0.0, time_s - connected_s)
 
 
 def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[Hop]) -> Finding | None:

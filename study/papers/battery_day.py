@@ -69,9 +69,9 @@ def reproduce(options: Options) -> Reproduction:
         "battery-day",
         "A Karasuyama weekday on batteries",
         tuple(_parameters(scenario.setup)),
-        (*_rows(day), _home(day)),
+        tuple(_rows(day)),
         remarks,
-        tuple(figure for _, figure in figures),
+        (_home(day), *(figure for _, figure in figures)),
     )
 
 
@@ -101,30 +101,27 @@ def _rows(day: Run) -> Iterator[Row]:
     yield Row("trains that arrive", planned, arrived, whole, "all, and nothing broken")
 
 
-def _home(day: Run) -> Row:
-    """Ten minutes at Karasuyama against what the way home takes, at this day's energy a kilometre up the line."""
+def _home(day: Run) -> Figure:
+    """Ten minutes at Karasuyama against what the way home takes, at this day's energy a kilometre up the line.
+
+    Not judged: the power that the battery takes was chosen by this story, so that it cannot check it.
+    """
     charges = day.tables.charges.filter(pl.col("station") == "KRS")
     needs_kwh = _up_kwh(day)
     kwh_per_km = needs_kwh / LINE_KM
     longer = charges.filter(pl.col("minutes") > TOLD_MIN, pl.col("soc_from") < pl.col("soc_to") - 0.05)
     first = longer.sort("from_s").row(0, named=True)
-    before_kwh = float(
-        day.tables.battery.filter(pl.col("unit") == first["unit"], pl.col("t_s") <= first["from_s"])[
-            "above_low_kwh"
-        ][-1]
-    )
     ten_kwh = _gain_kwh(day, first["unit"], first["from_s"])
-    ours = (
-        f"{ten_kwh:.0f} kWh in ten minutes on {before_kwh:.0f} kWh above the low end, as {first['train']}'s set had;"
-        f" the line takes {needs_kwh:.0f} kWh, {kwh_per_km:.2f} kWh/km ({kwh_per_km * HOME_KM:.0f} kWh for all"
-        f" {HOME_KM} km)"
+    home_kwh = kwh_per_km * HOME_KM
+    verdict = "enough" if ten_kwh >= home_kwh else f"{home_kwh - ten_kwh:.0f} kWh too little"
+    text = (
+        f"{ten_kwh:.0f} kWh, by {first['train']}'s set; all {HOME_KM} km on the battery take {home_kwh:.0f} kWh at the"
+        f" {kwh_per_km:.2f} kWh/km of this line: {verdict}"
     )
-    return Row(
-        "ten minutes' charging takes a set home",
-        "seen by one visitor, of the set that came first",
-        ours,
-        before_kwh + ten_kwh >= kwh_per_km * HOME_KM,
-        "enough for all 32.1 km on the battery",
+    return Figure(
+        "ten minutes' charging, and the way home",
+        text,
+        "one visitor saw it suffice; no independent check, since charge_max_kw of the train was chosen by that",
     )
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 import pytest
@@ -11,10 +13,11 @@ from numpy.typing import NDArray
 
 from onboard import ability
 from onboard.ability import Ability, Means, Way, too_steep, why_not
+from onboard.charge import ChargeWatch
 from onboard.duty.mission import Mission
-from onboard.duty.records import Looked, VehicleChecked
+from onboard.duty.records import Command, Looked, VehicleChecked
 from onboard.duty.unable import TooSteep
-from onboard.records import BehaviourRow
+from onboard.records import MODE_DRIVE, MODE_HOLD, BehaviourRow
 from onboard.vehicle import IN_ORDER
 from tests.onboard.unit_bench import Bench
 from vehicle.records import TrainRow
@@ -117,3 +120,28 @@ def test_a_train_without_motors_stays_and_shows_its_driver_why(granted: Bench) -
     granted.tell(granted.motion.vehicle_shows(IN_ORDER))
     assert "able_to_leave" in granted.notes
     assert granted.motion.command.unable is None
+
+
+@dataclass
+class Pantograph:
+    """A watch whose set stands at a charger."""
+
+    connected: bool
+    asked: list[int] = field(default_factory=list)
+
+    def why_not(self, _mission: Mission, _at: int) -> None:
+        return None
+
+    def on_sight(self, _mission: Mission, at: int) -> None:
+        self.asked.append(at)
+
+
+def test_on_sight_at_a_stop_it_is_held_while_its_pantograph_is_up(granted: Bench) -> None:
+    motion, watch = granted.motion, Pantograph(connected=True)
+    motion.charge = cast("ChargeWatch", watch)
+    command = Command(drive=True, on_sight=True, stands_at=0)
+    motion.obey(command, granted.now_s)
+    assert granted.row.mode == MODE_HOLD and watch.asked == [0]
+    watch.connected = False
+    motion.obey(command, granted.now_s)
+    assert granted.row.mode == MODE_DRIVE

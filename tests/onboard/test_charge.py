@@ -29,6 +29,7 @@ class Gauge:
     now_s: float = 0.0
     connected: bool = False
     full: bool = False
+    up: bool = True
     asked: list[tuple[float, float]] = field(default_factory=list)
 
     @property
@@ -64,6 +65,7 @@ def ways() -> SetWays:
                     mission.number,
                     here.station_id or here.section_id,
                     there.station_id or there.section_id,
+                    180.0,
                     5.0 * KWH,
                     1.0 * KWH,
                     charger_at(LINE, there),
@@ -152,6 +154,45 @@ def test_a_raised_pantograph_keeps_it_too() -> None:
     own.now_s = departs_s
     why = own.why_not(down, 1)
     assert why is not None and why.words == "a lowered pantograph"
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_whatever_the_rule_a_raised_pantograph_keeps_it_though_its_clock_be_set_back(waits: bool) -> None:
+    down, _ = missions()
+    gauge = Gauge(has=90.0 * KWH, connected=True)
+    own = watch(gauge, waits=waits)
+    departs_s = down.targets[1].departure_s
+    assert departs_s is not None
+    for now_s in (departs_s, departs_s - 600.0):
+        own.now_s = now_s
+        why = own.why_not(down, 1)
+        assert why is not None and why.connected
+    gauge.connected = False
+    assert own.why_not(down, 1) is None
+
+
+def test_where_the_plan_has_no_time_it_leaves_with_enough_and_the_pantograph_down() -> None:
+    down, _ = missions()
+    free = replace(down, targets=tuple(replace(target, departure_s=None) for target in down.targets))
+    gauge = Gauge(has=90.0 * KWH, connected=True)
+    why = watch(gauge).why_not(free, 1)
+    assert why is not None and why.connected and gauge.asked[-1][1] == -math.inf
+
+
+def test_on_sight_nothing_is_asked_for_but_the_time_and_afterwards_all_again() -> None:
+    down, _ = missions()
+    gauge = Gauge(has=10.0 * KWH)
+    own = watch(gauge)
+    assert own.why_not(down, 1) is not None
+    own.on_sight(down, 1)
+    assert gauge.asked[-1] == (0.0, down.targets[1].departure_s)
+    assert own.why_not(down, 1) is not None and gauge.asked[-1][0] > 0.0
+
+
+def test_it_charges_only_with_the_pantograph_up() -> None:
+    down, _ = missions()
+    why = watch(Gauge(has=10.0 * KWH, gains_w=1.0, up=False)).why_not(down, 1)
+    assert why is not None and why.words.endswith("and its pantograph is not up")
 
 
 def test_at_the_last_stop_nothing_is_asked() -> None:

@@ -22,7 +22,8 @@ from simulation.result import Ending
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.feasibility.finding import Kind
-from study.papers.battery_day import UNBALANCED_PERCENT_MAX
+from study.papers.battery_day import UNBALANCED_PERCENT_MAX, _home
+from study.papers.reproduction import Figure
 from study.run.battery import windows_of
 from study.run.drill import find_drill
 from study.run.run import CarrierKind, Link, Run, execute
@@ -187,6 +188,17 @@ def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
     assert not mended.broken and mended.result.ended_because is Ending.FINISHED
     told = mended.tables.events.filter(pl.col("source") == "V4", pl.col("kind").str.ends_with("to leave"))
     assert told["kind"].to_list()[:2] == ["unable to leave", "able to leave"]
+
+
+def test_ten_minutes_are_told_alone_and_not_judged() -> None:
+    """They were what the power was chosen by; what was in the battery before has no part in them."""
+    figure = _home(day())
+    charge = day().tables.charges.filter(pl.col("station") == "KRS", pl.col("minutes") > 10.0).sort("from_s")
+    most_kwh = 400.0 * 10.0 / 60.0
+    assert isinstance(figure, Figure) and charge.height > 0
+    told_kwh = float(str(figure.value).split(" kWh")[0])
+    assert 0.0 < told_kwh <= most_kwh + 0.5
+    assert "no independent check" in figure.meaning
 
 
 @pytest.mark.nightly

@@ -8,7 +8,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from simulation.world.charge_control import CHARGING, DOWN, FALLING, RISING, UP, fits, steer
+from simulation.world.charge_control import (
+    CHARGING,
+    DOWN,
+    FALLING,
+    MOVED,
+    NOT_MOVED,
+    RISING,
+    UP,
+    fits,
+    steer,
+)
 from vehicle.battery import available_j, stand
 from vehicle.train_file import load_train, shipped_train
 
@@ -28,13 +38,14 @@ class Stood:
         self.charging["power_w"], self.charging["connect_s"], self.charging["disconnect_s"] = 4e5, 20.0, 15.0
         self.charging["leaves_s"], self.charging["needed_j"] = leaves_s, needed_j
         self.charging["spare_j"] = 1.0 * KWH
+        self.held, self.ahead_s = 1, 0.0
 
     def until(self, end_s: float, speed_mps: float = 0.0) -> list[tuple[float, int]]:
         """When the pantograph changed, and how it is then; a step a second."""
         seen: list[tuple[float, int]] = []
         for now_s in range(int(end_s) + 1):
             before = int(self.charging["pantograph"][0])
-            steer(self.battery[0], self.charging[0], speed_mps, float(now_s))
+            steer(self.battery[0], self.charging[0], speed_mps, self.held, float(now_s), self.ahead_s)
             stand(self.battery[0], 30e3, float(self.battery["supply_w"][0]), 1.0, 1.0)
             if int(self.charging["pantograph"][0]) != before:
                 seen.append((float(now_s), int(self.charging["pantograph"][0])))
@@ -75,8 +86,35 @@ def test_a_full_battery_does_not_wait_for_what_it_cannot_hold() -> None:
     assert stood.until(80.0)[0] == (44.0, FALLING)
 
 
-def test_who_moves_has_none() -> None:
+def test_who_moves_with_it_up_draws_nothing_more_and_lowers_it_in_its_time_and_that_is_told() -> None:
     stood = Stood(0.5, math.inf)
     stood.until(30.0)
-    stood.until(1.0, speed_mps=1.0)
-    assert int(stood.charging["pantograph"][0]) == DOWN and float(stood.charging["power_w"][0]) == 0.0
+    assert int(stood.charging["pantograph"][0]) == UP
+    assert stood.until(20.0, speed_mps=1.0) == [(0.0, FALLING), (15.0, DOWN)]
+    assert float(stood.charging["power_w"][0]) == 0.0 == float(stood.battery["supply_w"][0])
+    assert int(stood.charging["moved"][0]) == MOVED
+
+
+def test_who_moves_with_it_down_is_not_told_of() -> None:
+    stood = Stood(0.5, 60.0)
+    stood.until(20.0, speed_mps=1.0)
+    assert int(stood.charging["moved"][0]) == NOT_MOVED
+
+
+@pytest.mark.parametrize("ahead_s", [-100.0, 300.0])
+def test_it_comes_down_by_the_clock_of_the_unit(ahead_s: float) -> None:
+    stood = Stood(0.5, 600.0)
+    stood.ahead_s = ahead_s
+    assert (584.0 - ahead_s, FALLING) in stood.until(720.0)
+
+
+def test_it_is_not_raised_on_a_train_that_its_unit_lets_run() -> None:
+    stood = Stood(0.5, math.inf)
+    stood.held = 0
+    assert stood.until(60.0) == []
+
+
+def test_where_the_plan_has_no_time_it_comes_down_with_enough() -> None:
+    stood = Stood(0.5, -math.inf)
+    stood.charging["needed_j"] = available_j(stood.battery[0]) + 10.0 * KWH
+    assert [state for _, state in stood.until(300.0)][:4] == [RISING, UP, FALLING, DOWN]

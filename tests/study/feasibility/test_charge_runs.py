@@ -1,0 +1,67 @@
+"""Runs as the check of the batteries reckons with them: at their own mean power, whatever their sign."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from simulation.battery_settings import BatterySettings, Beyond
+from simulation.setup import Setup
+from simulation.ways import ways_of
+from simulation.world.roster import drawn_up
+from study.feasibility import charge
+from study.scenario.scenario import load_scenario
+from vehicle.battery import available_j, stored_j
+
+KWH = 3.6e6
+
+
+def one_set(setup: Setup, soc: float, auxiliary_w: float = 30e3) -> charge._Set:
+    kind = setup.trains["V4"]
+    assert kind.battery is not None and setup.battery is not None
+    row = kind.battery[0].copy()
+    row["charge_c"] = soc * row["full_c"]
+    ways = ways_of(setup, drawn_up(setup, setup.believed_line))["V4"]
+    rules = charge.ChargeRules(waits=True, reserve_j=0.0, prediction_share=0.0)
+    return charge._Set(setup, setup.battery, ways, row, rules, auxiliary_w)
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return load_scenario("karasuyama_battery").setup
+
+
+@pytest.mark.parametrize("auxiliary_w", [0.0, 30e3])
+def test_a_run_is_at_its_own_mean_power(setup: Setup, auxiliary_w: float) -> None:
+    one = one_set(setup, 0.6, auxiliary_w)
+    before_j = available_j(one.battery)
+    one.run(10.0 * KWH, 180.0)
+    lost_j = float(one.battery["lost_j"])
+    resistance = float(one.battery["resistance_ohm"])
+    current_a = 10.0 * KWH / 180.0 / 620.0
+    assert lost_j == pytest.approx(resistance * current_a**2 * 180.0, rel=0.15)
+    assert before_j - available_j(one.battery) == pytest.approx(10.0 * KWH + lost_j, rel=1e-3)
+
+
+def test_a_run_that_gives_more_than_it_takes_charges(setup: Setup) -> None:
+    one = one_set(setup, 0.5)
+    before_j = stored_j(one.battery, 0.5)
+    one.run(-2.0 * KWH, 300.0)
+    gained_j = stored_j(one.battery, float(one.battery["charge_c"] / one.battery["full_c"])) - before_j
+    assert gained_j == pytest.approx(2.0 * KWH - float(one.battery["lost_j"]), rel=1e-3)
+
+
+def test_every_hop_has_the_time_of_its_run(setup: Setup) -> None:
+    hops = one_set(setup, 0.5).ways.hops
+    assert all(20.0 < hop.run_s < 1800.0 for hop in hops)
+
+
+@pytest.mark.parametrize("away_s", [0.0, 60.0, 7200.0])
+def test_what_is_run_off_the_line_is_taken_whole_however_short_the_time(setup: Setup, away_s: float) -> None:
+    settings = BatterySettings(beyond=Beyond(distance_km=20.0, consumption_kwh_per_km=2.0, charge_min=0.0))
+    one = one_set(replace(setup, battery=settings), 0.9)
+    before_j = available_j(one.battery)
+    charge._beyond(one, "321M", away_s)
+    lost_j = float(one.battery["lost_j"])
+    assert before_j - available_j(one.battery) == pytest.approx(40.0 * KWH + lost_j, rel=1e-3)
