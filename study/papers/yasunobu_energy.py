@@ -91,10 +91,14 @@ class Cell:
         """What fuzzy saves of PID's traction energy, as a share."""
         return 1.0 - self.hops[Way.FUZZY].traction_kwh / self.hops[Way.PID].traction_kwh
 
+    def comparable(self, *ways: Way) -> bool:
+        """Whether these keep the time and the mark; all of them where none is named."""
+        return all(kept(self.hops[way]) for way in ways or tuple(Way))
+
     @property
-    def comparable(self) -> bool:
-        """Whether PID and fuzzy both keep the time and the mark."""
-        return all(kept(self.hops[way]) for way in (Way.PID, Way.FUZZY))
+    def without_costs(self) -> float:
+        """What fuzzy needs more without C-2, as a share; each by the bound of its own running time."""
+        return (1.0 + self.over_bound[Way.WITHOUT]) / (1.0 + self.over_bound[Way.FUZZY]) - 1.0
 
 
 def gradient_named(permille: float) -> str:
@@ -212,14 +216,14 @@ def row_of(cell: Cell) -> Row:
     ours |= {f"{way.value} notch changes": cell.hops[way].notch_changes for way in Way}
     ours |= {f"{way.value} off the time, s": round(cell.hops[way].off_s, 1) for way in Way}
     never = cell.over_bound[Way.FUZZY] >= 0.0 and cell.hops[Way.FUZZY].traction_kwh >= cell.optimum_j / KWH_J
-    criterion = "PID and fuzzy within 1 s of the order and 1 m of the mark, the optimum not above fuzzy"
-    return Row(cell.name, None, ours, cell.comparable and never, criterion)
+    criterion = "all four within 1 s of the order and 1 m of the mark, the optimum not above fuzzy"
+    return Row(cell.name, None, ours, cell.comparable() and never, criterion)
 
 
 def judged(cells: Sequence[Cell], nominal: Cell) -> tuple[Row, ...]:
     """What the paper claims, and what the optimum adds to it."""
-    mean = float(np.mean([cell.saving for cell in cells if cell.comparable]))
-    worse = nominal.hops[Way.WITHOUT].traction_kwh / nominal.hops[Way.FUZZY].traction_kwh - 1.0
+    mean = float(np.mean([cell.saving for cell in cells if cell.comparable(Way.PID, Way.FUZZY)]))
+    worse = nominal.without_costs
     at = f"level, {NOMINAL_S:g} s"
     paper = 1.0 - PAPER_KWH["fuzzy"] / PAPER_KWH["PID"]
     return (
@@ -256,7 +260,9 @@ def judged(cells: Sequence[Cell], nominal: Cell) -> tuple[Row, ...]:
             None,
             percent(worse),
             worse >= WORSE_WITHOUT_SHARE,
-            missed("at least 3 % more", WORSE_WITHOUT_SHARE, worse),
+            missed(
+                "at least 3 % more, each over the bound of its own running time", WORSE_WITHOUT_SHARE, worse
+            ),
         ),
     )
 
