@@ -3,7 +3,8 @@
 Every train runs every track from its first stop to its last, past those between, as the library's authors do; in the
 least time, and with least energy in 1.05, 1.1 and 1.2 times that, without losses ("perfect") and with the constant
 efficiencies of the files ("static"). Beside the energy of a run that is possible to the metre, found on the mesh of a
-unit, stands the bound that none can go below (`vehicle.optimum.bound`), looked for on a finer one. The authors' own figures are those of a local optimum, without one.
+unit, stands the bound that none can go below (`vehicle.optimum.bound`), looked for on a finer one. The authors' own
+figures are those of a local optimum, without one.
 """
 
 from __future__ import annotations
