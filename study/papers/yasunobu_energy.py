@@ -67,7 +67,7 @@ LAW: Final[Mapping[Way, str]] = {
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One gradient and one running time: each way's hop, and the optimum of that time (J; None: there is none)."""
+    """One gradient and one running time: each way's hop, and the optimum of that time (J; None, no hops: impossible)."""
 
     gradient_permille: float
     asked_s: float
@@ -93,7 +93,7 @@ class Cell:
 
     def comparable(self, *ways: Way) -> bool:
         """Whether these keep the time and the mark; all of them where none is named."""
-        return all(kept(self.hops[way]) for way in ways or tuple(Way))
+        return all(way in self.hops and kept(self.hops[way]) for way in ways or tuple(Way))
 
     @property
     def without_costs(self) -> float:
@@ -173,13 +173,16 @@ def run_cells(gradient_permille: float, orders_s: Sequence[float]) -> list[Cell]
     idle_s = float(first.train.traction_dead_time_s + first.train.traction_lag_s)
     for asked_s in orders_s:
         nominal = (gradient_permille, asked_s) == NOMINAL
-        hops = {way: bench.timed(asked_s) for way, bench in benches.items()}
+        hops: dict[Way, Timed] = {}
         optimum_j = bound_j = None
         least_s = 0.0
         try:
             optimum_j, bound_j = best_j(asked_s, False)
+            hops = {way: bench.timed(asked_s) for way, bench in benches.items()}
         except TooShort as short:
+            optimum_j = bound_j = None
             least_s = short.least_s
+            nominal = False
         cells.append(
             Cell(
                 gradient_permille,
@@ -331,7 +334,7 @@ def write_pictures(cells: Sequence[Cell], folder: Path) -> tuple[Path, ...]:
     """The like of figures 8 and 9 below `folder`."""
     curves: dict[str, dict[str, Curve]] = {}
     for gradient in GRADIENTS_PERMILLE:
-        of_gradient = [cell for cell in cells if cell.gradient_permille == gradient]
+        of_gradient = [cell for cell in cells if cell.gradient_permille == gradient and cell.hops]
         if not of_gradient:
             continue
         lines = {
