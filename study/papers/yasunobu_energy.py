@@ -67,7 +67,7 @@ LAW: Final[Mapping[Way, str]] = {
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One gradient and one running time: each way's hop, and the optimum of that time (J; None, no hops: impossible)."""
+    """One gradient and one running time: each way's hop, and the optimum of that time (J; None: impossible)."""
 
     gradient_permille: float
     asked_s: float
