@@ -2,14 +2,15 @@
 
 Every train runs every track from its first stop to its last, past those between, as the library's authors do; in the
 least time, and with least energy in 1.05, 1.1 and 1.2 times that, without losses ("perfect") and with the constant
-efficiencies of the files ("static"). Beside the energy of a run that is possible to the metre stands the bound that
-none can go below (`vehicle.optimum.bound`). The authors' own figures are those of a local optimum, without one.
+efficiencies of the files ("static"). Beside the energy of a run that is possible to the metre, found on the mesh of a
+unit, stands the bound that none can go below (`vehicle.optimum.bound`), looked for on a finer one. The authors' own
+figures are those of a local optimum, without one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from study.papers.reference_data import reference_folder
@@ -21,8 +22,8 @@ from vehicle.optimum.proof import Proof, proven
 TITLE: Final = "Least energy on TTOBench's tracks, with a proven bound"
 FOLDER: Final = "ttobench"
 TIMES: Final = (1.05, 1.1, 1.2)
-POINTS: Final = 900
-POINTS_ABOARD: Final = 300
+POINTS: Final = 300  # as aboard: the mesh whose solution is timed (`study.evaluate.optimum_bench`)
+BOUND_POINTS: Final = 900
 GAP: Final = 0.01
 OFF: Final = 0.01
 SIMPLER_OFF: Final = 0.02
@@ -63,25 +64,60 @@ def reproduce(options: Options) -> Reproduction:
     folder = reference_folder(options, FOLDER)
     tracks, trains = read_tracks(folder / "tracks"), read_trains(folder / "trains")
     rows: list[Row] = []
-    coarse: list[float] = []
+    pairs: list[Pair] = []
     for track, train in _pairs(tracks, trains, quick=options.quick):
         for word, perfect in EFFICIENCIES:
             course = course_of(track, train, perfect=perfect)
             least_s = float(least_time(course).time_s[-1])
-            proofs = [proven(course, share * least_s, POINTS) for share in TIMES]
-            coarse += [proven(course, share * least_s, POINTS_ABOARD).gap for share in TIMES]
-            rows.append(_row(f"{track.id}, {train.id}, {word}", least_s, proofs))
+            found = [pair_of(course, share * least_s) for share in TIMES]
+            rows.append(row_of(f"{track.id}, {train.id}, {word}", least_s, found))
+            pairs += found
     checks = [_cross_row(tracks[check.track], trains[CROSS_TRAIN], check) for check in CROSS_CHECKS]
     rows += [*checks, *_simpler_rows(tracks[SIMPLER_TRACK], trains[SIMPLER_TRAIN])]
-    within = sum(gap <= GAP for gap in coarse)
-    figures = (
-        Figure(
-            f"greatest gap with {POINTS_ABOARD} points, %",
-            round(100.0 * max(coarse), 3),
-            f"the same instances on the mesh of a unit; {within} of {len(coarse)} are within {100.0 * GAP:g} %",
+    return Reproduction("ttobench", TITLE, _parameters(), tuple(rows), _remarks(options), _figures(pairs))
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """One instance in one time on both meshes, each with the bound that is found on it."""
+
+    coarse: Proof
+    fine: Proof
+
+    @property
+    def judged(self) -> Proof:
+        """The run of the coarse mesh, and the better of the two bounds: either holds for every run."""
+        return replace(self.coarse, bound_j=max(self.coarse.bound_j, self.fine.bound_j))
+
+
+def pair_of(course: Course, time_s: float) -> Pair:
+    """An instance on both meshes."""
+    return Pair(proven(course, time_s, POINTS), proven(course, time_s, BOUND_POINTS))
+
+
+def _figures(pairs: list[Pair]) -> tuple[Figure, ...]:
+    """Gaps as they are judged, and with one mesh for the run and its bound."""
+
+    def greatest(name: str, gaps: list[float], meaning: str) -> Figure:
+        within = sum(gap <= GAP for gap in gaps)
+        said = f"{meaning}; {within} of {len(gaps)} are within {100.0 * GAP:g} %"
+        return Figure(f"greatest gap, {name}, %", round(100.0 * max(gaps), 3), said)
+
+    return (
+        greatest(
+            f"run of {POINTS} points",
+            [pair.judged.gap for pair in pairs],
+            f"as the rows are judged: the bound is looked for with {BOUND_POINTS} points",
+        ),
+        greatest(
+            f"run and bound of {POINTS} points",
+            [pair.coarse.gap for pair in pairs],
+            "most of it is the bound's: costates are straight on each stretch",
+        ),
+        greatest(
+            f"run and bound of {BOUND_POINTS} points", [pair.fine.gap for pair in pairs], "a finer run too"
         ),
     )
-    return Reproduction("ttobench", TITLE, _parameters(), tuple(rows), _remarks(options), figures)
 
 
 def _pairs(
@@ -93,18 +129,22 @@ def _pairs(
         yield from ((track, train) for track in tracks.values() for train in trains.values())
 
 
-def _row(case: str, least_s: float, proofs: list[Proof]) -> Row:
-    """One instance at its three running times."""
+def row_of(case: str, least_s: float, pairs: list[Pair]) -> Row:
+    """One instance at its three running times; the run that is judged is that of a unit's mesh."""
     ours: dict[str, object] = {"least_s": round(least_s, 2)}
-    for share, proof in zip(TIMES, proofs, strict=True):
+    for share, pair in zip(TIMES, pairs, strict=True):
+        proof = pair.judged
         ours[f"{share:g}"] = {
             "time_s": round(proof.time_s, 2),
             "energy_kwh": round(proof.energy_j / J_PER_KWH, 3),
             "bound_kwh": round(proof.bound_j / J_PER_KWH, 3),
             "gap_percent": round(100.0 * proof.gap, 3),
+            f"gap_of_{POINTS}_alone_percent": round(100.0 * pair.coarse.gap, 3),
+            f"gap_of_{BOUND_POINTS}_percent": round(100.0 * pair.fine.gap, 3),
         }
-    held = all(-1e-9 <= proof.gap <= GAP for proof in proofs)
-    return Row(case, None, ours, held, f"gap at most {100.0 * GAP:g} %")
+    held = all(-1e-9 <= pair.judged.gap <= GAP for pair in pairs)
+    criterion = f"gap at most {100.0 * GAP:g} % for the run of {POINTS} points, bound with {BOUND_POINTS}"
+    return Row(case, None, ours, held, criterion)
 
 
 def _cross_row(track: Track, train: BenchTrain, check: CrossCheck) -> Row:
@@ -161,7 +201,8 @@ def _simpler_rows(track: Track, train: BenchTrain) -> tuple[Row, Row]:
 def _parameters() -> tuple[Parameter, ...]:
     return (
         Parameter("library", "TTOBench 1.5", "", "nuorail/ttobench, BSD-2"),
-        Parameter("points of the mesh", POINTS, "", "assumed: the gap falls with their square"),
+        Parameter("points of the run's mesh", POINTS, "", "as aboard; the budget of 20 ms is for this many"),
+        Parameter("points of the bound's mesh", BOUND_POINTS, "", "assumed: its gap falls with their square"),
         Parameter(
             "deceleration without a limit in the file", 1.0, "m/s^2", "assumed: a metro's service brake"
         ),
@@ -179,6 +220,8 @@ def _remarks(options: Options) -> tuple[str, ...]:
         *quick,
         "energy: of a run that the true laws allow on every metre, at the wire, net of what is fed back; bound: by weak"
         " duality, of the continuous problem",
+        f"the run whose gap is judged has the {POINTS} points that a unit solves for, which the bench times; the bound"
+        f" is a proof whatever it costs, so it is looked for with {BOUND_POINTS}. Gaps of one mesh alone stand beside",
         "stops between the first and the last are passed",
         "cross-check: where our bound lies above the authors' figure, no run of the problem as stated here needs so"
         " little; theirs would take the time told. On Fribourg - Bern both agree; on 00_var_speed_limit_100 theirs is"

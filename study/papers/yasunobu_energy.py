@@ -67,7 +67,7 @@ LAW: Final[Mapping[Way, str]] = {
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One gradient and one running time: each way's hop, and the optimum of that time (J; None: there is none)."""
+    """One gradient and one running time: each way's hop, and the optimum of that time (J; None: impossible)."""
 
     gradient_permille: float
     asked_s: float
@@ -91,10 +91,14 @@ class Cell:
         """What fuzzy saves of PID's traction energy, as a share."""
         return 1.0 - self.hops[Way.FUZZY].traction_kwh / self.hops[Way.PID].traction_kwh
 
+    def comparable(self, *ways: Way) -> bool:
+        """Whether these keep the time and the mark; all of them where none is named."""
+        return all(way in self.hops and kept(self.hops[way]) for way in ways or tuple(Way))
+
     @property
-    def comparable(self) -> bool:
-        """Whether PID and fuzzy both keep the time and the mark."""
-        return bool(self.hops) and all(kept(self.hops[way]) for way in (Way.PID, Way.FUZZY))
+    def without_costs(self) -> float:
+        """What fuzzy needs more without C-2, as a share; each by the bound of its own running time."""
+        return (1.0 + self.over_bound[Way.WITHOUT]) / (1.0 + self.over_bound[Way.FUZZY]) - 1.0
 
 
 def gradient_named(permille: float) -> str:
@@ -169,22 +173,24 @@ def run_cells(gradient_permille: float, orders_s: Sequence[float]) -> list[Cell]
     idle_s = float(first.train.traction_dead_time_s + first.train.traction_lag_s)
     for asked_s in orders_s:
         nominal = (gradient_permille, asked_s) == NOMINAL
+        hops: dict[Way, Timed] = {}
         optimum_j = bound_j = None
         least_s = 0.0
-        hops: dict[Way, Timed] = {}
         try:
             optimum_j, bound_j = best_j(asked_s, False)
             hops = {way: bench.timed(asked_s) for way, bench in benches.items()}
         except TooShort as short:
-            optimum_j, least_s = None, short.least_s
+            optimum_j = bound_j = None
+            least_s = short.least_s
+            nominal = False
         cells.append(
             Cell(
                 gradient_permille,
                 asked_s,
                 hops,
                 {way: over(hop) for way, hop in hops.items()},
-                over(hops[Way.FUZZY], idle_s=idle_s) if nominal and hops else float("nan"),
-                over(hops[Way.FUZZY], strong=True) if nominal and hops else float("nan"),
+                over(hops[Way.FUZZY], idle_s=idle_s) if nominal else float("nan"),
+                over(hops[Way.FUZZY], strong=True) if nominal else float("nan"),
                 optimum_j,
                 bound_j,
                 least_s,
@@ -213,14 +219,14 @@ def row_of(cell: Cell) -> Row:
     ours |= {f"{way.value} notch changes": cell.hops[way].notch_changes for way in Way}
     ours |= {f"{way.value} off the time, s": round(cell.hops[way].off_s, 1) for way in Way}
     never = cell.over_bound[Way.FUZZY] >= 0.0 and cell.hops[Way.FUZZY].traction_kwh >= cell.optimum_j / KWH_J
-    criterion = "PID and fuzzy within 1 s of the order and 1 m of the mark, the optimum not above fuzzy"
-    return Row(cell.name, None, ours, cell.comparable and never, criterion)
+    criterion = "all four within 1 s of the order and 1 m of the mark, the optimum not above fuzzy"
+    return Row(cell.name, None, ours, cell.comparable() and never, criterion)
 
 
 def judged(cells: Sequence[Cell], nominal: Cell) -> tuple[Row, ...]:
     """What the paper claims, and what the optimum adds to it."""
-    mean = float(np.mean([cell.saving for cell in cells if cell.comparable]))
-    worse = nominal.hops[Way.WITHOUT].traction_kwh / nominal.hops[Way.FUZZY].traction_kwh - 1.0
+    mean = float(np.mean([cell.saving for cell in cells if cell.comparable(Way.PID, Way.FUZZY)]))
+    worse = nominal.without_costs
     at = f"level, {NOMINAL_S:g} s"
     paper = 1.0 - PAPER_KWH["fuzzy"] / PAPER_KWH["PID"]
     return (
@@ -257,7 +263,9 @@ def judged(cells: Sequence[Cell], nominal: Cell) -> tuple[Row, ...]:
             None,
             percent(worse),
             worse >= WORSE_WITHOUT_SHARE,
-            missed("at least 3 % more", WORSE_WITHOUT_SHARE, worse),
+            missed(
+                "at least 3 % more, each over the bound of its own running time", WORSE_WITHOUT_SHARE, worse
+            ),
         ),
     )
 

@@ -271,7 +271,14 @@ def ceilings(way: Way, table: Floats) -> Floats:
         w = min(w, math.sqrt(2.0 * way.limit[i]))
         pull = max(around(table, PULL, v)[1], around(table, PULL, w)[1])
         resist = min(around(table, RESIST, v)[0], around(table, RESIST, w)[0], band)
-        rate = min(pull - resist - grade, way.acceleration)
+        rate = pull - resist - grade
+        if (
+            rate < 0.0
+        ):  # what loses speed is pulled harder at the end, if it has fallen as far as with this rate
+            u = math.sqrt(2.0 * max(most[i] + h * rate, 0.0))
+            pull = max(pull, around(table, PULL, u)[1])
+            rate = pull - min(resist, around(table, RESIST, u)[0]) - grade
+        rate = min(rate, way.acceleration)
         top = way.limit[i] if i + 1 >= n else min(way.limit[i], way.limit[i + 1])
         most[i + 1] = min(max(most[i] + h * rate, 0.0), top)
     most[n] = min(most[n], way.last)

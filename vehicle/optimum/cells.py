@@ -93,7 +93,7 @@ def cells_of(train: TrainRow, load_share: float, speed: Floats) -> Cells:
     for j in range(n):
         # Fading at constant power is the one formula that lies above its chord.
         bump = 0.0
-        if brake[j] > 0.0 and speed[j] < from_mps:
+        if brake[j + 1] > 0.0 and speed[j] < from_mps:
             h = speed[j + 1] - speed[j]
             bend = 2.0 * train.regenerative_power_max_w * to_mps / (from_mps - to_mps) / speed[j] ** 3
             bump = bend / inertia * h * h / 8.0

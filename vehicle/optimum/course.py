@@ -25,6 +25,16 @@ class NotFound(TooShort):
     """So little above the least running time that the mesh holds no run of it."""
 
 
+class EndsNotKept(NotFound):
+    """The mesh's run, made possible on every metre, is slower at an end than asked for."""
+
+    def __init__(self, time_s: float, least_s: float) -> None:
+        super().__init__(time_s, least_s)
+        self.args = (
+            f"the run of {time_s:.2f} s that is possible does not keep the speeds asked for at its ends",
+        )
+
+
 @dataclass(frozen=True, slots=True)
 class Course:
     """One run of a train on the 1 m grid of its path, from `start_m` to `stop_m`.

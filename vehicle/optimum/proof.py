@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
 from vehicle.optimum.bound import bound_of
-from vehicle.optimum.course import Course, Optimum, TooShort
+from vehicle.optimum.course import Course, EndsNotKept, Optimum, TooShort
 from vehicle.optimum.laws import ALL_MOTORS, laws_at
 from vehicle.optimum.mesh import laid, places_m
 from vehicle.optimum.solve import solved
@@ -31,6 +31,7 @@ Floats = NDArray[np.float64]
 PIECES: Final = 4  # of each stretch, at least
 GRADES: Final = 14  # halvings of the pieces at a stand
 TRIES: Final = 8
+SLOWER: Final = 1e-9  # share of v^2/2 at the ends that rounding may cost
 EARLY: Final = 2e-5  # share of the time within which the run that is possible has to be early
 
 
@@ -124,7 +125,8 @@ def consumed_j(
 def proven(course: Course, time_s: float, points: int = 300) -> Proof:
     """The optimum of a course as a run that is possible within `time_s`, and its bound.
 
-    TooShort where the time is below the least, or so near to it that no such run is found on the mesh.
+    TooShort where the time is below the least, or so near to it that no such run is found on the mesh; EndsNotKept
+    where the run that is possible is slower at an end than asked for: its energy would be that of another course.
     """
     found = laid(course)
     way, train, inertia = found.way, course.train, found.inertia_kg
@@ -152,6 +154,8 @@ def proven(course: Course, time_s: float, points: int = 300) -> Proof:
         asked_s -= took_s - time_s * (1.0 - 0.5 * EARLY)
     else:
         raise TooShort(time_s, found.least_s)
+    if z[0] < way.first * (1.0 - SLOWER) or z[-1] < way.last * (1.0 - SLOWER):
+        raise EndsNotKept(time_s, found.least_s)
     energy_j = consumed_j(train, course.load_share, inertia, course.regeneration, fine, held, z)
     if course.auxiliaries:
         energy_j += float(train["auxiliary_power_w"]) * took_s

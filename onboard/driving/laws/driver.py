@@ -18,7 +18,8 @@ from network.files.kinds import about
 from network.files.quantities import Reaction, Share, ShareAbove0, SpeedMarginMps, Wait
 from network.files.toml_input import Record
 from onboard.driving.laws.cue import CueRow
-from onboard.driving.laws.power import power_notch
+from onboard.driving.laws.hold_speed import holding_notch
+from onboard.driving.laws.power import overspeed_mps, power_notch
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
@@ -26,6 +27,7 @@ from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
 
 HAND_OVER_M = 30.0  # assumed: from here on TASC brings the train to the mark
+CREEP_MPS = 3.0  # assumed: held by who starts so near to the mark, until TASC brakes
 LEAST_GAIN_MPS2 = 0.15  # assumed: on a gradient a driver takes the notch that still gains this
 LEAST_BRAKE_SHARE = 0.4  # assumed: nobody brakes more softly, of the stop pattern's deceleration
 LEAST_LOOK_S = 0.3
@@ -56,6 +58,9 @@ class Driver(Record):
         0.85
     )
     brake_share_sigma: Annotated[Share, about("among drivers", SPREAD)] = 0.08
+    catches_up: Annotated[
+        bool, about("who reckons to be late runs as fast as his time asks for and coasts no more", "assumed")
+    ] = True
 
 
 class DriverRow(Protocol):
@@ -73,6 +78,7 @@ class DriverRow(Protocol):
     under_sigma_mps: float
     brake_share: float
     brake_share_sigma: float
+    catches_up: int
     power_drawn: float
     swing_drawn: float
     coast_drawn: float
@@ -111,16 +117,16 @@ def driver(
     wanted_mps = min(limit_mps, unit.cruise_mps)
     own.late_s = late_by_s(cue, wanted_mps, left_m, brake_mps2) if own.ran == 1 else 0.0
     if own.late_s > OFF_TIME_S:
-        own.hurries = 1
+        own.hurries = own.catches_up
     elif own.late_s <= 0.0:
         own.hurries = 0
     cue.ceiling_mps = unit.cruise_mps + swing_mps if own.late_s < -OFF_TIME_S else np.inf
     if own.hurries == 1:
         wanted_mps = min(max(required_mps(cue, left_m, brake_mps2), wanted_mps), limit_mps)
     shut_off_mps = min(wanted_mps + swing_mps, limit_mps)
-    if left_m <= HAND_OVER_M and unit.speed_mps > 0.0:
-        own.asked = 0.0
-        return 0.0
+    if left_m <= HAND_OVER_M:
+        own.asked = last_notch(own, cue, unit, train, behaviour, limit_mps)
+        return own.asked
     decide(own, unit, left_m, brake_mps2, wanted_mps - swing_mps, shut_off_mps)
     if own.asked > 0.0 and (own.powering == 0 or own.coasting == 1):
         own.asked = 0.0  # he sees it come, and shuts off in time
@@ -129,6 +135,20 @@ def driver(
     own.looks_s = cue.now_s + max(own.look_s + own.look_sigma_s * own.look_drawn, LEAST_LOOK_S)
     own.asked = notch_of(own, cue, unit, train, behaviour, left_m, brake_mps2)
     return own.asked
+
+
+@compiled
+def last_notch(
+    own: DriverRow, cue: CueRow, unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, limit_mps: float
+) -> float:
+    """The notch where TASC takes over: none, but for a train that has left a stand so near to the mark and creeps."""
+    moves = unit.speed_mps > 0.0
+    if not moves:
+        own.ran = 0
+    if own.ran == 1 or (moves and unit.notch < 0.0):
+        return 0.0
+    over_mps = overspeed_mps(unit, min(limit_mps, CREEP_MPS), cue.reaction_s)
+    return holding_notch(unit, train, behaviour, cue, over_mps)
 
 
 @compiled

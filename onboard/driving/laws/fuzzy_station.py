@@ -73,7 +73,8 @@ def choose_at_station(
     begun, free = in_stop_zone(in_s, own.early_s), in_free_zone(in_s, own.early_s)
     if begun <= 0.0:
         own.stops = 0
-        offer(own, T_2_1, 0.0, free, RUNNING_TIME)
+        if own.t_2_1 == 1:
+            offer(own, T_2_1, 0.0, free, RUNNING_TIME)
         return train.power_notches
     brakes = unit.notch < 0.0 or own.stops == 1
     if own.stops == 1:

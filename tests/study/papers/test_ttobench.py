@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 
 from network.errors import InputError
 from study.papers.reproduction import Options
-from study.papers.ttobench import CROSS_CHECKS, reproduce
+from study.papers.ttobench import CROSS_CHECKS, Pair, pair_of, reproduce, row_of
 from study.papers.ttobench_files import course_of, read_track, read_tracks, read_train
 from vehicle.optimum import least_time
 from vehicle.optimum.proof import proven
@@ -135,6 +136,22 @@ def test_an_unknown_cross_section_and_an_empty_folder_are_bad_input(tmp_path: Pa
     (tmp_path / "none").mkdir()
     with pytest.raises(InputError, match="tracks"):
         read_tracks(tmp_path / "none")
+
+
+def test_a_fine_run_does_not_make_a_row_pass(tmp_path: Path) -> None:
+    """Judged is the run of a unit's mesh; of the fine mesh counts the bound alone, which holds for every run."""
+    course = course_of(
+        read_track(written(tmp_path, TRACK)), read_train(written(tmp_path, TRAIN)), perfect=False
+    )
+    time_s = 1.2 * float(least_time(course).time_s[-1])
+    pair = pair_of(course, time_s)
+    assert (pair.coarse.optimum.position_m.size, pair.fine.optimum.position_m.size) == (300, 900)
+    assert pair.judged.energy_j == pair.coarse.energy_j
+    assert pair.judged.bound_j == max(pair.coarse.bound_j, pair.fine.bound_j)
+    assert row_of("made", time_s, [pair] * 3).passed
+    dear = Pair(replace(pair.coarse, energy_j=1.03 * pair.coarse.energy_j), pair.fine)
+    assert pair.fine.gap < 0.01 < dear.judged.gap
+    assert not row_of("made", time_s, [pair, dear, pair]).passed
 
 
 def test_without_the_library_it_says_so(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,23 @@ def test_fuzzy_saves_and_without_c_2_it_does_not(level: list[Cell], monkeypatch:
     rows = {row.case: row for row in judged(swapped, swapped[0])}
     assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
     assert not rows["fuzzy saves on average, %"].passed
+
+
+@pytest.mark.parametrize("way", list(Way))
+def test_whichever_way_is_late_its_row_is_missed(level: list[Cell], way: Way) -> None:
+    cell = level[0]
+    late = replace(cell.hops[way], asked_s=cell.asked_s - PUNCTUAL_S - 1.0)
+    assert row_of(cell).passed
+    assert not row_of(replace(cell, hops={**cell.hops, way: late})).passed
+
+
+def test_what_c_2_is_worth_does_not_depend_on_who_took_longer(level: list[Cell]) -> None:
+    """A second less costs some percent: the law that took it is held against the bound of its own time."""
+    cell = level[0]
+    over = {**cell.over_bound, Way.WITHOUT: cell.over_bound[Way.FUZZY]}
+    assert replace(cell, over_bound=over).without_costs == pytest.approx(0.0)
+    rows = {row.case: row for row in judged([cell], replace(cell, over_bound=over))}
+    assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
 
 
 def test_a_missed_row_says_by_how_much(level: list[Cell]) -> None:

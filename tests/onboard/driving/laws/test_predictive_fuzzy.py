@@ -12,6 +12,7 @@ import pytest
 
 from onboard.driving.laws.fuzzy_choice import changed_by, half_way, steps_of
 from onboard.driving.laws.fuzzy_records import KEPT_CHANGES, PredictiveFuzzy, Rule
+from onboard.driving.laws.fuzzy_station import choose_at_station
 from onboard.driving.laws.fuzzy_told import told
 from onboard.driving.laws.settings import LawTables
 from simulation.settings import Driving
@@ -146,7 +147,22 @@ def test_without_t_2_1_the_first_brake_is_on_as_soon_as_its_zone_begins(drive: D
     def first_brake_m(hop: Driven) -> float:
         return float(hop.trace["position_m"][np.argmax(hop.trace["notch"] < 0.0)])
 
-    assert first_brake_m(drive(t_2_1=False)) < first_brake_m(drive()) - 3.0
+    without = drive(t_2_1=False)
+    assert first_brake_m(without) < first_brake_m(drive()) - 3.0
+
+
+@pytest.mark.parametrize(("t_2_1", "offered"), [(True, Rule.T_2_1), (False, Rule.NONE)])
+def test_t_2_1_is_offered_before_the_stop_only_where_it_is_on(t_2_1: bool, offered: Rule) -> None:
+    hop = HopBench(bench("hitachi_train", TABLE_1.driving, t_2_1=t_2_1), LEVEL)
+    hop.run(new_hops([ORDER_S]), 4000)
+    board = hop.bench.work.view(np.recarray)[0].board
+    board.unit.position_m, board.unit.speed_mps, board.unit.train_mps = hop.begin_m + 300.0, 15.0, 15.0
+    own = board.laws.predictive_fuzzy
+    at_most = choose_at_station(
+        own, board.cue, board.unit, board.kind, board.behaviour, hop.pattern, hop.mark_m
+    )
+    assert at_most == row_of("hitachi_train").power_notches
+    assert Rule(int(own.best_rule)) is offered
 
 
 def test_c_1_brakes_half_way_where_the_speed_is_no_longer_permitted(drive: Drive) -> None:
