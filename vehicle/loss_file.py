@@ -36,7 +36,7 @@ def set_losses(row: NDArray[np.void], losses: Losses | None) -> None:
     if losses is None:
         return
     row["losses_given"] = 1.0
-    row["loss_force_n"] = row["traction_force_max_n"] / row["motors"]
+    row["loss_force_n"] = row["traction_force_max_n"].item() / row["motors"].item()
     row["motors_cut_out"] = float(losses.motors_cut_out)
     row["magnetised_coasting"] = float(losses.magnetised_coasting)
     for key, value in losses.model_dump(exclude={"motors_cut_out", "magnetised_coasting"}).items():

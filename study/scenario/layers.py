@@ -171,11 +171,12 @@ def _by_index(text: str) -> tuple[int, str]:
 
 
 def _defaults(name: str) -> dict[str, Any]:
-    """The defaults of a table, by key."""
+    """The defaults of a table, by key; of its plain values, not of tables in it."""
     kind = ScenarioFile.model_fields[name].annotation
     if not isinstance(kind, type) or not issubclass(kind, BaseModel):
         return {}
-    return {key: field.default for key, field in kind.model_fields.items() if not field.is_required()}
+    fields = kind.model_fields.items()
+    return {key: f.default for key, f in fields if not f.is_required() and f.default_factory is None}
 
 
 def _whole(data: Data) -> Data:

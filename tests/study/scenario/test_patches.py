@@ -166,3 +166,10 @@ def test_what_cannot_be_is_put_down_to_the_patch(tmp_path: Path, text: str, key:
     assert refused.value.file == str(tmp_path / "what_if.toml")
     assert refused.value.key == key
     assert "\n" not in str(refused.value)
+
+
+def test_a_table_of_defaults_is_no_number_to_multiply(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        patched(tmp_path, "[patch.law.times]\npid = 2.0\n", "rtri_test_line")
+    assert error.value.key == 'patch.law.times."pid"'
+    assert error.value.value is None

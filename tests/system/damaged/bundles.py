@@ -14,9 +14,12 @@ from typing import Any, Final
 from network.files.line_schema import LineFile
 from network.files.shipped import shipped_line, shipped_timetable
 from network.files.timetable_schema import TimetableFile
+from onboard.driving.laws.settings import LawTables
+from onboard.driving.planner.wish import Planning
 from onboard.driving.tuning import DEAD_TIMES, OFFSETS
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
+from simulation.battery_settings import BatterySettings
 from simulation.settings import Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
@@ -84,11 +87,23 @@ def _line() -> Data:
     ]
     axis["limits"] = [{"from_km": 0.55, "to_km": 0.85, "speed_kmh": 40.0, "directions": ["down"]}]
     data["points"][0]["offset_m"] = 0.0
+    data["chargers"] = [
+        {
+            "station": "B",
+            "tracks": ["1"],
+            "power_kw": 400.0,
+            "voltage_v": 1500.0,
+            "current_max_a": 300.0,
+            "connect_s": 20.0,
+            "disconnect_s": 10.0,
+            "origin": "assumed",
+        }
+    ]
     return data
 
 
 def _train() -> Data:
-    data = _toml(shipped_train("ev_e301"))
+    data = _toml(shipped_train("ev_e301_losses"))
     data["traction"] |= {
         "weak_field_speed_kmh": 60.0,
         "notch_speed_cap_kmh": [20.0, 40.0, 60.0, 80.0, 0.0],
@@ -143,9 +158,12 @@ def _scenario() -> Data:
                 "air": AirParameters(),
                 "unit": UnitParameters(),
                 "driving": Driving(),
+                "law": LawTables(),
+                "planning": Planning(),
                 "sensors": Sensors(),
                 "limits": Limits(),
                 "operation": Operation(),
+                "battery": BatterySettings(start_of={"K1": 0.9}),
             }.items()
         },
         "tuning": {"days": 1, "learn": True, "learned": "learned.json"},
@@ -174,6 +192,9 @@ def _scenario() -> Data:
             },
             "timetable": {"scale": [{"from": "09:00", "to": "11:00", "times": 1.1}]},
             "train": {"v.toml": {"set": {"mass_empty_t": 78.0}}},
+            "law": {"set": {"predictive_fuzzy.estimates": False}},
+            "planning": {"set": {"style": "coast"}},
+            "battery": {"set": {"departure": "leave"}},
         },
         **SCRIPT,
     }

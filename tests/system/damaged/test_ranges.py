@@ -142,6 +142,16 @@ TOGETHER: Final[dict[str, tuple[tuple[str | int, ...], object]]] = {
     ),
     "emergency brake over the grip of all axles on dry rail": (("emergency", "deceleration_mps2"), 3.0),
     "emergency brake over the strongest service notch": (("emergency", "deceleration_mps2"), 0.5),
+    "greatest efficiency of motors, inverters and gears": (
+        ("losses",), SCENARIO.files["v.toml"]["losses"] | dict.fromkeys(
+            ("hysteresis_kw", "eddy_kw", "inverter_kw", "copper_kw", "gear_share"), 0.0
+        ),
+    ),
+    "efficiency of motors, inverters and gears at the greatest force and base speed": (
+        ("losses", "copper_kw"), 250.0,
+    ),
+    "no-load losses at base speed by greatest power": (("losses", "magnetising_kw"), 40.0),
+    "base speed over greatest speed": (("losses", "base_speed_kmh"), 160.0),
 }  # fmt: skip
 
 
