@@ -76,11 +76,13 @@ def arrivals_s(
 
 
 def up_to_fixed(stops: Sequence[JourneyStop]) -> tuple[JourneyStop, ...]:
-    """The journey up to the first stop that it need not look beyond: a fixed departure, no latest arrival, the last."""
+    """The journey up to the first stop that it need not look beyond: a fixed departure, the last with a time."""
     for i, stop in enumerate(stops[1:], 1):
+        timeless = math.isinf(stop.arrival.latest_s)
         fixed = stop.departure.latest_s <= stop.departure.earliest_s
-        if fixed or math.isinf(stop.arrival.latest_s) or i == len(stops) - 1:
-            return (*stops[:i], replace(stop, departure=ANY_TIME))
+        if timeless or fixed or i == len(stops) - 1:
+            last = max(i - 1, 1) if timeless else i  # what has no time takes none from the stops before it
+            return (*stops[:last], replace(stops[last], departure=ANY_TIME))
     raise ValueError("a journey has a stop to go to")
 
 

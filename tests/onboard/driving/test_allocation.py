@@ -11,7 +11,7 @@ from network.model import Direction
 from network.profile import profile_of
 from onboard.driving.pattern import limit_for_train, lowered_by
 from onboard.driving.planner.allocation import allocated
-from onboard.driving.planner.arrivals import OnMap, Times, arrivals_s
+from onboard.driving.planner.arrivals import OnMap, Times, arrivals_s, up_to_fixed
 from onboard.driving.planner.windows import journey_stops, made_possible
 from onboard.driving.planner.wish import Margin, Planning
 from onboard.duty.mission import Mission, Target
@@ -181,3 +181,15 @@ def test_where_there_is_no_time_there_is_no_arrival_to_mean() -> None:
     assert mission.targets[at + 1].station_id is None
     due_s = arrivals_s(Planning(), on_map_of(mission), mission, at, 0.0, Times(dwell_s, 10.0))
     assert due_s == (math.inf,)
+
+
+def test_a_stop_without_a_time_takes_none_from_the_stop_before_it() -> None:
+    """A train that goes on from its last station to a portal, which has no time, is due at the station all the same."""
+    here = JourneyStop("A", departure=Window(0.0, 0.0))
+    station = JourneyStop("B", Window(latest_s=300.0), Window(), 20.0)
+    portal = JourneyStop("portal", Window(), Window())
+    found = up_to_fixed((here, station, portal))
+    assert [stop.name for stop in found] == ["A", "B"]
+    assert found[-1].arrival.latest_s == 300.0
+    alone = up_to_fixed((here, portal))
+    assert math.isinf(alone[-1].arrival.latest_s)
