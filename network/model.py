@@ -173,6 +173,35 @@ class Tag:
 
 
 @dataclass(frozen=True, slots=True)
+class Beacon:
+    """A beacon of the train stop (ATS地上子): a passage is noticed, and its number only where `tells_id`.
+
+    `used`: one of those that an on-board database goes by (使用地上子).
+    """
+
+    id: int
+    piece_id: str
+    position_m: float
+    directions: tuple[Direction, ...]
+    tells_id: bool = False
+    used: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerGroup:
+    """Reflective markers (ターゲットマーカ) laid in a pattern between the rails, for trains with a LiDAR.
+
+    `position_m` is the kilometrage (m) of the row that trains of `directions` meet first.
+    """
+
+    id: int
+    pattern: int
+    piece_id: str
+    position_m: float
+    directions: tuple[Direction, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Gradient:
     """Gradient between two kilometrages, permille, positive where DOWN climbs."""
 
@@ -211,6 +240,14 @@ class Coverage:
 
 
 @dataclass(frozen=True, slots=True)
+class Cover:
+    """A stretch in which little or nothing is seen of the sky."""
+
+    from_m: float
+    to_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class Alignment:
     """One axis of kilometrage with what belongs to it; all tuples are sorted by `from_m` and do not overlap.
 
@@ -229,6 +266,8 @@ class Alignment:
     curves: tuple[Curve, ...]
     limits: tuple[SpeedLimit, ...]
     coverage: tuple[Coverage, ...]
+    tunnels: tuple[Cover, ...] = ()
+    obstructed: tuple[Cover, ...] = ()  # where slopes, trees or houses hide low satellites and reflect them
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,3 +303,5 @@ class Line:
     tags: Mapping[int, Tag]
     assumed: tuple[str, ...]  # what the line file marks as assumed, for reports
     chargers: Mapping[str, Charger] = field(default_factory=dict[str, Charger])  # by station id
+    beacons: Mapping[int, Beacon] = field(default_factory=dict[int, Beacon])
+    markers: Mapping[int, MarkerGroup] = field(default_factory=dict[int, MarkerGroup])

@@ -1,6 +1,7 @@
-"""What a train meets along its path, every metre: elevation, how much the track bends, how fast it may go.
+"""What a train meets along its path, every metre: elevation, how the track bends, how fast it may go, what sky it sees.
 
-Geometry is that of the alignment: the short curves of diverging legs and lateral offsets are left out.
+What a train weighs against (elevation, mean curvature) is that of the alignment; the short curves of diverging legs are
+in `heading_rad` alone, which is where the track really points.
 """
 
 from __future__ import annotations
@@ -11,10 +12,25 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from network.alignment import bearing_rad
 from network.model import Alignment, Curve, Leg, Line
+from network.offsets import turned_rad
 from network.path import Path, PathStep
 
-PROFILE: Final = np.dtype([("elevation_m", "f8"), ("turn_rad", "f8"), ("limit_mps", "f8")], align=True)
+PROFILE: Final = np.dtype(
+    [
+        ("elevation_m", "f8"),
+        ("turn_rad", "f8"),
+        ("limit_mps", "f8"),
+        ("heading_rad", "f8"),
+        ("irregularity_rad", "f8"),
+        ("sky", "f8"),
+    ],
+    align=True,
+)
+NO_SKY: Final = 0.0  # in a tunnel
+PART_OF_SKY: Final = 0.5  # among slopes, trees or houses
+OPEN_SKY: Final = 1.0
 
 
 def profile_of(line: Line, path: Path) -> NDArray[np.void]:
@@ -25,13 +41,18 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
       l is (turn(front) - turn(front - l)) / l; transitions are clothoids (curvature linear in distance).
     - limit_mps: lowest limit in force within 1 m either way, so that row floor(x), round(x) or ceil(x) is
       never above the limit at x. It holds for a point; a train obeys the lowest over its whole length.
+    - heading_rad: by how much the track has turned to the right, as its trains see it, since the path's beginning, with
+      the curves of the legs of points; its slope is the signed curvature.
+    - irregularity_rad: how far the rails as laid point off that; 0 here, the world lays it.
+    - sky: NO_SKY, PART_OF_SKY or OPEN_SKY.
     """
     count = math.ceil(path.length_m) + 1
     at_m = np.minimum(np.arange(count, dtype=np.float64), path.length_m)
     rows = np.zeros(count, PROFILE)
     rows["limit_mps"] = line.max_speed_mps
+    rows["sky"] = OPEN_SKY
     elevation_m = float(_elevation_m(_alignment(line, path.steps[0]), np.array([path.steps[0].entry_m]))[0])
-    turn_rad = 0.0
+    turn_rad = heading_rad = 0.0
     for step in path.steps:
         alignment = _alignment(line, step)
         here = slice(math.ceil(step.start_m), count if step is path.steps[-1] else math.ceil(step.end_m))
@@ -44,6 +65,12 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
         rows["turn_rad"][here] = turn_rad + bend_rad[2:]
         elevation_m += float(height_m[1] - height_m[0])
         turn_rad += float(bend_rad[1])
+        points_rad = step.direction * _heading_rad(line, step, kilometrages_m)
+        rows["heading_rad"][here] = heading_rad + points_rad[2:] - points_rad[0]
+        heading_rad += float(points_rad[1] - points_rad[0])
+        for sky, covers in ((PART_OF_SKY, alignment.obstructed), (NO_SKY, alignment.tunnels)):
+            for cover in covers:
+                rows["sky"][here][(cover.from_m <= inside_m) & (inside_m <= cover.to_m)] = sky
         _limit_on_alignment(rows, alignment, step)
     _limit_on_points(rows, line, path)
     rows["turn_rad"] = np.maximum.accumulate(rows["turn_rad"])
@@ -96,6 +123,12 @@ def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> ND
     for gradient in alignment.gradients:
         heights_m.append(heights_m[-1] + (gradient.to_m - gradient.from_m) * gradient.permille / 1000.0)
     return np.asarray(np.interp(kilometrage_m, breaks_m, heights_m), dtype=np.float64)
+
+
+def _heading_rad(line: Line, step: PathStep, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where a piece points going DOWN, to the right positive, with the curves of a leg of points."""
+    piece = line.pieces[step.piece_id]
+    return bearing_rad(_alignment(line, step), kilometrage_m) + turned_rad(line, piece, kilometrage_m)
 
 
 def _turn_rad(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:

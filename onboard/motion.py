@@ -43,7 +43,17 @@ from onboard.duty.records import (
     VehicleChecked,
 )
 from onboard.duty.unable import Unable
-from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, Taken, missed_by_m, take
+from onboard.localisation.fix import (
+    FOREIGN,
+    MISSED,
+    NOTHING,
+    OUTCOMES,
+    REFUSED,
+    TAKEN,
+    Taken,
+    missed_by_m,
+    take,
+)
 from onboard.localisation.sighting import sign
 from onboard.localisation.table import READER_NAMES, READERS_ROW, ReadersRow
 from onboard.localisation.tags import TagDoubt, tag_fix
@@ -78,10 +88,12 @@ ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
 @dataclass(frozen=True, slots=True)
 class PathData:
-    """The unit's path database of one mission: its rows of PATTERN, and where they lie in the pool."""
+    """The unit's path database of one mission: rows of PATTERN, where they lie in the pool, and the places there."""
 
     rows: NDArray[np.void]
     offset: int
+    places_offset: int = 0
+    places_rows: int = 0
 
 
 class Motion:
@@ -109,6 +121,7 @@ class Motion:
         self.adhesion_factor = 1.0  # the least of the day's weather, of the dry rail's
         self.vehicle = IN_ORDER
         self.charge: ChargeWatch | None = None  # of a set that runs on a battery
+        self.reads_tags = True  # a train without a reader expects none
         self.notes: list[notes.Note] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
@@ -184,6 +197,8 @@ class Motion:
         self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
         self._doubt.new_path(mission.tags)
         row.path_offset, row.path_rows = path.offset, len(path.rows)
+        row.places_offset, row.places_rows = path.places_offset, path.places_rows
+        row.paths_taken_up += 1
         self._pace.take_up(path.rows)
         row.mode = MODE_HOLD
         row.target_stop_m = row.mark_m = row.position_m
@@ -315,6 +330,7 @@ class Motion:
             if outcome == REFUSED:
                 self.notes.append(notes.FixRefused(reader=name))
             if name != SIGN:
+                self._explain(number, name, before, outcome)
                 continue
             target = self._next_target()
             if outcome == TAKEN and target is not None:
@@ -322,6 +338,16 @@ class Motion:
                 self.notes.append(notes.SignSeen(station=target.station_id, correction_m=moved_m))
             elif outcome == MISSED:
                 self._impossible(Verdict.TARGET_NOT_SEEN)
+
+    def _explain(self, number: int, name: str, before: int, outcome: int) -> None:
+        """What came of a reading that is no sign's: the first fix taken, and where the map begins and ceases to fit."""
+        if outcome == TAKEN:
+            moved_m = round(float(self.readers.moved_m[number]), 3)
+            self.notes.append(notes.FixTaken(reader=name, correction_m=moved_m, after=OUTCOMES[before]))
+        elif outcome == FOREIGN:
+            self.notes.append(notes.ForeignTrack(reader=name))
+        elif outcome == MISSED:
+            self.notes.append(notes.FixMissed(reader=name))
 
     def _look_for_sign(self, target: Target | None) -> None:
         """Go by the sign of this mark from now on."""
@@ -377,7 +403,8 @@ class Motion:
             self.notes.append(notes.StopImpossible(why=why, station=target.station_id or target.section_id))
 
     def _expect_tag(self, after_m: float | None = None) -> None:
-        if self._mission is None:
+        if self._mission is None or not self.reads_tags:
+            self.row.expected_tag_m = math.inf
             return
         # A tag within the bound may lie behind already: none is due before the front is surely short of it.
         beyond_m = self.row.position_m + self.row.bound_ahead_m if after_m is None else after_m

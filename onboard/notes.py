@@ -185,6 +185,26 @@ class FixRefused(Noted, frozen=True, kw_only=True, tag="fix_refused"):
     reader: str
 
 
+class FixTaken(Noted, frozen=True, kw_only=True, tag="fix_taken"):
+    """A sensor's fix is believed, the first one or the first `after` another outcome; it moved the position."""
+
+    reader: str
+    correction_m: float
+    after: str
+
+
+class ForeignTrack(Noted, frozen=True, kw_only=True, tag="foreign_track"):
+    """What a sensor sees is not what the map has here (異曲率区間): nothing of it is a fix until it fits again."""
+
+    reader: str
+
+
+class FixMissed(Noted, frozen=True, kw_only=True, tag="fix_missed"):
+    """What a sensor should have shown by now has not come."""
+
+    reader: str
+
+
 class PositionFault(Noted, frozen=True, kw_only=True, tag="position_fault"):
     """The position cannot be trusted any more: the train stops, then runs on sight."""
 
@@ -355,6 +375,9 @@ Note = (
     | TagDoubted
     | SignSeen
     | FixRefused
+    | FixTaken
+    | ForeignTrack
+    | FixMissed
     | PositionFault
     | PositionFound
     | TachometerFault

@@ -6,7 +6,10 @@ what the unit believes; the truth is elsewhere and never read.
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Protocol
+from typing import Annotated, Final, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vehicle.record import dtype_of
 
@@ -80,6 +83,9 @@ class UnitRow(Protocol):
     # where this train's rows of the path database begin, and how many there are
     path_offset: int
     path_rows: int
+    paths_taken_up: Annotated[int, "how many it has gone by: with each the coordinates are others"]
+    places_offset: Annotated[int, "the same of the places that it knows, by position"]
+    places_rows: int
     plan_offset: Annotated[int, "the same of its plan"]
     plan_rows: Annotated[int, "0: no plan"]
     plan_due_s: Annotated[float, "when the plan has the front at `target_stop_m`, since midnight"]
@@ -95,9 +101,39 @@ class PathRow(Protocol):
     body_elevation_m: Annotated[float, "mean over the train's length, its front here"]
     permitted_mps: Annotated[float, "supervision: speed limits with the brake curves towards them"]
     driving_mps: Annotated[float, "automatic driving stays under this one"]
+    curvature_per_m: Annotated[
+        float, "of the map (線路曲率), to the right, as it is compared; nan: not in it"
+    ]
 
 
 PATTERN: Final = dtype_of(PathRow)
+
+# PlaceRow.kind
+PLACE_BEACON: Final = 1
+PLACE_MARKERS: Final = 2
+
+
+class PlaceRow(Protocol):
+    """Something that lies at one place of a path and that a sensor may find there."""
+
+    kind: Annotated[int, "PLACE_BEACON or PLACE_MARKERS"]
+    position_m: Annotated[float, "path coordinate"]
+    number: Annotated[int, "of a beacon its id, of markers their pattern"]
+    told: Annotated[int, "1: who passes it reads the number"]
+    used: Annotated[int, "1: databases go by it"]
+
+
+PLACE: Final = dtype_of(PlaceRow)
+
+
+class Chart(NamedTuple):
+    """What units know of their ways: rows of PATTERN and of PLACE of all of them; UNIT says where its own begin."""
+
+    path: NDArray[np.void]
+    places: NDArray[np.void]
+
+
+NO_PLACES: Final = np.zeros(0, dtype=PLACE)
 
 
 class BehaviourRow(Protocol):

@@ -21,13 +21,15 @@ from onboard.records import (
     EVENT_TACHOMETER,
     EVENT_TAG_OVERDUE,
     MODE_DRIVE,
+    Chart,
 )
 from vehicle.compiled import compiled
 
 
 @compiled
-def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void], plan: NDArray[np.void]) -> int:
+def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void]) -> int:
     """Take what the sensors show, set `unit.notch` and `unit.emergency`; returns event bits."""
+    path = chart.path
     unit, train, behaviour, tasc = board.unit, board.kind, board.behaviour, board.tasc
     speed_mps, step_s = sensed.speed_mps, behaviour.step_s
     before_mps = unit.speed_mps
@@ -38,7 +40,7 @@ def tick(board: BoardRow, sensed: SensedRow, path: NDArray[np.void], plan: NDArr
         unit.intervention = (
             EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when
         )
-    events |= read_all(board.readers, sensed.readings, unit, step_s)
+    events |= read_all(board.readers, sensed.readings, unit, chart, step_s)
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0
     ride_over_slide(unit, train, tasc, own_mps2, run_m, step_s)

@@ -6,6 +6,7 @@ with it, and `docs/files.md` is made from here.
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Annotated, Final, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
@@ -88,8 +89,34 @@ class Driving(Record):
     ] = 0.5
 
 
+class Carried(StrEnum):
+    """What trains may carry to know where they are, beside wheels and slide protection (cameras: `[vision]`)."""
+
+    TAGS = "tags"  # a reader of tags (地上子)
+    BEACONS = "beacons"  # a receiver of the train stop's beacons
+    CURVATURE = "curvature"  # a yaw gyro, compared with a map of curvature
+    GNSS = "gnss"
+    LIDAR = "lidar"
+
+
+Carries = Annotated[
+    tuple[Annotated[Carried, Field(strict=False)], ...], Field(strict=False, max_length=len(Carried))
+]
+
+
 class Sensors(Record):
-    """`[sensors]`: errors of the sensors, drawn per train or per reading from seeded sources."""
+    """`[sensors]`: what trains carry, and its errors, drawn per train or per reading from seeded sources."""
+
+    carries: Annotated[Carries, about("by what trains know where they are", "Sugiyama: tags and wheels")] = (
+        Carried.TAGS,
+    )
+    carries_of: Annotated[dict[str, Carries], about("the same by stock id, in place of it")] = Field(
+        default_factory=dict
+    )
+
+    def carried_by(self, stock_id: str) -> frozenset[Carried]:
+        """What a stock carries."""
+        return frozenset(self.carries_of.get(stock_id, self.carries))
 
     wheel_factor_sigma: Annotated[
         WheelError,

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.errors import InputError
-from network.model import Alignment, Direction, Leg, Line, Piece
+from network.model import Alignment, Direction, Line, Piece
+from network.offsets import end_offsets_m, lateral_m
 
 SAMPLE_SPACING_M_MAX: Final = 10.0
 BEND_SPACING_M_MAX: Final = 2.5
@@ -140,39 +141,15 @@ def sample_kilometrages(piece: Piece, alignment: Alignment, spacing_m_max: float
 def _shape(line: Line, piece: Piece, positions: Positions) -> Array:
     """Shape points of a piece in DOWN order, (n, 3), m."""
     alignment = line.alignments[piece.alignment_id]
-    low_offset_m, high_offset_m = (
-        _end_offset_m(line, piece, piece.low_node),
-        _end_offset_m(line, piece, piece.high_node),
-    )
+    low_offset_m, high_offset_m = end_offsets_m(line, piece)
     bends = low_offset_m != high_offset_m
     kilometrage_m = sample_kilometrages(
         piece, alignment, BEND_SPACING_M_MAX if bends else SAMPLE_SPACING_M_MAX
     )
     centre = positions(alignment, kilometrage_m, 0.0)
     right = positions(alignment, kilometrage_m, 1.0) - centre
-    t = (kilometrage_m - piece.from_m) / piece.length_m
-    # The cubic leaves and meets both tracks parallel to them.
-    offset_m = low_offset_m + (high_offset_m - low_offset_m) * t * t * (3.0 - 2.0 * t)
+    offset_m = lateral_m(line, piece, kilometrage_m)
     return np.asarray(centre + right * offset_m[:, None], dtype=np.float64)
-
-
-def _end_offset_m(line: Line, piece: Piece, node_id: str) -> float:
-    """Lateral offset (m) of a piece at one of its ends, the same for every piece of its alignment there.
-
-    At the toe of points it is the stem's, at the far end of a leg that of the track it leads to; two legs
-    that meet (a crossover, 渡り線) meet halfway.
-    """
-    there = [
-        line.pieces[p]
-        for p in sorted(line.pieces)
-        if line.pieces[p].alignment_id == piece.alignment_id
-        and node_id in (line.pieces[p].low_node, line.pieces[p].high_node)
-    ]
-    stems = {points.stem_piece for points in line.points.values() if points.node_id == node_id}
-    for candidates in ([p for p in there if p.id in stems], [p for p in there if p.leg in (None, Leg.STEM)]):
-        if candidates:
-            return candidates[0].offset_m
-    return sum(p.offset_m for p in there) / len(there)
 
 
 def _node_places(line: Line, shapes: Mapping[str, Array]) -> dict[str, Array]:

@@ -12,12 +12,12 @@ from typing import Final
 from network.errors import InputError
 from network.files.line_schema import (
     AlignmentTable,
+    OnTrackTable,
     PlatformTable,
     PointsTable,
     RangeTable,
     SectionTable,
     StationTable,
-    TagTable,
 )
 from network.files.toml_input import one_of
 from network.model import Alignment, Leg, Line, Piece, SectionKind
@@ -198,9 +198,9 @@ def check_platform(file: str, key: str, entry: PlatformTable, piece: Piece) -> N
 
 
 def tag_piece(
-    file: str, key: str, tag: TagTable, pieces: Mapping[str, Piece], kinds: Mapping[str, str]
+    file: str, key: str, tag: OnTrackTable, pieces: Mapping[str, Piece], kinds: Mapping[str, str]
 ) -> Piece:
-    """The piece a tag lies on, with the tag inside it."""
+    """The piece that a tag, a beacon or a group of markers lies on, with the place inside it."""
     if (tag.section is None) == (tag.piece is None):
         raise InputError(file, f"{key}.section", tag.section, "either section or piece")
     name, used = (tag.piece, "piece") if tag.piece is not None else (tag.section, "section")

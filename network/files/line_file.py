@@ -21,12 +21,15 @@ from network.files.toml_input import one_of, parse_toml, read_text
 from network.graph import TooManyRoutesError, all_routes
 from network.model import (
     Alignment,
+    Beacon,
+    Cover,
     Coverage,
     Curve,
     Direction,
     Gradient,
     Leg,
     Line,
+    MarkerGroup,
     Piece,
     PlatformTrack,
     Points,
@@ -82,6 +85,8 @@ def line_of(entry: LineFile, file: str) -> Line:
         tags=_tags(file, entry, pieces),
         assumed=tuple(entry.line.assumed),
         chargers=chargers_of(file, entry.chargers, stations),
+        beacons=_beacons(file, entry, pieces),
+        markers=_markers(file, entry, pieces),
     )
     keys = {s.id: f"sections[{i}]" for i, s in enumerate(entry.sections)}
     check.check_overlaps(file, line, {draft.id: draft.key for draft in drafts.values()})
@@ -153,6 +158,8 @@ def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment
     check.check_curves(file, key, entry)
     check.check_within(file, f"{key}.limits", entry.limits, entry)
     check.check_sorted(file, f"{key}.coverage", entry.coverage, entry)
+    check.check_sorted(file, f"{key}.tunnels", entry.tunnels, entry)
+    check.check_sorted(file, f"{key}.obstructed", entry.obstructed, entry)
     limits = (
         SpeedLimit(metres(i.from_km), metres(i.to_km), mps(i.speed_kmh), _directions(i.directions))
         for i in sorted(entry.limits, key=lambda limit: limit.from_km)
@@ -172,6 +179,8 @@ def _alignment(file: str, index: int, entry: schema.AlignmentTable) -> Alignment
         ),
         limits=tuple(limits),
         coverage=tuple(Coverage(metres(c.from_km), metres(c.to_km)) for c in entry.coverage),
+        tunnels=tuple(Cover(metres(c.from_km), metres(c.to_km)) for c in entry.tunnels),
+        obstructed=tuple(Cover(metres(c.from_km), metres(c.to_km)) for c in entry.obstructed),
     )
 
 
@@ -339,3 +348,29 @@ def _tags(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, 
         directions = _directions(tag.directions)
         tags[tag.id] = Tag(tag.id, piece.id, metres(tag.km), TagPurpose(tag.purpose), directions)
     return tags
+
+
+def _beacons(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, Beacon]:
+    _unique(file, "beacons", [b.id for b in entry.beacons])
+    kinds = {s.id: s.kind for s in entry.sections}
+    beacons: dict[int, Beacon] = {}
+    for i, beacon in enumerate(entry.beacons):
+        piece = check.tag_piece(file, f"beacons[{i}]", beacon, pieces, kinds)
+        directions = _directions(beacon.directions)
+        beacons[beacon.id] = Beacon(
+            beacon.id, piece.id, metres(beacon.km), directions, beacon.tells_id, beacon.used
+        )
+    return beacons
+
+
+def _markers(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, MarkerGroup]:
+    _unique(file, "markers", [m.id for m in entry.markers])
+    kinds = {s.id: s.kind for s in entry.sections}
+    groups: dict[int, MarkerGroup] = {}
+    for i, markers in enumerate(entry.markers):
+        piece = check.tag_piece(file, f"markers[{i}]", markers, pieces, kinds)
+        directions = _directions(markers.directions)
+        groups[markers.id] = MarkerGroup(
+            markers.id, markers.pattern, piece.id, metres(markers.km), directions
+        )
+    return groups

@@ -106,6 +106,14 @@ class AlignmentTable(RangeTable):
     coverage: Annotated[list[RangeTable], Field(max_length=ROWS_MAX), about("where the radio reaches")] = (
         Field(default_factory=list)
     )
+    tunnels: Annotated[list[RangeTable], Field(max_length=ROWS_MAX), about("where no sky is seen")] = Field(
+        default_factory=list
+    )
+    obstructed: Annotated[
+        list[RangeTable],
+        Field(max_length=ROWS_MAX),
+        about("where slopes, trees or houses hide low satellites and reflect them"),
+    ] = Field(default_factory=list)
 
 
 class SectionTable(Record):
@@ -197,19 +205,42 @@ class ChargerTable(Record):
     origin: Annotated[Prose, Field(min_length=1), about('source of its figures, or "assumed: why"')]
 
 
-class TagTable(Record):
-    """`[[tags]]`: in `section` when that is a single piece, else on `piece`."""
+class OnTrackTable(Record):
+    """Anything that lies at one place: in `section` when that is a single piece, else on `piece`."""
 
-    id: Annotated[TagId, about("what the tag (地上子) says")]
     section: Annotated[str | None, about("where it lies, if that is one piece")] = None
     piece: Annotated[str | None, about("where it lies, among points")] = None
     km: Annotated[Kilometrage, about("kilometrage")]
+    directions: Annotated[list[DirectionName], about("for whose trains")] = Field(
+        default=["down", "up"], min_length=1, max_length=2
+    )
+
+
+class TagTable(OnTrackTable):
+    """`[[tags]]`."""
+
+    id: Annotated[TagId, about("what the tag (地上子) says")]
     purpose: Annotated[
         Literal["arrival", "control_start", "departed", "approach", "position", "portal"],
         about("what for: paper, table 3"),
     ]
-    directions: Annotated[list[DirectionName], about("whose trains read it")] = Field(
-        default=["down", "up"], min_length=1, max_length=2
+
+
+class BeaconTable(OnTrackTable):
+    """`[[beacons]]`: of the train stop; trains that carry a beacon receiver notice them."""
+
+    id: Annotated[TagId, about("its number")]
+    tells_id: Annotated[bool, about("whether a train reads its number, as with ATS-P")] = False
+    used: Annotated[bool, about("whether on-board databases go by it (使用地上子)")] = True
+
+
+class MarkersTable(OnTrackTable):
+    """`[[markers]]`: reflective markers in a pattern, for trains with a LiDAR; `km` is the row that they meet first."""
+
+    id: Annotated[TagId, about("its number")]
+    pattern: Annotated[TagId, about("which pattern the markers lie in")]
+    directions: Annotated[list[DirectionName], about("for whose trains; they lie one way round")] = Field(
+        min_length=1, max_length=1
     )
 
 
@@ -235,4 +266,10 @@ class LineFile(Record):
     ] = Field(default_factory=list)
     chargers: Annotated[
         list[ChargerTable], Field(max_length=TABLES_MAX), about("where batteries are charged")
+    ] = Field(default_factory=list)
+    beacons: Annotated[list[BeaconTable], Field(max_length=ROWS_MAX), about("beacons of the train stop")] = (
+        Field(default_factory=list)
+    )
+    markers: Annotated[
+        list[MarkersTable], Field(max_length=ROWS_MAX), about("groups of reflective markers")
     ] = Field(default_factory=list)

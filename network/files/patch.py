@@ -31,9 +31,9 @@ from network.files.track_removal import without_track
 from network.model import Line
 
 KEY: Final = "patch.line"
-_TABLES: Final = ("sections", "points", "joints", "stations", "tags")
+_TABLES: Final = ("sections", "points", "joints", "stations", "tags", "beacons", "markers")
 # Gradients are missing because they always cover the whole alignment: they are set, not added to.
-_ON_ALIGNMENT: Final = ("limits", "curves", "coverage")
+_ON_ALIGNMENT: Final = ("limits", "curves", "coverage", "tunnels", "obstructed")
 
 
 class TagsOut(Record):

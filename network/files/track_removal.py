@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, TypeVar
 
 from network.errors import InputError
 from network.files.chargers import without_track as chargers_without_track
@@ -18,13 +18,15 @@ from network.files.line_schema import (
     DirectionName,
     JointTable,
     LineFile,
+    OnTrackTable,
     PlatformTable,
     PointsTable,
     SectionTable,
     StationTable,
-    TagTable,
 )
 from network.files.toml_input import one_of
+
+LaidT = TypeVar("LaidT", bound=OnTrackTable)
 
 LegName = Literal["stem", "normal", "reverse"]
 _LEGS: Final[tuple[LegName, ...]] = ("stem", "normal", "reverse")
@@ -72,6 +74,8 @@ def without_track(entry: LineFile, track_id: str, file: str, key: str) -> LineFi
             "stations": stations,
             "chargers": chargers,
             "tags": [tag for tag in entry.tags if track_id not in (tag.section, tag.piece)],
+            "beacons": [b for b in entry.beacons if track_id not in (b.section, b.piece)],
+            "markers": [m for m in entry.markers if track_id not in (m.section, m.piece)],
         }
     )
     for points_id, lost in lost_legs.items():
@@ -153,6 +157,8 @@ def _as_plain_track(entry: LineFile, points: PointsTable, lost: LegName, asked: 
             ],
             "joints": [*_renamed(entry.joints, now), *joints],
             "tags": list(_moved(entry.tags, now, f"{points.id}.{lost}")),
+            "beacons": list(_moved(entry.beacons, now, f"{points.id}.{lost}")),
+            "markers": list(_moved(entry.markers, now, f"{points.id}.{lost}")),
         }
     )
 
@@ -227,8 +233,8 @@ def _renamed(joints: Iterable[JointTable], now: Mapping[str, str]) -> Iterable[J
             yield JointTable(low=low, high=high)
 
 
-def _moved(tags: Iterable[TagTable], now: Mapping[str, str], lost: str) -> Iterable[TagTable]:
-    """Tags on the points' pieces go to the plain track, those on the lost leg go altogether."""
+def _moved(tags: Iterable[LaidT], now: Mapping[str, str], lost: str) -> Iterable[LaidT]:
+    """What lies on the points' pieces goes to the plain track, what lies on the lost leg goes altogether."""
     for tag in tags:
         if tag.piece is not None and tag.piece in now:
             yield tag.model_copy(update={"section": now[tag.piece], "piece": None})

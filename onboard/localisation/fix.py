@@ -25,6 +25,8 @@ NOTHING: Final = 0  # it says nothing now
 TAKEN: Final = 1
 REFUSED: Final = 2
 MISSED: Final = 3  # what should have shown itself by now has not
+FOREIGN: Final = 4  # what it sees is not what the map has here
+OUTCOMES: Final = ("nothing", "taken", "refused", "missed", "foreign")  # the words for them
 
 STRONGEST_WEIGHT: Final = 1.0  # of a fix that meets an estimate which says nothing
 

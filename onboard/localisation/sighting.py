@@ -16,7 +16,7 @@ from typing import Annotated, Final, Protocol
 import numpy as np
 
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m
-from onboard.records import UnitRow
+from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
 PITCH_BOUND_RAD: Final = 2.0e-3  # assumed: over six times the pitch that vibration gives the line camera
@@ -100,7 +100,7 @@ def sign_is_missing(mark_m: float, position_m: float) -> bool:
 
 
 @compiled
-def sign(own: SignRow, reading: SignReading, unit: UnitRow, _step_s: float) -> int:
+def sign(own: SignRow, reading: SignReading, unit: UnitRow, _chart: Chart, _step_s: float) -> int:
     """A frame that shows the sign of the next mark is a fix; near the mark without any, the sign was missed."""
     carry_slack(own, unit)
     if reading.taken == 0 or not np.isfinite(own.mark_m):

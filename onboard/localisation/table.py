@@ -1,7 +1,8 @@
 """What reads each sensor on board, in the compiled tick. A new one is a file of its own and one entry in READERS.
 
-A reader is a compiled function of its own row, what its sensor shows, the unit and the length of the step: it gives
-its fix to `onboard.localisation.fix.taken` and returns what came of it. The sensor fills `sensed.readings.<name>`.
+A reader is a compiled function of its own row, what its sensor shows, the unit, what units know of their ways and the
+length of the step: it gives its fix to `onboard.localisation.fix.taken` and returns what came of it. The sensor fills
+`sensed.readings.<name>`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
 from onboard.localisation.fix import NOTHING
 from onboard.localisation.sighting import SignReading, SignRow, sign
-from onboard.records import EVENT_FIX, UnitRow
+from onboard.records import EVENT_FIX, Chart, UnitRow
 from vehicle.compiled import compiled, compiled_lines
 from vehicle.record import dtype_of
 
@@ -59,7 +60,7 @@ ReadersRow.__annotations__.update({reader.name: reader.row for reader in READERS
 READINGS: Final = dtype_of(ReadingsRow)
 READERS_ROW: Final = dtype_of(ReadersRow)
 
-ReadAll = Callable[[ReadersRow, ReadingsRow, UnitRow, float], int]
+ReadAll = Callable[[ReadersRow, ReadingsRow, UnitRow, Chart, float], int]
 
 
 @compiled
@@ -73,11 +74,11 @@ def noted(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int
 
 
 def _read_all() -> ReadAll:
-    lines = ["def read_all(readers, readings, unit, step_s):", "    events = 0"]
+    lines = ["def read_all(readers, readings, unit, chart, step_s):", "    events = 0"]
     for number, name in enumerate(READER_NAMES):
         lines += [
             "    before_m = unit.position_m",
-            f"    outcome = {name}(readers.{name}, readings.{name}, unit, step_s)",
+            f"    outcome = {name}(readers.{name}, readings.{name}, unit, chart, step_s)",
             f"    events |= noted(readers, {number}, outcome, unit.position_m - before_m)",
         ]
     lines += ["    return events"]

@@ -6,7 +6,7 @@ from typing import Annotated, Final, Protocol
 
 from vehicle.record import dtype_of
 
-NO_TAG_M: Final = -1.0  # scene.tag_beyond_m where the front has passed none
+NO_TAG_M: Final = -1.0  # scene.tag_beyond_m where the front has passed none, beacon_beyond_m likewise
 
 
 class SceneRow(Protocol):
@@ -23,6 +23,20 @@ class SceneRow(Protocol):
     load_share: Annotated[float, "0 empty, 1 full"]
     tag_beyond_m: Annotated[float, "how far the front is past the tag that it passed in this step; -1: none"]
     sign_ahead_m: Annotated[float, "from the front to the next stop sign; +inf: none to be seen"]
+    # for trains that carry more than tags (`carries_more`)
+    carries_more: Annotated[int, "1: what follows is filled"]
+    turned_rad: Annotated[
+        float, "by which the leading car has turned to the right in this step, over its bogies"
+    ]
+    curvature_per_m: Annotated[float, "mean |curvature| of the alignment under the train"]
+    sky: Annotated[float, "what the leading car sees of it: network.profile.NO_SKY to OPEN_SKY"]
+    beacon_beyond_m: Annotated[
+        float, "how far the front is past the beacon that it passed in this step; -1: none"
+    ]
+    beacon_number: int
+    beacon_told: Annotated[int, "1: it tells its number"]
+    markers_ahead_m: Annotated[float, "from the front to the next markers' first row; +inf: none"]
+    markers_number: Annotated[int, "the pattern they lie in"]
 
 
 SCENE: Final = dtype_of(SceneRow)

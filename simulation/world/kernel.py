@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.records import MODE_DRIVE, MODE_HOLD, UnitRow
+from onboard.records import MODE_DRIVE, MODE_HOLD, Chart, UnitRow
 from onboard.tick import tick
 from simulation.sensors.scene import NO_TAG_M
 from simulation.sensors.table import sense_all
@@ -46,12 +46,14 @@ Rows = NDArray[np.void]
 
 
 class Track(NamedTuple):
-    """The pool of all paths: the real profile, what units know of it, their plans, and where tags lie."""
+    """The pool of all paths: the real profile, what units know of it, their plans, where tags and other things lie."""
 
     profile: Rows
     pattern: Rows
     plan: Rows
     tag_positions_m: NDArray[np.float64]
+    places: Rows  # PLACE: what there is, path by path, beacons before markers, by position
+    known_places: Rows  # PLACE: what units know of, path by path, by position
 
 
 class Sheet(NamedTuple):
@@ -153,6 +155,53 @@ def brake_at_end(truth: TruthRow, plant: PlantRow, unit: UnitRow, train: TrainRo
 
 
 @compiled
+def heading_rad(profile: Rows, truth: TruthRow, front_m: float) -> float:
+    """Where the leading car points with its front at `front_m`: the mean of the track's heading between its bogies.
+
+    Simpson's rule at the two bogies and half-way between them: a body follows its bogies, and turns no faster.
+    """
+    first_m = front_m - truth.lead_bogie_m
+    base_m = truth.bogie_base_m
+    ends_rad = points_rad(profile, truth, first_m) + points_rad(profile, truth, first_m - base_m)
+    return (ends_rad + 4.0 * points_rad(profile, truth, first_m - 0.5 * base_m)) / 6.0
+
+
+@compiled
+def points_rad(profile: Rows, truth: TruthRow, at_m: float) -> float:
+    """Where the rails as laid point at a path coordinate (m), rad; beyond the ends as at the ends."""
+    last = truth.profile_rows - 1
+    at_m = min(max(at_m, 0.0), float(last))
+    i = min(int(at_m), last - 1)
+    a, b = profile[truth.profile_offset + i], profile[truth.profile_offset + i + 1]
+    here = a.heading_rad + a.irregularity_rad
+    return float(here + (at_m - i) * (b.heading_rad + b.irregularity_rad - here))
+
+
+@compiled
+def look_around(row: StockRow, track: Track, before_m: float, curvature_per_m: float) -> None:
+    """What else there is to be sensed by a train that was at `before_m` a step ago."""
+    scene, truth = row.scene, row.truth
+    now_m = truth.position_m
+    scene.carries_more = 1
+    scene.curvature_per_m = curvature_per_m
+    scene.turned_rad = heading_rad(track.profile, truth, now_m) - heading_rad(track.profile, truth, before_m)
+    here = min(max(int(now_m), 0), truth.profile_rows - 1)
+    scene.sky = track.profile[truth.profile_offset + here].sky
+    scene.beacon_beyond_m = NO_TAG_M
+    if truth.beacon_next < truth.beacon_end and now_m >= track.places[truth.beacon_next].position_m:
+        beacon = track.places[truth.beacon_next]
+        scene.beacon_beyond_m = now_m - beacon.position_m
+        scene.beacon_number, scene.beacon_told = beacon.number, beacon.told
+        truth.beacon_next += 1
+    while truth.markers_next < truth.markers_end and now_m >= track.places[truth.markers_next].position_m:
+        truth.markers_next += 1
+    scene.markers_ahead_m = np.inf
+    if truth.markers_next < truth.markers_end:
+        scene.markers_ahead_m = track.places[truth.markers_next].position_m - now_m
+        scene.markers_number = track.places[truth.markers_next].number
+
+
+@compiled
 def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, step_s: float) -> None:
     """Show the row's sensors what there is to be sensed after its body has moved."""
     scene, plant = row.scene, row.plant
@@ -194,7 +243,10 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
         ahead_s = row.truth.clock_ahead_s
         steer(battery, row.charging, plant.speed_mps, held, step * step_s, ahead_s)
     count_motion(row.ride, plant, before_mps, before_mps2, emergency, step_s)
+    before_m = truth.position_m
     truth.position_m = truth.offset_m + plant.travelled_m
+    if truth.carries_more != 0:
+        look_around(row, track, before_m, curvature)
     found = passed(truth, track.tag_positions_m, row.body.length_m)
     if before_mps > 0.0 and plant.speed_mps == 0.0:
         found |= PASSED_TO_A_STAND
@@ -206,7 +258,7 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     look(row, beyond_m, wheel_before_m, step, step_s)
     if dead:
         return found, 0
-    events = tick(row.board, row.sensed, track.pattern, track.plan)
+    events = tick(row.board, row.sensed, Chart(track.pattern, track.known_places), track.plan)
     if truth.sight_m < np.inf:
         brake_on_sight(truth, plant, unit, row.board.kind)
     brake_at_end(truth, plant, unit, row.board.kind)

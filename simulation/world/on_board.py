@@ -53,7 +53,7 @@ class OnBoard:
 
     def _new_motion(self, slot: int) -> Motion:
         trains, setup = self._trains, self._setup
-        return Motion(
+        motion = Motion(
             setup.believed_line,
             setup.unit,
             trains.units[slot],
@@ -64,6 +64,8 @@ class OnBoard:
             trains.laws[slot],
             setup.planning,
         )
+        motion.reads_tags = trains.reads_tags(slot)
+        return motion
 
     # what people and sensors tell it ------------------------------------------------------------------------------
 
@@ -198,4 +200,9 @@ class OnBoard:
 
     def _path(self, slot: int, mission: Mission) -> PathData:
         rows = self._trains.rows_of(slot, mission.path)
-        return PathData(self._trains.pool.pattern_of(rows), rows.offset)
+        return PathData(
+            self._trains.pool.pattern_of(rows),
+            rows.offset,
+            rows.known_first,
+            rows.known_end - rows.known_first,
+        )

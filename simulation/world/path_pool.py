@@ -12,19 +12,44 @@ from network.path import Path
 from network.profile import PROFILE, profile_of
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.pattern import pattern_of
-from onboard.records import PATTERN, BehaviourRow
+from onboard.records import NO_PLACES, PATTERN, PLACE, PLACE_BEACON, PLACE_MARKERS, BehaviourRow
 from simulation.world.kernel import Track
 from vehicle.records import TrainRow
 
 
 @dataclass(frozen=True, slots=True)
 class PathRows:
-    """Where one path's rows and tags lie in the pool."""
+    """Where one path's rows, tags and places lie in the pool."""
 
     offset: int
     rows: int
     tag_first: int
     tag_end: int
+    beacon_first: int
+    markers_first: int  # where its beacons end
+    markers_end: int
+    known_first: int  # places that units know of
+    known_end: int
+
+
+def beacons_on(line: Line, path: Path) -> NDArray[np.void]:
+    """Rows of PLACE: the beacons that trains on a path pass, by position."""
+    passed = [
+        (PLACE_BEACON, path.to_path_m(b.piece_id, b.position_m), b.id, b.tells_id, b.used)
+        for b in line.beacons.values()
+        if b.piece_id in path and path.direction in b.directions
+    ]
+    return np.array(sorted(passed, key=lambda row: row[1]), dtype=PLACE)
+
+
+def markers_on(line: Line, path: Path) -> NDArray[np.void]:
+    """Rows of PLACE: the groups of markers that trains on a path see, by position."""
+    seen = [
+        (PLACE_MARKERS, path.to_path_m(m.piece_id, m.position_m), m.pattern, True, True)
+        for m in line.markers.values()
+        if m.piece_id in path and path.direction in m.directions
+    ]
+    return np.array(sorted(seen, key=lambda row: row[1]), dtype=PLACE)
 
 
 class PathPool:
@@ -45,13 +70,15 @@ class PathPool:
         ] = {}  # of each slot: where its plan begins, rows it may take
         self.tag_positions_m: NDArray[np.float64] = np.zeros(0)
         self.tag_ids: list[int] = []
+        self.places: NDArray[np.void] = NO_PLACES
+        self.known_places: NDArray[np.void] = NO_PLACES
 
     def rows_for(self, path: Path, train_id: str, train: TrainRow, behaviour: BehaviourRow) -> PathRows:
         """The rows of a path for a kind of train; computed once."""
         key = (path.piece_ids, path.direction, train_id)
-        known = self._known.get(key)
-        if known is not None:
-            return known
+        laid = self._known.get(key)
+        if laid is not None:
+            return laid
         profile = profile_of(self._line, path)
         believed = profile if self._believed is self._line else profile_of(self._believed, path)
         pattern = pattern_of(
@@ -66,7 +93,23 @@ class PathPool:
             for tag in self._line.tags.values()
             if tag.piece_id in path and path.direction in tag.directions
         )
-        rows = PathRows(self.profile.size, profile.size, len(self.tag_ids), len(self.tag_ids) + len(tags))
+        beacons, markers = beacons_on(self._line, path), markers_on(self._line, path)
+        known = np.concatenate([beacons_on(self._believed, path), markers_on(self._believed, path)])
+        known.sort(order="position_m", kind="stable")
+        first = self.places.size
+        rows = PathRows(
+            self.profile.size,
+            profile.size,
+            len(self.tag_ids),
+            len(self.tag_ids) + len(tags),
+            first,
+            first + beacons.size,
+            first + beacons.size + markers.size,
+            self.known_places.size,
+            self.known_places.size + known.size,
+        )
+        self.places = np.concatenate([self.places, beacons, markers])
+        self.known_places = np.concatenate([self.known_places, known])
         self.profile = np.concatenate([self.profile, profile])
         self.pattern = np.concatenate([self.pattern, pattern])
         self.tag_positions_m = np.concatenate([self.tag_positions_m, [position for position, _ in tags]])
@@ -93,7 +136,9 @@ class PathPool:
     @property
     def track(self) -> Track:
         """The arrays as compiled code takes them."""
-        return Track(self.profile, self.pattern, self.plan, self.tag_positions_m)
+        return Track(
+            self.profile, self.pattern, self.plan, self.tag_positions_m, self.places, self.known_places
+        )
 
     def pattern_of(self, rows: PathRows) -> NDArray[np.void]:
         """The unit's path database of one path."""

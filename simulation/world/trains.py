@@ -25,6 +25,7 @@ from simulation.sensors.table import SENSORS
 from simulation.sensors.tachometer import TachometerRow
 from simulation.sensors.tag_air import channel_at, read_bits
 from simulation.sensors.tag_reader import TagReaderRow
+from simulation.settings import Carried
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.premises import Premises
@@ -40,12 +41,19 @@ AGREEMENT_M = (
 )
 
 SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}  # of SUMO's edges
+LEAD_BOGIE_M: Final = 3.1  # assumed: of a car of 20 m with its bogies 13.8 m apart, as most of JR's are
+BOGIE_BASE_M: Final = 13.8
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
 
 def _rows(part: NDArray[np.void]) -> list[Any]:
     """One view a slot into a part of `Trains.stock`, its fields as attributes."""
     return list(part.view(np.recarray))
+
+
+def _first_beyond(positions_m: NDArray[np.float64], first: int, end: int, position_m: float) -> int:
+    """The first of rows `first` to `end`, by position, that lies beyond `position_m`; `end` if none does."""
+    return first + int(np.searchsorted(positions_m[first:end], position_m, side="right"))
 
 
 def _reduced(factor: float, guaranteed: float, reserve: float) -> float:
@@ -122,6 +130,8 @@ class Trains:
         truth = self.truths[slot]
         truth.powered = 1
         truth.sight_m = truth.sign_m = math.inf
+        truth.carries_more = int(bool(setup.sensors.carried_by(stock_id) - {Carried.TAGS}))
+        truth.lead_bogie_m, truth.bogie_base_m = LEAD_BOGIE_M, BOGIE_BASE_M
 
     def position_fixed(self, slot: int) -> None:
         """A fix has told the unit's position anew."""
@@ -318,10 +328,12 @@ class Trains:
     def _use_rows(self, slot: int, rows: PathRows, position_m: float) -> None:
         truth = self.truths[slot]
         truth.profile_offset, truth.profile_rows = rows.offset, rows.rows
-        ahead = rows.tag_first
-        while ahead < rows.tag_end and self.pool.tag_positions_m[ahead] <= position_m:
-            ahead += 1
+        ahead = _first_beyond(self.pool.tag_positions_m, rows.tag_first, rows.tag_end, position_m)
         truth.tag_next, truth.tag_end = ahead, rows.tag_end
+        places_m = self.pool.places["position_m"]
+        truth.beacon_next = _first_beyond(places_m, rows.beacon_first, rows.markers_first, position_m)
+        truth.markers_next = _first_beyond(places_m, rows.markers_first, rows.markers_end, position_m)
+        truth.beacon_end, truth.markers_end = rows.markers_first, rows.markers_end
 
     def set_boundaries(self, slot: int) -> None:
         """The next ends of pieces that the front and the rear pass."""
@@ -367,10 +379,14 @@ class Trains:
         truth = self.truths[slot]
         tag_id = self.pool.tag_ids[int(truth.tag_next)]
         truth.tag_next += 1
-        says_id = self.tag_faults.get(tag_id, tag_id)
+        says_id = self.tag_faults.get(tag_id, tag_id) if self.reads_tags(slot) else None
         if self.setup.sensors.tags == "bits" and says_id is not None:
             says_id = self._read_bits(slot, says_id)
         return tag_id, says_id, float(self.tag_readers[slot].latched_m)
+
+    def reads_tags(self, slot: int) -> bool:
+        """Whether the stock carries a reader of tags."""
+        return Carried.TAGS in self.setup.sensors.carried_by(self.stock_ids[slot])
 
     def _read_bits(self, slot: int, tag_id: int) -> int | None:
         """What the reader makes of the telegrams of a tag; drawn by seed, stock and time, whatever came before."""

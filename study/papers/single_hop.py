@@ -22,7 +22,7 @@ from onboard.driving.laws.table import LAWS
 from onboard.driving.pattern import limit_for_train, pattern_of
 from onboard.driving.planner.plan import Ahead, Laid, planned
 from onboard.duty.timekeeping import cruise_for
-from onboard.records import MODE_DRIVE
+from onboard.records import MODE_DRIVE, NO_PLACES
 from simulation.world.kernel import Track, sample, step_one
 from simulation.world.records import TRACE, StockRow
 from simulation.world.ride import COASTS
@@ -351,7 +351,7 @@ class HopBench:
                     hops["plan_rows"][index], hops["plan_due_s"][index] = found.rows.size, found.takes_s
                     laid.append(found)
         plan = np.concatenate([plan.rows for plan in laid]) if laid else np.zeros(0, dtype=PLAN)
-        track = Track(self.profile, self.pattern, plan, np.zeros(0))
+        track = Track(self.profile, self.pattern, plan, np.zeros(0), NO_PLACES, NO_PLACES)
         row = self.bench.prepared.view(np.recarray)[0]
         row.board.unit.path_rows, row.truth.profile_rows = self.pattern.size, self.profile.size
         outcomes, trace = np.zeros(hops.size, dtype=HOP_OUTCOME), np.zeros(trace_steps, dtype=TRACE)

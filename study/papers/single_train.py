@@ -19,7 +19,7 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tasc import DesignRow
 from onboard.driving.tuning import Learned
-from onboard.records import MODE_DRIVE, PATTERN, BehaviourRow, UnitRow
+from onboard.records import MODE_DRIVE, NO_PLACES, PATTERN, BehaviourRow, UnitRow
 from onboard.unit_records import UnitParameters
 from simulation.sensors import slide_protection, tachometer
 from simulation.settings import Driving
@@ -80,7 +80,7 @@ def new_track(train: TrainRow, behaviour: BehaviourRow, length_m: float) -> Trac
     pattern["driving_mps"] = max(train.speed_max_mps - behaviour.driving_margin_mps, 1.0)
     plan = np.zeros(rows, dtype=PLAN)
     plan["mode"], plan["speed_mps"] = PLAN_COAST, train.speed_max_mps
-    return Track(profile, pattern, plan, np.zeros(FIXES_MAX))
+    return Track(profile, pattern, plan, np.zeros(FIXES_MAX), NO_PLACES, NO_PLACES)
 
 
 class Bench:

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 from onboard.board import BOARD, SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.records import EVENT_MOVING, EVENT_POSITION, EVENT_STOPPED, BehaviourRow, UnitRow
+from onboard.records import (
+    EVENT_MOVING,
+    EVENT_POSITION,
+    EVENT_STOPPED,
+    NO_PLACES,
+    BehaviourRow,
+    Chart,
+    UnitRow,
+)
 from onboard.tick import tick
 from vehicle.records import TrainRow
 
@@ -51,13 +59,15 @@ def test_starting_and_stopping_are_reported_once(
 ) -> None:
     path = track(np.zeros(1000))
     board.unit.path_rows, board.unit.speed_mps = path.size, before_mps
-    assert tick(board, sensed(0.01, now_mps), path, NO_PLAN) == event
+    assert tick(board, sensed(0.01, now_mps), Chart(path, NO_PLACES), NO_PLAN) == event
 
 
 def test_the_position_trigger_fires_once(board: BoardRow, track: Callable[..., Rows]) -> None:
     path, unit = track(np.zeros(1000)), board.unit
     unit.path_rows, unit.position_trigger_m, unit.speed_mps = path.size, 101.0, 5.0
-    events = [tick(board, sensed(metres, 5.0), path, NO_PLAN) for metres in (0.5, 0.99, 1.0, 1.5)]
+    events = [
+        tick(board, sensed(metres, 5.0), Chart(path, NO_PLACES), NO_PLAN) for metres in (0.5, 0.99, 1.0, 1.5)
+    ]
     assert events == [0, 0, EVENT_POSITION, 0]
     assert unit.position_trigger_m == np.inf
 
@@ -69,6 +79,6 @@ def test_two_trains_use_their_own_rows_of_one_path_database(
     permitted = []
     for offset in (0, 500):
         board.unit.path_offset, board.unit.path_rows = offset, 500
-        tick(board, sensed(0.0, 1.0), both, NO_PLAN)
+        tick(board, sensed(0.0, 1.0), Chart(both, NO_PLACES), NO_PLAN)
         permitted.append(float(board.unit.permitted_mps))
     assert permitted == pytest.approx([10.0, 20.0])

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Annotated, Final, Protocol
 
 from onboard.localisation.fix import NOTHING, REFUSED, taken
-from onboard.records import UnitRow
+from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
 WRONG_BY_MPS: Final = 0.06  # the largest bias, and what the speed does within a step
@@ -30,11 +30,11 @@ class RadarRunRow(Protocol):
 
 
 @compiled
-def radar_run(own: RadarRunRow, reading: RadarReading, unit: UnitRow, step_s: float) -> int:
+def radar_run(own: RadarRunRow, reading: RadarReading, unit: UnitRow, _chart: Chart, step_s: float) -> int:
     """Carry the interval on by what was shown, and cut the position with it."""
     run_m = 0.5 * (own.speed_mps + reading.speed_mps) * step_s
     own.speed_mps = reading.speed_mps
-    path = unit.path_offset + 1
+    path = unit.paths_taken_up
     if unit.position_known == 0 or own.path != path:
         own.path = path if unit.position_known == 1 else 0
         own.rear_m = unit.position_m - unit.bound_behind_m

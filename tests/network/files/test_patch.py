@@ -162,7 +162,7 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
         (
             "add.curbs = [{}]",
             "what_if.toml: patch.line.add is 'curbs'; expected one of sections, points, joints, stations, tags, "
-            "limits, curves, coverage",
+            "beacons, markers, limits, curves, coverage, tunnels, obstructed",
         ),
         (
             'add.limits = [{ alignment = "branch", from_km = 0.0, to_km = 0.1, speed_kmh = 5 }]',

@@ -18,7 +18,15 @@ from onboard.driving.laws.cue import PLAN
 from onboard.driving.laws.power import power_notch
 from onboard.driving.pattern import pattern_of
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, NO_INTERVENTION, BehaviourRow, UnitRow
+from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    MODE_HOLD,
+    NO_INTERVENTION,
+    NO_PLACES,
+    BehaviourRow,
+    Chart,
+    UnitRow,
+)
 from onboard.tick import tick
 from vehicle.dynamics import step
 from vehicle.records import TrainRow
@@ -72,7 +80,7 @@ def drive_along(
     for _ in range(steps):
         step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
         sensed.odometer_m, sensed.speed_mps = plant.wheel_travelled_m, plant.wheel_speed_mps
-        tick(board, sensed, path, NO_PLAN)
+        tick(board, sensed, Chart(path, NO_PLACES), NO_PLAN)
         course.position_m.append(START_M + float(plant.travelled_m))
         course.speed_mps.append(float(plant.speed_mps))
         course.target_mps.append(float(unit.target_mps))

@@ -23,12 +23,13 @@ from onboard.localisation.sighting import (
     sign,
 )
 from onboard.localisation.table import READER_NAMES, READERS_ROW, READINGS, ReadersRow, ReadingsRow, read_all
-from onboard.records import EVENT_FIX, UnitRow
+from onboard.records import EVENT_FIX, NO_PLACES, PATTERN, Chart, UnitRow
 from simulation.sensors.line_sightings import PLACES_M, line_sightings
 
 MARK_M = 500.0
 STEP_S = 0.1
 LATEST_S = max(float(figures.exposed_after_s.max()) for figures in line_sightings().values())
+CHART = Chart(np.zeros(1, dtype=PATTERN), NO_PLACES)  # signs go by neither
 
 
 def going_by_sign() -> ReadersRow:
@@ -70,7 +71,7 @@ def test_the_true_front_stays_within_the_bounds(
     slack_m = accuracy_m(real_m, speed_mps)
     shown_m = real_m + 0.5 * seen_share * slack_m  # the slack is that at the distance shown, so half of it
     readers = going_by_sign()
-    assert sign(readers.sign, frame(shown_m).sign, unit, STEP_S) == TAKEN
+    assert sign(readers.sign, frame(shown_m).sign, unit, CHART, STEP_S) == TAKEN
     assert unit.fix_correction_m == pytest.approx(unit.position_m - before_m)
     assert unit.position_m - unit.bound_behind_m <= true_m + 1e-9
     assert true_m - 1e-9 <= unit.position_m + unit.bound_ahead_m
@@ -79,18 +80,20 @@ def test_the_true_front_stays_within_the_bounds(
 
 def test_what_cannot_be_is_not_believed(unit: UnitRow) -> None:
     stands_at(unit, 450.0, 1.0)
-    assert sign(going_by_sign().sign, frame(30.0).sign, unit, STEP_S) == REFUSED  # it would be at 480 m
+    assert (
+        sign(going_by_sign().sign, frame(30.0).sign, unit, CHART, STEP_S) == REFUSED
+    )  # it would be at 480 m
     assert unit.position_m == 450.0
 
 
 def test_near_the_mark_a_sign_never_seen_is_missed_and_one_seen_once_is_not(unit: UnitRow) -> None:
     own = going_by_sign().sign
     stands_at(unit, MARK_M - NOT_SEEN_M - 1.0, 1.0)
-    assert sign(own, frame(np.inf).sign, unit, STEP_S) == NOTHING
+    assert sign(own, frame(np.inf).sign, unit, CHART, STEP_S) == NOTHING
     unit.position_m += 2.0
-    assert sign(own, frame(np.inf).sign, unit, STEP_S) == MISSED
-    assert sign(own, frame(MARK_M + SIGN_BEYOND_MARK_M - unit.position_m).sign, unit, STEP_S) == TAKEN
-    assert sign(own, frame(np.inf).sign, unit, STEP_S) == NOTHING
+    assert sign(own, frame(np.inf).sign, unit, CHART, STEP_S) == MISSED
+    assert sign(own, frame(MARK_M + SIGN_BEYOND_MARK_M - unit.position_m).sign, unit, CHART, STEP_S) == TAKEN
+    assert sign(own, frame(np.inf).sign, unit, CHART, STEP_S) == NOTHING
 
 
 @pytest.mark.parametrize("change", ["no frame", "no mark", "no position"])
@@ -105,7 +108,7 @@ def test_without_frame_mark_or_position_there_is_no_fix(unit: UnitRow, change: s
         case _:
             unit.position_known = 0
     before = (float(unit.position_m), int(unit.position_known))
-    assert sign(readers.sign, readings.sign, unit, STEP_S) == NOTHING
+    assert sign(readers.sign, readings.sign, unit, CHART, STEP_S) == NOTHING
     assert (float(unit.position_m), int(unit.position_known)) == before
 
 
@@ -116,14 +119,14 @@ def test_an_event_tells_that_something_else_came_of_the_readings(unit: UnitRow) 
     course = [(none, NOTHING, 0), (frame(60.0), TAKEN, EVENT_FIX), (frame(60.0), TAKEN, 0)]
     course += [(frame(20.0), REFUSED, EVENT_FIX), (none, REFUSED, 0), (frame(60.0), TAKEN, EVENT_FIX)]
     for readings, outcome, event in course:
-        assert read_all(readers, readings, unit, STEP_S) == event
+        assert read_all(readers, readings, unit, CHART, STEP_S) == event
         assert readers.outcome[number] == outcome
 
 
 def test_what_a_fix_moved_is_kept_beside_its_outcome(unit: UnitRow) -> None:
     readers, number = going_by_sign(), READER_NAMES.index("sign")
     stands_at(unit, 450.0, 3.0)
-    read_all(readers, frame(59.0), unit, STEP_S)
+    read_all(readers, frame(59.0), unit, CHART, STEP_S)
     assert readers.moved_m[number] == pytest.approx(unit.position_m - 450.0)
     assert 0.0 < readers.moved_m[number] <= 1.0
 
@@ -137,7 +140,7 @@ def test_near_the_mark_a_sign_is_as_good_as_a_tag() -> None:
 def test_a_sighting_moves_the_estimate_and_no_end_of_the_bounds(unit: UnitRow) -> None:
     stands_at(unit, 450.0, 5.0)
     readers = going_by_sign()
-    assert sign(readers.sign, frame(57.0).sign, unit, STEP_S) == TAKEN
+    assert sign(readers.sign, frame(57.0).sign, unit, CHART, STEP_S) == TAKEN
     assert 450.5 < unit.position_m < 453.5
     assert unit.position_m - unit.bound_behind_m == pytest.approx(445.0)
     assert unit.position_m + unit.bound_ahead_m == pytest.approx(455.0)
@@ -148,13 +151,13 @@ def test_what_contradicts_the_sightings_before_is_refused_until_the_third_in_a_r
     readers = going_by_sign()
     stands_at(unit, 485.0, 20.0)
     for _ in range(5):
-        assert sign(readers.sign, frame(25.0).sign, unit, STEP_S) == TAKEN
+        assert sign(readers.sign, frame(25.0).sign, unit, CHART, STEP_S) == TAKEN
     settled_m = float(unit.position_m)
     for false in range(CONTRADICTIONS - 1):
-        assert sign(readers.sign, frame(12.0 + false).sign, unit, STEP_S) == REFUSED
+        assert sign(readers.sign, frame(12.0 + false).sign, unit, CHART, STEP_S) == REFUSED
         assert unit.position_m == settled_m
-    assert sign(readers.sign, frame(25.0).sign, unit, STEP_S) == TAKEN  # which begins the count anew
-    outcomes = [sign(readers.sign, frame(12.0).sign, unit, STEP_S) for _ in range(CONTRADICTIONS)]
+    assert sign(readers.sign, frame(25.0).sign, unit, CHART, STEP_S) == TAKEN  # which begins the count anew
+    outcomes = [sign(readers.sign, frame(12.0).sign, unit, CHART, STEP_S) for _ in range(CONTRADICTIONS)]
     assert outcomes == [REFUSED] * (CONTRADICTIONS - 1) + [TAKEN]
     assert unit.position_m == pytest.approx(498.0, abs=0.5)
 
@@ -164,15 +167,15 @@ def test_a_tag_sets_the_estimate_anew(unit: UnitRow) -> None:
     readers = going_by_sign()
     stands_at(unit, 480.0, 20.0)
     for _ in range(5):
-        sign(readers.sign, frame(30.0).sign, unit, STEP_S)
+        sign(readers.sign, frame(30.0).sign, unit, CHART, STEP_S)
     assert readers.sign.slack_m < 3.0
     stands_at(unit, 476.5, 0.5)  # as a tag leaves it
     nothing: Any = np.zeros(1, READINGS).view(np.recarray)[0]
-    sign(readers.sign, nothing.sign, unit, STEP_S)
+    sign(readers.sign, nothing.sign, unit, CHART, STEP_S)
     assert readers.sign.slack_m == pytest.approx(0.5)
     unit.bound_ahead_m += 0.1  # as the tachometer widens it
     unit.bound_behind_m += 0.1
-    sign(readers.sign, nothing.sign, unit, STEP_S)
+    sign(readers.sign, nothing.sign, unit, CHART, STEP_S)
     assert readers.sign.slack_m == pytest.approx(0.6)
 
 

@@ -15,7 +15,7 @@ from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
 from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAW_NAMES, LAWS
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.records import BehaviourRow, UnitRow
+from onboard.records import NO_PLACES, BehaviourRow, Chart, UnitRow
 from onboard.tick import tick
 from vehicle.dynamics import step
 from vehicle.records import TrainRow
@@ -47,7 +47,7 @@ class Ride:
             step(self.plant, self.board.kind, unit.notch, unit.emergency != 0, 0.0, 0.0, STEP_S)
             self.sensed.now_s += STEP_S
             self.sensed.odometer_m, self.sensed.speed_mps = self.plant.wheel_travelled_m, self.plant.speed_mps
-            tick(self.board, self.sensed, self.path, self.plan)
+            tick(self.board, self.sensed, Chart(self.path, NO_PLACES), self.plan)
             speeds.append(float(self.plant.speed_mps))
             notches.append(float(unit.notch))
         return speeds, notches

@@ -1,0 +1,226 @@
+"""One train along a line for experiments about where it is: the line's own sensors, unit and physics, nobody else's.
+
+The stock is one of a Setup, its path that of its first train, its driving part the real one (`onboard.motion`), the
+carrier the plain one; no interlocking. In place of the duty stands a driver who runs from stop to stop, releases the
+emergency brake once the train stands, and goes on: on sight while the position is unknown. What happens on the way
+(rail, faults) is a list of moments at true positions. Bounds are judged in every step by the kernel's own sheet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard import notes
+from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
+from onboard.driving.tuning import Learned
+from onboard.duty.records import Command, Limit, Order, PositionLost, Sensed, Stopped, TagPassed
+from onboard.motion import Motion, PathData
+from simulation.carriers.plain_track import PlainTrack
+from simulation.setup import STEP_S, Setup
+from simulation.world.kernel import MOVING_STEPS_MAX, advance, new_sheet
+from simulation.world.records import PASSED_FRONT, PASSED_TAG, TRACE, TRACE_EVERY_STEPS
+from simulation.world.roster import Duty, drawn_up
+from simulation.world.trains import Trains
+
+SLOT: Final = 0
+STANDS_S: Final = 2.0  # how long the train stands at each stop: nothing of this is about passengers
+HOURS_MAX: Final = 6.0
+Rows = NDArray[np.void]
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What happens when the front first is at or beyond a path coordinate (m)."""
+
+    at_m: float
+    what: Callable[[Trains, int], object]
+
+
+@dataclass(frozen=True, slots=True)
+class CheckPoint:
+    """What the unit believed in the step in which the front passed a tag of the real line; m."""
+
+    tag_id: int
+    true_m: float
+    error_m: float
+    behind_m: float
+    ahead_m: float
+    known: bool
+
+
+@dataclass(slots=True)
+class PositionResult:
+    """What came of a run. `trace`: rows of TRACE, one a second; `out_m`: by how much the truth was out at worst."""
+
+    trace: Rows
+    out_m: float = -math.inf
+    out_at_m: float = math.nan
+    steps: int = 0
+    known_steps: int = 0
+    check_points: list[CheckPoint] = field(default_factory=list[CheckPoint])
+    notes: list[tuple[float, float, notes.Note]] = field(
+        default_factory=list[tuple[float, float, notes.Note]]
+    )
+    arrived: bool = False
+
+
+class PositionRun:
+    """One run in progress; `result` fills as it goes. `moments` are by true path coordinate."""
+
+    def __init__(self, setup: Setup, moments: Sequence[Moment] = ()) -> None:
+        self.setup: Final = setup
+        lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
+        self.carrier: Final = PlainTrack(lengths_m, STEP_S)
+        self.trains: Final = Trains(setup, self.carrier)
+        stock_id = self.trains.stock_ids[SLOT]
+        self.duty: Final[Duty] = drawn_up(setup, setup.line)[stock_id][0]
+        believed = drawn_up(setup, setup.believed_line)[stock_id][0].mission
+        self.mission: Final = believed
+        self.now_s = float(self.duty.enter_s)
+        self._moments = sorted(moments, key=lambda moment: moment.at_m)
+        self._target = 0
+        self._on_sight = False
+        self._lost = False
+        trains = self.trains
+        trains.place(SLOT, self.duty)
+        kind = trains.kinds[SLOT]
+        learned = setup.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(kind)))
+        fill_design(trains.designs[SLOT], kind, trains.behaviours[SLOT], learned)
+        keeper = StopKeeper(trains.tascs[SLOT], trains.designs[SLOT], trains.waves[SLOT], learned, False)
+        self.motion: Final = Motion(
+            setup.believed_line,
+            setup.unit,
+            trains.units[SLOT],
+            kind,
+            trains.behaviours[SLOT],
+            keeper,
+            trains.readers[SLOT],
+            trains.laws[SLOT],
+            setup.planning,
+        )
+        self.motion.reads_tags = trains.reads_tags(SLOT)
+        rows = trains.rows_of(SLOT, believed.path)
+        data = PathData(
+            trains.pool.pattern_of(rows), rows.offset, rows.known_first, rows.known_end - rows.known_first
+        )
+        self.motion.stand_at_start(believed, data, float(trains.tachometers[SLOT].odometer_m))
+        self._sheet, self._trace = new_sheet(1), np.zeros(2 * MOVING_STEPS_MAX, dtype=TRACE)
+        self._traces: list[Rows] = []
+        self.result: Final = PositionResult(np.zeros(0, dtype=TRACE))
+
+    @property
+    def true_m(self) -> float:
+        """True path coordinate of the front, m."""
+        return float(self.trains.truths[SLOT].position_m)
+
+    def run(self) -> PositionResult:
+        """Run to the last stop, or until `HOURS_MAX` are over; `result.arrived` says which."""
+        end_s = self.now_s + HOURS_MAX * 3600.0
+        self._leave()
+        while self.now_s < end_s and not self.result.arrived:
+            self._stretch()
+        self.result.trace = np.concatenate([self.result.trace, *self._traces])
+        return self.result
+
+    # one stretch ----------------------------------------------------------------------------------------------------
+
+    def _stretch(self) -> None:
+        """The kernel until something happens; then what has happened."""
+        trains, sheet, result = self.trains, self._sheet, self.result
+        step = round(self.now_s / STEP_S)
+        done, rows, moved = advance(
+            trains.stock, trains.pool.track, sheet, self._trace, 0, step, MOVING_STEPS_MAX
+        )
+        self.now_s = (step + done) * STEP_S
+        stock_id = trains.stock_ids[SLOT]
+        if moved:
+            speeds = sheet.speeds_mps[0, :done]
+            self.carrier.run([(stock_id, [float(v) for v in speeds])], done)
+            trains.compare([SLOT], [self.carrier.truth(stock_id)])
+            out_m = float(sheet.worst[0, 0])
+            if not out_m <= result.out_m:
+                result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
+        known = bool(trains.units[SLOT].position_known)
+        result.steps += done
+        result.known_steps += done if known else 0
+        kept = self._trace[:rows]
+        self._traces.append(kept[kept["step"] % TRACE_EVERY_STEPS == 0].copy())
+        happened: list[Sensed] = []
+        passed, bits = int(sheet.passed[SLOT]), int(sheet.events[SLOT])
+        if passed & PASSED_FRONT:
+            trains.set_boundaries(SLOT)
+        if passed & PASSED_TAG:
+            happened += self._tag()
+        happened += self.motion.events(bits)
+        for moment in self._due():
+            moment.what(trains, SLOT)
+        self._answer(happened)
+        at_m = self.true_m
+        result.notes += [(self.now_s, at_m, note) for note in self.motion.taken_notes()]
+
+    def _due(self) -> list[Moment]:
+        due = [moment for moment in self._moments if moment.at_m <= self.true_m]
+        self._moments = self._moments[len(due) :]
+        return due
+
+    def _tag(self) -> list[Sensed]:
+        trains, unit = self.trains, self.trains.units[SLOT]
+        tag_id, says_id, odometer_m = trains.read_tag(SLOT)
+        behind_m, ahead_m = float(unit.bound_behind_m), float(unit.bound_ahead_m)
+        error_m = float(unit.position_m) - self.true_m
+        known = bool(unit.position_known)
+        self.result.check_points.append(CheckPoint(tag_id, self.true_m, error_m, behind_m, ahead_m, known))
+        return [] if says_id is None else self.motion.tag_read(says_id, odometer_m)
+
+    # the driver -----------------------------------------------------------------------------------------------------
+
+    def _answer(self, happened: Sequence[Sensed]) -> None:
+        stands = bool(self.trains.plants[SLOT].speed_mps == 0.0)
+        if any(isinstance(each, PositionLost) for each in happened):
+            self._lost = self._on_sight = True
+        found = any(isinstance(each, TagPassed) and each.found for each in happened)
+        if found or (self._on_sight and self.trains.units[SLOT].position_known):
+            self._on_sight = False
+        stopped = [each for each in happened if isinstance(each, Stopped)]
+        if self._lost and stands:
+            self._lost = False
+            self._obey(Order.RELEASE, Order.RESUME)
+        elif stopped and not self._on_sight:
+            self._arrived()
+        elif happened:
+            self._obey()
+
+    def _arrived(self) -> None:
+        """The train stands: at its next stop, or short of it by what it believes."""
+        beyond_m = self.trains.units[SLOT].position_m - self.mission.targets[self._target + 1].mark_m
+        if beyond_m > -5.0:
+            self._target += 1
+        if self._target + 1 == len(self.mission.targets):
+            self.result.arrived = True
+            return
+        self.now_s += STANDS_S
+        self._leave()
+
+    def _leave(self) -> None:
+        self._obey(Order.DEPART)
+
+    def _obey(self, *orders: Order) -> None:
+        command = Command(
+            drive=True,
+            on_sight=self._on_sight,
+            at=self._target,
+            target=None if self._on_sight else self._target + 1,
+            limit=Limit(len(self.mission.spans), None, "the end of the line"),
+            orders=orders,
+        )
+        self.motion.obey(command, self.now_s)
+        laid = self.motion.taken_plan()
+        if laid is not None:
+            rows = laid.rows
+            self.motion.follow(self.trains.pool.lay_plan(SLOT, rows.size, rows), rows.size)
