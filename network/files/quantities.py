@@ -182,6 +182,9 @@ THROW_TIME: Final = Quantity(
 TAG_ID: Final = Quantity(
     "id of a tag", "", ((1, 0xFFFF),), "Sugiyama, 6.1.3: 24 bits hold the id and its CRC-8"
 )
+TAGS_WRONG: Final = Quantity(
+    "number of tags that are wrong together", "", ((0, 4),), "assumed: a station has about five"
+)
 
 # what happens on it -----------------------------------------------------------------------------------------
 WAIT: Final = Quantity(
@@ -352,6 +355,7 @@ Bearing = Annotated[float, BEARING]
 Offset = Annotated[float, OFFSET]
 ThrowTime = Annotated[float, THROW_TIME]
 TagId = Annotated[int, TAG_ID]
+TagsWrong = Annotated[int, TAGS_WRONG]
 Wait = Annotated[float, WAIT]
 Reaction = Annotated[float, REACTION]
 RunLimit = Annotated[float, RUN_LIMIT]
