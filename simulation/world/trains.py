@@ -127,6 +127,7 @@ class Trains:
         row["body"] = body[0]
         for sensor in SENSORS:
             sensor.fit(self.sensors[sensor.name][slot], setup, stock_id)
+            sensor.fit_reader(self.readers[slot], setup, stock_id)
         truth = self.truths[slot]
         truth.powered = 1
         truth.sight_m = truth.sign_m = math.inf
