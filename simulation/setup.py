@@ -26,6 +26,7 @@ from simulation.faults.script import Script
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Curvature,
     Driving,
     Limits,
     Load,
@@ -74,6 +75,7 @@ class Setup:
     law_settings: Record = field(default_factory=LawTables)
     planning: Planning = PLAIN
     sensors: Sensors = field(default_factory=Sensors)
+    curvature: Curvature = field(default_factory=Curvature)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     # What trains know of their brakes to begin with, by stock id.

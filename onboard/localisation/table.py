@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
+from onboard.localisation.curvature import CurvatureReading, CurvatureRow, curvature
 from onboard.localisation.fix import NOTHING
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
@@ -32,7 +33,10 @@ class Reader:
         return self.function.__name__
 
 
-READERS: Final = (Reader(sign, SignReading, SignRow),)
+READERS: Final = (
+    Reader(sign, SignReading, SignRow),
+    Reader(curvature, CurvatureReading, CurvatureRow),
+)
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 
 

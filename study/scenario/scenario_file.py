@@ -21,6 +21,7 @@ from simulation.battery_settings import BatterySettings
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Curvature,
     Driving,
     Limits,
     Load,
@@ -76,6 +77,7 @@ class PatchTable(Record):
     law: Annotated[TableWords | None, about("on [law]")] = None
     planning: Annotated[TableWords | None, about("on [planning]")] = None
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
+    curvature: Annotated[TableWords | None, about("on [curvature]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
     limits: Annotated[TableWords | None, about("on [limits]")] = None
@@ -112,6 +114,7 @@ class ScenarioFile(Record):
     law: LawTables = Field(default_factory=LawTables)
     planning: Planning = PLAIN
     sensors: Sensors = Field(default_factory=Sensors)
+    curvature: Curvature = Field(default_factory=Curvature)
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     vision: Vision = NO_VISION
