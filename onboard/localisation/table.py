@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
 from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
+from onboard.localisation.curvature import CurvatureReading, CurvatureRow, curvature
 from onboard.localisation.fix import NOTHING
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
@@ -36,6 +37,7 @@ class Reader:
 READERS: Final = (
     Reader(sign, SignReading, SignRow),
     Reader(beacons, BeaconReading, BeaconsRow),
+    Reader(curvature, CurvatureReading, CurvatureRow),
 )
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 

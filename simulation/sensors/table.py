@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 from onboard.board import SensedRow
 from simulation.sensors import beacon_receiver as beacon
 from simulation.sensors import load_sensor as load
-from simulation.sensors import sign_camera, slide_protection, tag_reader
+from simulation.sensors import sign_camera, slide_protection, tag_reader, yaw_gyro
 from simulation.sensors import tachometer as tacho
 from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled_lines
@@ -53,6 +53,7 @@ SENSORS: Final = (
     Sensor(tag_reader.tag_reader, tag_reader.TagReaderRow, tag_reader.fit),
     Sensor(sign_camera.sign_camera, sign_camera.SignCameraRow, sign_camera.fit),
     Sensor(beacon.beacon_receiver, beacon.BeaconReceiverRow, beacon.fit, beacon.fit_reader),
+    Sensor(yaw_gyro.yaw_gyro, yaw_gyro.YawGyroRow, yaw_gyro.fit),
 )
 
 

@@ -104,6 +104,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         belief=belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains),
         sensors=model.sensors,
         beacons=model.beacons,
+        curvature=model.curvature,
         scatter=model.scatter,
         tuning=model.tuning,
         learned=learned_of(path, model.tuning, trains),
