@@ -45,6 +45,10 @@ class UnitRow(Protocol):
     bound_growth: Annotated[float, "m of bound per m run"]
     slid_ahead_m: Annotated[float, "by which slides have widened the bound ahead in all, beyond its growth"]
     slipped_behind_m: Annotated[float, "the same of slips and the bound behind"]
+    grown_ahead_m: Annotated[
+        float, "by which wheels have widened the bound ahead in all; no fix takes it back"
+    ]
+    grown_behind_m: float
     position_known: int
     odometer_m: Annotated[float, "tachometer reading at the last tick"]
     pulse_m: Annotated[
@@ -123,6 +127,7 @@ class PlaceRow(Protocol):
     number: Annotated[int, "of a beacon its id, of markers their pattern"]
     told: Annotated[int, "1: who passes it reads the number"]
     used: Annotated[int, "1: databases go by it"]
+    window_m: Annotated[float, "of a beacon: it is looked for this far either way; 0: by a rule"]
 
 
 PLACE: Final = dtype_of(PlaceRow)

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
+from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
+from onboard.localisation.curvature import CurvatureReading, CurvatureRow, curvature
 from onboard.localisation.fix import NOTHING
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
 from onboard.localisation.sighting import SignReading, SignRow, sign
@@ -36,6 +38,8 @@ class Reader:
 READERS: Final = (
     Reader(sign, SignReading, SignRow),
     Reader(gnss, GnssReading, GnssRow),
+    Reader(beacons, BeaconReading, BeaconsRow),
+    Reader(curvature, CurvatureReading, CurvatureRow),
 )
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 
