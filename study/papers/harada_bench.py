@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from network.timetable import Timetable
 from onboard import notes
+from onboard.unit_records import UnitParameters
 from simulation.settings import Beacons, Carried, Curvature, Driving, Sensors
 from simulation.setup import Setup
 from study.papers.mountain_line import STOCK_ID, MountainLine
@@ -43,6 +44,7 @@ class Trip:
     beacons: Beacons = field(default_factory=Beacons)
     timetable: Timetable | None = None
     told: Timetable | None = None
+    unit: UnitParameters = LINE.unit
     locks: bool = False  # the train has no slide protection
 
     @property
@@ -56,6 +58,7 @@ class Trip:
             trains={STOCK_ID: train(locks=self.locks)},
             seed=self.seed,
             day=self.day,
+            unit=self.unit,
             driving=Driving(driving_margin_mps=driving),
             sensors=Sensors(carries=self.carries),
             curvature=self.curvature,
