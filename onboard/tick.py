@@ -35,10 +35,7 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
     before_mps = unit.speed_mps
     run_m = sensed.odometer_m - unit.odometer_m
     unit.wheel_slide = sensed.wheel_slide
-    ahead_m, behind_m = unit.bound_ahead_m, unit.bound_behind_m
     events = locate(unit, train, sensed.odometer_m, speed_mps, step_s)
-    unit.grown_ahead_m += unit.bound_ahead_m - ahead_m
-    unit.grown_behind_m += unit.bound_behind_m - behind_m
     if events & (EVENT_TACHOMETER | EVENT_TAG_OVERDUE) != 0:
         unit.intervention = (
             EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when

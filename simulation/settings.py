@@ -307,13 +307,15 @@ class Curvature(Record):
     sure_sigmas: Annotated[
         Sigmas, about("deviations that the bounds of a fix have room for", "assumed: one in two million")
     ] = 5.0
-    creep_share: Annotated[
+
+    wheels_vary_share: Annotated[
         WheelError,
         about(
-            "what a wheel's run may differ from its own mean: creep and conicity in curves",
-            "assumed: creep of 0.2 %, conicity 1:20 and 4 mm off the middle 0.05 %",
+            "what wheels count over a few hundred metres differs from their mean by no more: creep and the tread's"
+            " slope, as far as they are no slip or slide",
+            "assumed: creep of 0.15 % at half of the adhesion, 4 mm off the middle of a cone of 1 in 20 0.05 %",
         ),
-    ] = 0.003
+    ] = 0.002
 
     def step_sigma_radps(self, step_s: float) -> float:
         """Standard deviation (rad/s) of the mean of the samples of a step."""

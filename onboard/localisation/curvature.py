@@ -42,10 +42,12 @@ STRETCH_M: Final = 4.0  # the wheels' scale may stretch what is compared by no m
 JOLT_M: Final = 0.5  # nor a slide or slip within it
 HOLD_MPS: Final = 0.5  # slower than this the curvature is held: a yaw rate over nothing says nothing
 STANDS_S: Final = 1.0  # a body that has stood for this turns no more: what shows is bias
+STOOD_STEPS: Final = 1000  # of a train that stands when its path is taken up: it has for long
 SAME_MAX: Final = 20  # readings in a row that are equal to the last bit: the gyro is stuck
 TRANSITION_PER_M2: Final = 1.0e-5  # filtered curvature that changes faster than this is a transition
 FLOOR_M: Final = 0.3  # of an interval: metres are whole, and pulses
 CALIBRATES_M: Final = 300.0  # wheels are compared over no less
+VARIES_OVER_M: Final = 1000.0  # what they count over longer ways differs from their mean by less, in proportion
 SURE_OF_BLOCK: Final = 4.0  # deviations of the root mean square of a block
 WHITE_PER_M: Final = 0.058  # variance that the filter leaves of white noise of 1 a metre
 
@@ -71,8 +73,9 @@ class CurvatureRow(Protocol):
     transition_m: float
     mismatch_per_m: float
     sure_sigmas: float
-    creep_share: float
-    wheel_share: Annotated[float, "guarantee for worn wheels"]
+    worn_share: Annotated[float, "most that wheels are worn by"]
+    varies_share: Annotated[float, "most that their count over a while differs from their mean: creep, the tread's slope"]
+    doubtful_share: Annotated[float, "bounds that grow faster are those of a unit in doubt of its wheels"]
     gain_share: Annotated[float, "the gyro's gain may be wrong by this"]
     bias_walk_radps: Annotated[float, "deviation of the bias in the long run"]
     bias_walk_s: float
@@ -89,8 +92,8 @@ class CurvatureRow(Protocol):
     # now
     path: Annotated[int, "unit.paths_taken_up as it was"]
     odometer_m: float
-    grown_ahead_m: Annotated[float, "unit's, as it was"]
-    grown_behind_m: float
+    slid_ahead_m: Annotated[float, "unit's, as it was"]
+    slipped_behind_m: float
     along_m: Annotated[float, "run since the path was taken up, by the calibrated wheels"]
     heading_rad: Annotated[float, "turned since then"]
     reached_m: Annotated[float, "where along the heading has come to"]
@@ -103,6 +106,7 @@ class CurvatureRow(Protocol):
     next_m: Annotated[float, "along, of the next comparison"]
     bias_radps: float
     bias_radps2: Annotated[float, "its variance"]
+    bias_metre: Annotated[int, "in the ring, when map and run last told of it"]
     stood_steps: int
     last_radps: float
     same: int
@@ -110,16 +114,16 @@ class CurvatureRow(Protocol):
     behind_m: float
     scale_low: Annotated[float, "true way over the wheels' count, at least"]
     scale_high: float
-    jolt_ahead_m: Annotated[float, "slides in all"]
-    jolt_behind_m: float
     anchored: Annotated[int, "1: there is a fix to compare the wheels with"]
     anchor_odometer_m: float
     anchor_low_m: float
     anchor_high_m: float
-    anchor_jolt_ahead_m: float
-    anchor_jolt_behind_m: float
+    anchor_slid_m: float
+    anchor_slipped_m: float
     mismatch: Annotated[float, "least mean square of the difference at the last comparison, 1/m^2"]
     compared_m: Annotated[float, "way that the last fix rests on"]
+    why: Annotated[int, "dbg"]
+    dbg: Annotated[list[float], 12, "dbg"]
     at: Annotated[int, "where the next metre goes"]
     bent_per_m: Annotated[list[float], 2 * WINDOW_MAX, "the ring, twice, so that every window lies in one piece"]
     slow_s_per_m: Annotated[list[float], 2 * WINDOW_MAX, "one over the speed then"]
@@ -136,19 +140,24 @@ def begin_anew(own: CurvatureRow, unit: UnitRow) -> None:
     """Nothing of the last metres holds any more: another path, or a gyro that was silent."""
     own.path = unit.paths_taken_up
     own.odometer_m = unit.odometer_m
-    own.grown_ahead_m, own.grown_behind_m = unit.grown_ahead_m, unit.grown_behind_m
+    own.slid_ahead_m, own.slipped_behind_m = unit.slid_ahead_m, unit.slipped_behind_m
     own.along_m = own.heading_rad = own.reached_m = own.metre_rad = own.held_per_m = 0.0
     own.metre = own.metres = own.at = 0
     own.settling_m = -1.0
+    own.bias_metre = 0
+    own.stood_steps = STOOD_STEPS if unit.speed_mps == 0.0 else 0
     own.next_m = own.every_m
     own.anchored = 0
 
 
 @compiled
-def doubt_of_scale(own: CurvatureRow, scale: float) -> tuple[float, float]:
-    """What a metre by the calibrated wheels may be longer and shorter by, m."""
-    longer = (own.scale_high + own.creep_share) / scale - 1.0
-    shorter = 1.0 - (own.scale_low - own.creep_share) / scale
+def doubt_of_scale(own: CurvatureRow, unit: UnitRow) -> tuple[float, float]:
+    """What a metre by the calibrated wheels may be longer and shorter by, m; no less than a unit in doubt says."""
+    scale = unit.odometer_scale
+    longer = (own.scale_high + own.varies_share) / scale - 1.0
+    shorter = 1.0 - (own.scale_low - own.varies_share) / scale
+    if unit.bound_growth > own.doubtful_share:
+        return max(longer, unit.bound_growth), max(shorter, unit.bound_growth)
     return longer, shorter
 
 
@@ -157,16 +166,11 @@ def ran(own: CurvatureRow, unit: UnitRow) -> float:
     """Take up the wheels' run of this step and how wrong it may be; returns it, m."""
     counted_m = unit.odometer_m - own.odometer_m
     own.odometer_m = unit.odometer_m
-    usual_m = abs(counted_m) * unit.bound_growth
-    jolt_ahead_m = max(unit.grown_ahead_m - own.grown_ahead_m - usual_m, 0.0)
-    jolt_behind_m = max(unit.grown_behind_m - own.grown_behind_m - usual_m, 0.0)
-    own.grown_ahead_m, own.grown_behind_m = unit.grown_ahead_m, unit.grown_behind_m
-    own.jolt_ahead_m += jolt_ahead_m
-    own.jolt_behind_m += jolt_behind_m
-    longer, shorter = doubt_of_scale(own, unit.odometer_scale)
+    longer, shorter = doubt_of_scale(own, unit)
     run_m = counted_m * unit.odometer_scale
-    own.ahead_m += abs(run_m) * longer + jolt_ahead_m
-    own.behind_m += abs(run_m) * shorter + jolt_behind_m
+    own.ahead_m += abs(run_m) * longer + unit.slid_ahead_m - own.slid_ahead_m
+    own.behind_m += abs(run_m) * shorter + unit.slipped_behind_m - own.slipped_behind_m
+    own.slid_ahead_m, own.slipped_behind_m = unit.slid_ahead_m, unit.slipped_behind_m
     own.along_m += run_m
     return run_m
 
@@ -175,8 +179,6 @@ def ran(own: CurvatureRow, unit: UnitRow) -> float:
 def stand(own: CurvatureRow, yaw_radps: float, step_s: float) -> None:
     """A train that stands turns no more: what the gyro shows is its bias."""
     own.stood_steps += 1
-    walk = own.bias_walk_radps * own.bias_walk_radps * min(2.0 * step_s / own.bias_walk_s, 1.0)
-    own.bias_radps2 += walk
     if own.stood_steps * step_s <= STANDS_S:
         return
     noise = own.yaw_density / step_s
@@ -202,7 +204,7 @@ def keep(own: CurvatureRow, bent_per_m: float, slow_s_per_m: float) -> None:
         own.slow_s_per_m[at + half * WINDOW_MAX] = slow_s_per_m
         own.then_ahead_m[at + half * WINDOW_MAX] = own.ahead_m
         own.then_behind_m[at + half * WINDOW_MAX] = own.behind_m
-        own.then_jolt_m[at + half * WINDOW_MAX] = own.jolt_ahead_m + own.jolt_behind_m
+        own.then_jolt_m[at + half * WINDOW_MAX] = own.slid_ahead_m + own.slipped_behind_m
     own.at = (at + 1) % WINDOW_MAX
     if own.settling_m == 0.0:
         own.metres = min(own.metres + 1, WINDOW_MAX)
@@ -262,7 +264,7 @@ def comparable(own: CurvatureRow, longest: int) -> tuple[int, int]:
     stretched = 0
     for k in range(longest):
         i = end - 1 - k
-        jolts_m = own.jolt_ahead_m + own.jolt_behind_m - own.then_jolt_m[i]
+        jolts_m = own.slid_ahead_m + own.slipped_behind_m - own.then_jolt_m[i]
         doubt_m = own.ahead_m - own.then_ahead_m[i] + own.behind_m - own.then_behind_m[i] - jolts_m
         if doubt_m > 2.0 * STRETCH_M:
             break
@@ -270,7 +272,7 @@ def comparable(own: CurvatureRow, longest: int) -> tuple[int, int]:
     since = 0
     for k in range(stretched):
         i = end - 1 - k
-        if own.jolt_ahead_m + own.jolt_behind_m - own.then_jolt_m[i] > JOLT_M:
+        if own.slid_ahead_m + own.slipped_behind_m - own.then_jolt_m[i] > JOLT_M:
             break
         since = k + 1
     return stretched, since
@@ -333,8 +335,11 @@ def judged(
     end = own.at + WINDOW_MAX
     first = whole - count
     steady = (own.known_per_m[whole - 1 + shift] - own.known_per_m[first + shift]) / (count - 1.0)
-    longer = max(own.scale_high - own.scale_low, 0.0) / 2.0 + own.creep_share
-    gain = own.gain_share + longer
+    gain = own.gain_share + (own.scale_high - own.scale_low) / 2.0 + own.varies_share
+    middle = 0.0
+    for k in range(count):
+        middle += own.slow_s_per_m[end - 1 - k]
+    middle /= count
     bias_radps = own.sure_sigmas * math.sqrt(own.bias_radps2)
     slope2 = bend2 = left = misfit = slow_sum = 0.0
     ahead = behind = by_gain = by_bias = by_delay = unseen = lean = 0.0
@@ -360,7 +365,7 @@ def judged(
         by_gain += c * here
         by_bias += c * slow
         by_delay += abs(c * slope) * late_m(own, slow)
-        off = abs(slope) * (ahead_m + behind_m) / 2.0 + gain * abs(here) + bias_radps * slow
+        off = abs(slope) * (ahead_m + behind_m) / 2.0 + gain * abs(here) + bias_radps * abs(slow - middle)
         misfit += off * off
         # what noise and all that may leave here
         sigma2 = own.rail_variance_per_m2 + WHITE_PER_M * (own.yaw_density * slow + white)
@@ -375,15 +380,50 @@ def judged(
         unseen = max(unseen, min(SURE_OF_BLOCK * math.sqrt(sigma2), most / (k + 1.0)) * abs(lean))
         if abs(total) > most + allowed + abs(mean) * (k + 1.0):
             fits = 0
+            own.why = 11
+            own.dbg[8] = k
+            own.dbg[9] = abs(total)
+            own.dbg[10] = most
+            own.dbg[11] = allowed
         if (k + 1) % BLOCK_M == 0:
             if block2 > BLOCK_M * block_most * block_most:
                 fits = 0
+                own.why = 12
+                own.dbg[8] = k
+                own.dbg[9] = math.sqrt(block2 / BLOCK_M)
+                own.dbg[10] = block_most
             block2 = block_most = 0.0
     if left <= 0.0:
-        return 0, 0.0, 0.0, 0.0, 0.0
+        return 0, 0.0, misfit, 0.0, 0.0
     noise = noise_of(own, slope2, bend2, slow_sum / count) + white
+    if own.sure_sigmas * math.sqrt(noise / left) > NEAR_M:
+        fits = 0
     both = (gain * abs(by_gain) + bias_radps * abs(by_bias) + by_delay + unseen) / left
+    own.dbg[8] = gain * abs(by_gain) / left
+    own.dbg[9] = bias_radps * abs(by_bias) / left
+    own.dbg[10] = by_delay / left
+    own.dbg[11] = unseen / left
     return fits, noise, misfit, ahead / left + both, behind / left + both
+
+
+@compiled
+def learn_bias(own: CurvatureRow, mean: float, count: int) -> None:
+    """What map and run differ by over all that was compared is bias: what they turn in all is known well."""
+    first = own.at + WINDOW_MAX - count
+    slow = bent = 0.0
+    for k in range(first, first + count):
+        slow += own.slow_s_per_m[k]
+        bent += own.bent_per_m[k]
+    slow, bent = slow / count, bent / count
+    gain = own.gain_share + (own.scale_high - own.scale_low) / 2.0 + own.varies_share
+    rails = 2.0 * own.rail_heading_rad * own.rail_heading_rad / count / count
+    change = own.bent_per_m[first + count - 1] - own.bent_per_m[first]
+    doubt2 = rails + own.yaw_density * slow / count + (gain * bent) ** 2 + (change / count) ** 2
+    doubt2 /= slow * slow
+    share = own.bias_radps2 / (own.bias_radps2 + doubt2)
+    own.bias_radps -= share * mean / slow
+    own.bias_radps2 *= 1.0 - share
+    own.bias_metre = own.metre
 
 
 @compiled
@@ -399,34 +439,41 @@ def late_m(own: CurvatureRow, slow_s_per_m: float) -> float:
 @compiled
 def calibrate(own: CurvatureRow, unit: UnitRow) -> None:
     """Two fixes and the wheels' count between them: an interval of the scale, and the unit's own in its middle."""
+    if unit.bound_growth > own.doubtful_share:
+        own.anchored = 0
+        return
     low_m, high_m = unit.position_m - unit.bound_behind_m, unit.position_m + unit.bound_ahead_m
     if own.anchored != 0:
         counted_m = unit.odometer_m - own.anchor_odometer_m
         if counted_m >= CALIBRATES_M:
-            least = (low_m - own.anchor_high_m - (own.jolt_ahead_m - own.anchor_jolt_ahead_m)) / counted_m
-            most = (high_m - own.anchor_low_m + own.jolt_behind_m - own.anchor_jolt_behind_m) / counted_m
-            low = max(own.scale_low, least - own.creep_share)
-            high = min(own.scale_high, most + own.creep_share)
-            if low < high:
+            slid_m = unit.slid_ahead_m - own.anchor_slid_m
+            slipped_m = unit.slipped_behind_m - own.anchor_slipped_m
+            while_share = own.varies_share * min(VARIES_OVER_M / counted_m, 1.0)
+            low = max(own.scale_low, (low_m - own.anchor_high_m - slid_m) / counted_m - while_share)
+            high = min(own.scale_high, (high_m - own.anchor_low_m + slipped_m) / counted_m + while_share)
+            if low <= high:
                 own.scale_low, own.scale_high = low, high
-                unit.odometer_scale = (low + high) / 2.0
             else:
-                own.scale_low, own.scale_high = 1.0 - own.wheel_share, 1.0 + own.wheel_share
+                own.scale_low, own.scale_high = 1.0 - own.worn_share, 1.0 + own.worn_share
                 own.anchored = 0
+            unit.odometer_scale = (own.scale_low + own.scale_high) / 2.0
+            unit.bound_growth = (own.scale_high - own.scale_low) / 2.0 + own.varies_share
     if own.anchored == 0 or high_m - low_m < 0.5 * (own.anchor_high_m - own.anchor_low_m):
         own.anchored = 1
         own.anchor_odometer_m, own.anchor_low_m, own.anchor_high_m = unit.odometer_m, low_m, high_m
-        own.anchor_jolt_ahead_m, own.anchor_jolt_behind_m = own.jolt_ahead_m, own.jolt_behind_m
+        own.anchor_slid_m, own.anchor_slipped_m = unit.slid_ahead_m, unit.slipped_behind_m
 
 
 @compiled
 def collate(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     """Compare the last metres with the map; a fix, FOREIGN, or NOTHING where there is nothing to go by."""
     if max(unit.bound_ahead_m, unit.bound_behind_m) > own.search_m:
+        own.why = 1
         return NOTHING
     longest = min(own.metres, int(own.window_m))
     longest, since_jolt = comparable(own, longest)
     if longest < own.window_least_m:
+        own.why = 2
         return NOTHING
     low = -int(math.ceil(unit.bound_behind_m)) - MARGIN_M
     high = int(math.ceil(unit.bound_ahead_m)) + MARGIN_M
@@ -435,6 +482,7 @@ def collate(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     missing = lay_map(own, unit, chart, newest_m - (longest - 1) + low, longest + span)
     whole = longest - missing
     if whole < own.window_least_m:
+        own.why = 3
         return NOTHING
     if missing > 0:
         for k in range(whole + span):
@@ -446,11 +494,14 @@ def collate(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
         lowest = min(lowest, own.energy[shift])
     own.mismatch = lowest / whole
     if own.mismatch > own.mismatch_per_m * own.mismatch_per_m:
+        own.why = 4
         return FOREIGN
     if transitions_m(own.bent_per_m, end - whole, whole) < own.transition_m:
+        own.why = 5
         return NOTHING
     count = best_count(own, least, whole, min(whole, since_jolt))
     if count == 0:
+        own.why = 6
         return NOTHING
     return fitted(own, unit, whole, count, span, low)
 
@@ -461,12 +512,15 @@ def fitted(own: CurvatureRow, unit: UnitRow, whole: int, count: int, span: int, 
     begin = own.at + WINDOW_MAX - count
     known = own.known_per_m[whole - count :]
     least = all_squares(known, own.bent_per_m, begin, count, span, own.energy, own.free)
+    own.why = 0
     plain = 0.0
     for k in range(count):
         plain += known[least + k] - own.bent_per_m[begin + k]
     mean = plain / count
     # noise beyond what is stated counts as white: a gyro that has gone worse
-    white = max(own.free[least] / count - 2.0 * own.rail_variance_per_m2, 0.0) / WHITE_PER_M
+    _, _, misfit, _, _ = judged(own, least, whole, count, mean, 0.0)
+    beyond = own.free[least] / count - 2.0 * own.rail_variance_per_m2 - misfit / count
+    white = max(beyond, 0.0) / WHITE_PER_M
     fits, noise, misfit, ahead_m, behind_m = judged(own, least, whole, count, mean, white)
     if fits == 0:
         return NOTHING
@@ -478,6 +532,17 @@ def fitted(own: CurvatureRow, unit: UnitRow, whole: int, count: int, span: int, 
     shift_m = min(max(shift_m, from_m), to_m)
     floor_m = FLOOR_M + unit.pulse_m + own.map_error_m
     own.compared_m = float(count)
+    own.why = 10
+    own.dbg[0] = shift_m + low
+    own.dbg[1] = from_m + low
+    own.dbg[2] = to_m + low
+    own.dbg[3] = ahead_m
+    own.dbg[4] = behind_m
+    own.dbg[5] = noise
+    own.dbg[6] = misfit
+    own.dbg[7] = white
+    if own.metre >= own.bias_metre + count and count > 2 * BLOCK_M:
+        learn_bias(own, mean, count)
     outcome = taken(
         unit,
         unit.position_m + low + shift_m,
@@ -503,6 +568,7 @@ def curvature(
         begin_anew(own, unit)
         return MISSED if silent else NOTHING
     run_m = ran(own, unit)
+    own.bias_radps2 += own.bias_walk_radps * own.bias_walk_radps * 2.0 * step_s / own.bias_walk_s
     if run_m == 0.0 and unit.speed_mps == 0.0:
         stand(own, reading.yaw_radps, step_s)
         return NOTHING

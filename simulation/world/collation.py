@@ -71,12 +71,13 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting, map_
         "transition_m",
         "mismatch_per_m",
         "sure_sigmas",
-        "creep_share",
         "bias_walk_s",
     ):
         setattr(own, name, getattr(given, name))
-    own.wheel_share = setup.unit.wheel_error_share
-    own.scale_low, own.scale_high = 1.0 - own.wheel_share, 1.0 + own.wheel_share
+    own.varies_share = min(given.wheels_vary_share, setup.unit.wheel_error_share)
+    own.worn_share = setup.unit.wheel_error_share - own.varies_share
+    own.doubtful_share = setup.unit.wheel_error_share + 1e-9
+    own.scale_low, own.scale_high = 1.0 - own.worn_share, 1.0 + own.worn_share
     own.gain_share = CUT_SIGMAS * given.gain_sigma
     own.bias_walk_radps = math.radians(given.bias_walk_degps)
     own.bias_radps2 = math.radians(given.bias_sigma_degps + given.bias_walk_degps) ** 2
