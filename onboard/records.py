@@ -45,10 +45,6 @@ class UnitRow(Protocol):
     bound_growth: Annotated[float, "m of bound per m run"]
     slid_ahead_m: Annotated[float, "by which slides have widened the bound ahead in all, beyond its growth"]
     slipped_behind_m: Annotated[float, "the same of slips and the bound behind"]
-    grown_ahead_m: Annotated[
-        float, "by which wheels have widened the bound ahead in all; no fix takes it back"
-    ]
-    grown_behind_m: float
     position_known: int
     odometer_m: Annotated[float, "tachometer reading at the last tick"]
     pulse_m: Annotated[

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from network.timetable import Timetable
 from onboard import notes
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
@@ -72,19 +73,24 @@ class PositionResult:
 
 
 class PositionRun:
-    """One run in progress; `result` fills as it goes. `moments` are by true path coordinate."""
+    """One run in progress; `result` fills as it goes. `moments` are by true path coordinate.
 
-    def __init__(self, setup: Setup, moments: Sequence[Moment] = ()) -> None:
+    `told`: the timetable that the unit goes by, where the train is sent another way than that.
+    """
+
+    def __init__(self, setup: Setup, moments: Sequence[Moment] = (), told: Timetable | None = None) -> None:
         self.setup: Final = setup
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
         self.carrier: Final = PlainTrack(lengths_m, STEP_S)
         self.trains: Final = Trains(setup, self.carrier)
         stock_id = self.trains.stock_ids[SLOT]
         self.duty: Final[Duty] = drawn_up(setup, setup.line)[stock_id][0]
-        believed = drawn_up(setup, setup.believed_line)[stock_id][0].mission
+        heard = setup if told is None else replace(setup, timetable=told)
+        believed = drawn_up(heard, setup.believed_line)[stock_id][0].mission
         self.mission: Final = believed
         self.now_s = float(self.duty.enter_s)
-        self._moments = sorted(moments, key=lambda moment: moment.at_m)
+        self._moments: list[Moment] = []
+        self.at(moments)
         self._target = 0
         self._on_sight = False
         self._lost = False
@@ -119,6 +125,10 @@ class PositionRun:
     def true_m(self) -> float:
         """True path coordinate of the front, m."""
         return float(self.trains.truths[SLOT].position_m)
+
+    def at(self, moments: Sequence[Moment]) -> None:
+        """What happens on the way, beside what is said already."""
+        self._moments = sorted([*self._moments, *moments], key=lambda moment: moment.at_m)
 
     def run(self) -> PositionResult:
         """Run to the last stop, or until `HOURS_MAX` are over; `result.arrived` says which."""
