@@ -240,6 +240,18 @@ READ_ERROR: Final = Quantity(
 WHEEL_ERROR: Final = Quantity(
     "error of a wheel", "", ((0.0, 0.1),), "assumed: wear from new to last, 860 to 780 mm is 9 %"
 )
+CREEP: Final = Quantity(
+    "creep of a wheel",
+    "",
+    ((0.0, 0.02),),
+    "greatest: creep at which steel wheels on rails have reached full adhesion, 1 to 2 % on dirty rails",
+)
+CONICITY: Final = Quantity(
+    "slope of a tread", "", ((0.0, 0.5),), "greatest: equivalent conicity of badly worn treads, about 0.5"
+)
+FLANGEWAY: Final = Quantity(
+    "play of a wheelset", "m", ((0.0, 0.03),), "assumed: a gauge widened by 30 mm has it all on one side"
+)
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
@@ -353,6 +365,9 @@ ChargeTime = Annotated[float, CHARGE_TIME]
 PositionBound = Annotated[float, POSITION_BOUND]
 ReadError = Annotated[float, READ_ERROR]
 WheelError = Annotated[float, WHEEL_ERROR]
+Creep = Annotated[float, CREEP]
+Conicity = Annotated[float, CONICITY]
+Flangeway = Annotated[float, FLANGEWAY]
 Days = Annotated[int, DAYS]
 Seed = Annotated[int, SEED]
 Share = Annotated[float, SHARE]
