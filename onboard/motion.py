@@ -295,7 +295,7 @@ class Motion:
         happened: list[Sensed] = []
         if bits & EVENT_TACHOMETER:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
-            happened += self._lose("the tachometer shows what cannot be", wheels_lie=True)
+            happened += self._lose("the tachometer shows what cannot be", wheels_lie=row.wheel_slide == 0)
         if bits & EVENT_FIX:
             self._fixes()
         if bits & EVENT_VERDICT:

@@ -17,10 +17,13 @@ from network.files.quantities import (
     BitErrorFactor,
     BodyDamping,
     BodyFrequency,
+    Conicity,
+    Creep,
     CurvatureError,
     Days,
     Deceleration,
     Distance,
+    Flangeway,
     FrameRate,
     Gain,
     MatchedWay,
@@ -126,6 +129,17 @@ class Sensors(Record):
         default_factory=dict
     )
 
+    @property
+    def wheels_vary(self) -> bool:
+        """Whether what a turn of the measured wheel is worth changes on the way."""
+        return self.creep_share > 0.0 or self.tread_conicity > 0.0
+
+    def wheel_varies_share(self, wheel_diameter_m: float) -> float:
+        """By how much at most, of a wheel of that diameter, as a share."""
+        leads = self.tachometer_axle == "leading"
+        slope = self.tread_conicity * self.flangeway_m / (0.5 * wheel_diameter_m) if leads else 0.0
+        return self.creep_share + slope
+
     def carried_by(self, stock_id: str) -> frozenset[Carried]:
         """What a stock carries."""
         return frozenset(self.carries_of.get(stock_id, self.carries))
@@ -145,6 +159,32 @@ class Sensors(Record):
             "of real over assumed wheel circumference, train to train", "assumed: wear between two turnings"
         ),
     ] = 0.003
+    creep_share: Annotated[
+        Creep,
+        about(
+            "by which the measured wheel turns more where it pulls with all the adhesion there is, and less where it"
+            " brakes with it; in proportion below",
+            "off; Harada, 2.1, names it. Assumed where it is on: 0.003, what Kalker's linear theory gives at an"
+            " adhesion of 0.25 under 50 kN a wheel, 0.001, with the bend towards saturation",
+        ),
+    ] = 0.0
+    tread_conicity: Annotated[
+        Conicity,
+        about(
+            "slope of the treads: in curves a leading axle runs outwards, on the outer wheel's larger circle",
+            "off; Harada, 2.1. Assumed where it is on: 0.05, a new cone of 1 in 20",
+        ),
+    ] = 0.0
+    flangeway_m: Annotated[
+        Flangeway, about("by which an axle may run outwards", "assumed: half the play of 1067 mm gauge")
+    ] = 0.007
+    tachometer_axle: Annotated[
+        Literal["leading", "trailing"],
+        about(
+            "of its bogie in the direction of travel; a trailing one stays near the middle",
+            "assumed: the larger error",
+        ),
+    ] = "leading"
     tag_read_sigma_m: Annotated[
         ReadError,
         about("of where a tag is read", "assumed: a reader's field of about 0.1 m"),

@@ -294,6 +294,18 @@ SIGMAS: Final = Quantity(
 NOISE_FACTOR: Final = Quantity(
     "factor of noise", "", ((0.0, 1000.0),), "assumed: none, or a sensor that is broken"
 )
+CREEP: Final = Quantity(
+    "creep of a wheel",
+    "",
+    ((0.0, 0.02),),
+    "greatest: creep at which steel wheels on rails have reached full adhesion, 1 to 2 % on dirty rails",
+)
+CONICITY: Final = Quantity(
+    "slope of a tread", "", ((0.0, 0.5),), "greatest: equivalent conicity of badly worn treads, about 0.5"
+)
+FLANGEWAY: Final = Quantity(
+    "play of a wheelset", "m", ((0.0, 0.03),), "assumed: a gauge widened by 30 mm has it all on one side"
+)
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
@@ -421,6 +433,9 @@ MatchedWay = Annotated[float, MATCHED_WAY]
 CurvatureError = Annotated[float, CURVATURE_ERROR]
 Sigmas = Annotated[float, SIGMAS]
 NoiseFactor = Annotated[float, NOISE_FACTOR]
+Creep = Annotated[float, CREEP]
+Conicity = Annotated[float, CONICITY]
+Flangeway = Annotated[float, FLANGEWAY]
 Days = Annotated[int, DAYS]
 Seed = Annotated[int, SEED]
 Share = Annotated[float, SHARE]

@@ -111,7 +111,7 @@ class TagDoubt:
     def begin(self, *, wheels_lie: bool = False) -> None:
         """A position fault: what was run since the last tag, or since the mission began, may be false.
 
-        `wheels_lie`: the tachometer itself shows what cannot be, so that the bounds before it are worth nothing.
+        `wheels_lie`: the tachometer shows what no slide explains, so that the bounds before it are worth nothing.
         """
         row, share = self._row, self._parameters.doubt_error_share
         if wheels_lie:
@@ -230,11 +230,8 @@ class TagDoubt:
             self._wheel.apply(row.odometer_scale)
 
     def _now(self, one: Held) -> tuple[float, float]:
-        """Where the front is by what a tag said then, m."""
-        share = self._parameters.doubt_error_share
-        scale = self._row.odometer_scale
-        scales = Scales(scale - share, scale + share) if self._wide else self._wheel.scales
-        return carried(self._row, one, scales)
+        """Where the front is by what a tag said then, m; were the wheels out of order, the newest tag would be true."""
+        return carried(self._row, one, self._wheel.scales)
 
     def _fits(self, tag: PathTag, odometer_m: float) -> bool:
         """Whether any tag read before agrees with this one, as far as the wheels are known."""
@@ -242,7 +239,10 @@ class TagDoubt:
             return True
         fix = tag_fix(self._record, tag.position_m, odometer_m, self._parameters.tag_accuracy_m)
         low_m, high_m = fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m
-        fits = any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in map(self._now, self._read))
+        share, scale = self._parameters.doubt_error_share, self._row.odometer_scale
+        scales = Scales(scale - share, scale + share) if self._wide else self._wheel.scales
+        earlier = (carried(self._row, one, scales) for one in self._read)
+        fits = any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in earlier)
         self._contradictions = 0 if fits else self._contradictions + 1
         return fits
 

@@ -87,6 +87,8 @@ class WheelScale:
         self._places.append(here)
 
     def apply(self, scale: float) -> None:
-        """Count by this scale from now on, or by the nearest that can be; bounds grow by what it may be off."""
-        self._row.odometer_scale = within = min(max(scale, self._low), self._high)
-        self._row.bound_growth = self._varies + max(self._high - within, within - self._low)
+        """Count by this scale from now on, as far as bounds then grow by no more than stated: by what it may be off."""
+        middle, half = (self._low + self._high) / 2.0, (self._high - self._low) / 2.0
+        off = min(max(scale - middle, half - self._worn), self._worn - half)
+        self._row.odometer_scale = middle + off
+        self._row.bound_growth = self._varies + half + abs(off)

@@ -23,6 +23,8 @@ class SceneRow(Protocol):
     load_share: Annotated[float, "0 empty, 1 full"]
     tag_beyond_m: Annotated[float, "how far the front is past the tag that it passed in this step; -1: none"]
     sign_ahead_m: Annotated[float, "from the front to the next stop sign; +inf: none to be seen"]
+    # for wheels that creep, or have treads with a slope (`truth.wheels_vary`)
+    used_adhesion: Annotated[float, "force under the measured axle over what it can pass on; < 0: brakes"]
     # for trains that carry more than tags (`carries_more`)
     carries_more: Annotated[int, "1: what follows is filled"]
     turned_rad: Annotated[

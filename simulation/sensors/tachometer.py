@@ -1,5 +1,10 @@
 """The tachometer (速度発電機): counts the turning of one axle, by a circumference that may not be the wheel's.
 
+What a turn is worth changes on the way (Harada, 2.1): a wheel that pulls creeps forward against the rail, one that
+brakes backward; and the leading axle of a bogie runs outwards in a curve until it rolls or its flange touches. The
+outer wheel, which carries more there, then rolls on a larger circle of its tread, and the inner one gives way: if both
+gave way alike nothing would come of it, so that is the most that can (assumed).
+
 It counts whole pulses; its speed comes from the time between them, and is as fine as its clock.
 Its faults: a scale other than 1, no output (gain 0), an output that stays at one speed for ever. Factors multiply;
 one that is stuck shows the same whatever they are.
@@ -27,12 +32,18 @@ from vehicle.wheel import pulse_m
 if TYPE_CHECKING:
     from simulation.setup import Setup
 
+CONTACT_HALF_M: Final = 0.56  # half of what wheels of 1067 mm gauge touch the rails apart
+
 
 class TachometerRow(Protocol):
     """One train's tachometer."""
 
     wheel_factor: Annotated[float, "true circumference over the one it is set for"]
     pulse_m: Annotated[float, "way of one pulse by the circumference it is set for; 0: as fine as you like"]
+    creep_share: Annotated[float, "by which it turns more where it pulls with all the adhesion"]
+    slope_per_m: Annotated[float, "of its circle, as a share, that it runs outwards; 0: none"]
+    outwards_m: Annotated[float, "it runs outwards by no more than this"]
+    outwards_m2: Annotated[float, "by this times the curvature, 1/m, an axle would roll without creep"]
     turned_m: Annotated[float, "what has turned since the run began, by that circumference"]
     odometer_m: Annotated[float, "what it has counted of that, in whole pulses"]
     gain: Annotated[float, "1 in order, 0 silent"]
@@ -46,7 +57,13 @@ def fit(own: TachometerRow, setup: Setup, stock_id: str) -> None:
     drawn = generator(setup.seed, "sensors", stock_id).normal(0.0, sigma)
     known = setup.scatter.stock.get(stock_id, Individual()).wheel_factor
     factor = 1.0 + float(np.clip(drawn, -3.0 * sigma, 3.0 * sigma)) if known is None else known
-    fit_train(own, setup.trains[stock_id].row.view(np.recarray)[0], factor)
+    train: TrainRow = setup.trains[stock_id].row.view(np.recarray)[0]
+    fit_train(own, train, factor)
+    sensors, radius_m = setup.sensors, 0.5 * float(train.wheel_diameter_m)
+    own.creep_share, own.outwards_m = sensors.creep_share, sensors.flangeway_m
+    if sensors.tread_conicity > 0.0 and sensors.tachometer_axle == "leading":
+        own.slope_per_m = sensors.tread_conicity / radius_m
+        own.outwards_m2 = radius_m * CONTACT_HALF_M / sensors.tread_conicity
 
 
 def fit_train(own: TachometerRow, train: TrainRow, wheel_factor: float = 1.0) -> None:
@@ -64,6 +81,13 @@ def counted_m(own: TachometerRow, turned_m: float) -> float:
 
 
 @compiled
+def turns_more(own: TachometerRow, scene: SceneRow) -> float:
+    """What the wheel turns of what it would without creep and on the middle of its tread."""
+    out_m = min(own.outwards_m, own.outwards_m2 * scene.curvature_per_m)
+    return float((1.0 + own.creep_share * scene.used_adhesion) / (1.0 + own.slope_per_m * out_m))
+
+
+@compiled
 def tachometer(own: TachometerRow, _sensors: Any, scene: SceneRow, sensed: SensedRow) -> None:  # noqa: ANN401
     """Count the wheel's turning of one step and show its speed. A faulty one shows what it shows."""
     if own.frozen_mps >= 0.0:
@@ -71,6 +95,8 @@ def tachometer(own: TachometerRow, _sensors: Any, scene: SceneRow, sensed: Sense
         sensed.speed_mps = own.frozen_mps
     else:
         gain = own.gain / own.wheel_factor
+        if own.creep_share > 0.0 or own.slope_per_m > 0.0:
+            gain *= turns_more(own, scene)
         own.turned_m += scene.wheel_run_m * (gain * (1.0 + own.miscount_share))
         sensed.speed_mps = scene.wheel_mps * gain
     own.odometer_m = counted_m(own, own.turned_m)

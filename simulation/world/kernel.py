@@ -29,10 +29,13 @@ from simulation.world.records import (
     TruthRow,
 )
 from simulation.world.ride import count_motion, count_notches
+from vehicle.adhesion import adhesion_coefficient
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
 from vehicle.dynamics import step as move
+from vehicle.mass import GRAVITY_MPS2, mass_kg
 from vehicle.records import PlantRow, TrainRow
+from vehicle.traction import motored_grip_n
 
 MOVING_STEPS_MAX: Final = 50  # it runs ahead of the carrier by at most this
 STANDING_STEPS_MAX: Final = 600
@@ -206,6 +209,16 @@ def look_around(row: StockRow, track: Track, before_m: float, curvature_per_m: f
 
 
 @compiled
+def used_adhesion(plant: PlantRow, body: TrainRow) -> float:
+    """Force that the measured axle, which is driven, puts on the rail over what it could; < 0: it brakes."""
+    weight_n = mass_kg(body, plant.load_share) * GRAVITY_MPS2
+    adhesion = adhesion_coefficient(body, plant.adhesion_factor, plant.speed_mps)
+    pulls = plant.traction_force_n / max(motored_grip_n(body, weight_n, adhesion), 1.0)
+    brakes = (plant.regenerative_force_n + plant.air_force_n) / max(weight_n * adhesion, 1.0)
+    return float(min(max(pulls - brakes, -1.0), 1.0))
+
+
+@compiled
 def look(row: StockRow, tag_beyond_m: float, wheel_before_m: float, step: int, step_s: float) -> None:
     """Show the row's sensors what there is to be sensed after its body has moved."""
     scene, plant = row.scene, row.plant
@@ -249,6 +262,9 @@ def step_one(row: StockRow, track: Track, step: int) -> tuple[int, int]:
     count_motion(row.ride, plant, before_mps, before_mps2, emergency, step_s)
     before_m = truth.position_m
     truth.position_m = truth.offset_m + plant.travelled_m
+    if truth.wheels_vary != 0:
+        row.scene.curvature_per_m = curvature
+        row.scene.used_adhesion = used_adhesion(plant, row.body)
     if truth.carries_more != 0:
         look_around(row, track, before_m, curvature)
     found = passed(truth, track.tag_positions_m, row.body.length_m)

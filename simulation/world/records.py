@@ -41,6 +41,7 @@ class TruthRow(Protocol):
     sight_m: Annotated[float, "where a driver on sight stops; +inf: does not drive on sight"]
     sign_m: Annotated[float, "path coordinate of the next stop sign; +inf: none"]
     clock_ahead_s: Annotated[float, "of the unit's clock, when the unit was last asked"]
+    wheels_vary: Annotated[int, "1: its wheels creep, or have treads with a slope"]
     carries_more: Annotated[int, "1: it has sensors that look at more than tags and signs"]
     lead_bogie_m: Annotated[float, "how far behind the front the leading car's first bogie is"]
     bogie_base_m: Annotated[float, "from there to its second"]

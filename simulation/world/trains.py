@@ -141,6 +141,7 @@ class Trains:
         truth.powered = 1
         truth.sight_m = truth.sign_m = math.inf
         truth.carries_more = int(bool(setup.sensors.carried_by(stock_id) - {Carried.TAGS}))
+        truth.wheels_vary = int(setup.sensors.wheels_vary)
         truth.lead_bogie_m, truth.bogie_base_m = LEAD_BOGIE_M, BOGIE_BASE_M
 
     def position_fixed(self, slot: int) -> None:

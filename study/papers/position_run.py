@@ -33,6 +33,9 @@ SLOT: Final = 0
 STANDS_S: Final = 2.0  # how long the train stands at each stop: nothing of this is about passengers
 HOURS_MAX: Final = 6.0
 STOPPED_WITHIN_M: Final = 5.0
+STALLED_S: Final = (
+    600.0  # who has not moved for so long has run past the last tag that could tell where it is
+)
 Rows = NDArray[np.void]
 
 
@@ -131,11 +134,14 @@ class PositionRun:
         self._moments = sorted([*self._moments, *moments], key=lambda moment: moment.at_m)
 
     def run(self) -> PositionResult:
-        """Run to the last stop, or until `HOURS_MAX` are over; `result.arrived` says which."""
+        """Run to the last stop, until the train has stalled or `HOURS_MAX` are over; `result.arrived` says which."""
         end_s = self.now_s + HOURS_MAX * 3600.0
         self._leave()
-        while self.now_s < end_s and not self.result.arrived:
+        moved_m, moved_s = self.true_m, self.now_s
+        while self.now_s < end_s and self.now_s < moved_s + STALLED_S and not self.result.arrived:
             self._stretch()
+            if self.true_m != moved_m:
+                moved_m, moved_s = self.true_m, self.now_s
         self.result.trace = np.concatenate([self.result.trace, *self._traces])
         return self.result
 

@@ -16,9 +16,10 @@ from network.files.toml_input import one_of
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
+from onboard.unit_records import UnitParameters
 from simulation.design import overrated
 from simulation.events import WORLD
-from simulation.settings import Driving, Tuning, Vision
+from simulation.settings import Driving, Sensors, Tuning, Vision
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
 from wayside.config import MANAGER_ID
@@ -80,6 +81,19 @@ def check_grip(file: str, driving: Driving, trains: Mapping[str, TrainType], lin
             f" and this guarantees {asked_mps2:.2f}"
         )
         raise InputError(file, f"driving.{key}", share, expected)
+
+
+def check_wheels(file: str, sensors: Sensors, unit: UnitParameters, trains: Mapping[str, TrainType]) -> None:
+    """What a turn of the wheel is worth changes by no more than units allow for, or InputError."""
+    left = max(unit.wheel_error_share - unit.wheel_scale_limit, 0.0)
+    for stock_id, train in trains.items():
+        varies = sensors.wheel_varies_share(float(train.row[0]["wheel_diameter_m"]))
+        if sensors.wheels_vary and varies > left:
+            expected = (
+                f"creep and tread together at most {left:g}, which unit.wheel_error_share leaves beyond"
+                f" unit.wheel_scale_limit: on the wheels of {stock_id} ({train.id}) they come to {varies:.4f}"
+            )
+            raise InputError(file, "sensors.creep_share", sensors.creep_share, expected)
 
 
 def check_margins(file: str, driving: Driving) -> None:

@@ -32,6 +32,7 @@ from study.scenario.fleet_file import (
     check_parties,
     check_scatter,
     check_vision,
+    check_wheels,
     learned_of,
 )
 from study.scenario.inputs import Inputs
@@ -87,6 +88,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     check_scatter(str(path), model.scatter, trains)
     check_vision(str(path), model.vision, line.stations)
     check_margins(str(path), model.driving)
+    check_wheels(str(path), model.sensors, model.unit, trains)
     check_battery(str(path), model.battery, timetable, trains)
     check_grip(str(path), model.driving, trains, line.max_speed_mps)
     setup = Setup(
