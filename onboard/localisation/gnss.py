@@ -82,8 +82,7 @@ def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
     run_m = (unit.odometer_m - own.odometer_m) * unit.odometer_scale if own.ticks > 0 else 0.0
     own.odometer_m = unit.odometer_m
     own.way_m += run_m
-    unseen_mps = max(unit.may_run_mps - unit.speed_mps * unit.odometer_scale, 0.0)
-    own.slid_m += unseen_mps * step_s + (abs(run_m) if unit.wheel_slide != 0 else 0.0)
+    own.slid_m = unit.slid_ahead_m + unit.slipped_behind_m
     own.ticks += 1
     own.way_then_m[own.ticks % RING], own.slid_then_m[own.ticks % RING] = own.way_m, own.slid_m
     half_m = (unit.bound_ahead_m + unit.bound_behind_m) / 2.0

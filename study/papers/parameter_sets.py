@@ -64,6 +64,7 @@ LINE: Final = ParameterSet(
         "line-driving",
         "line-stops",
         "oda-tuning",
+        "position-compare",
         "stop-statistics",
         "stop-window",
         "sugiyama-table5",

@@ -102,8 +102,8 @@ LASTS_M: Final = 1_200.0
 TROUBLES: Final = tuple(
     each
     for each in (
-        Trouble("slip", None, 2_980.0, 3_300.0, "slippery", {"factor": 0.3}),
-        Trouble("slide", None, 4_900.0, 5_230.0, "slippery", {"factor": 0.3}),
+        Trouble("slip", None, 2_980.0, 3_300.0, "slippery", {"factor": 0.25}),
+        Trouble("slide", None, 4_900.0, 5_230.0, "slippery", {"factor": 0.1}),
         Trouble("tag missed", Carried.TAGS, 11_700.0, 11_950.0, "miss", target="406"),
         Trouble("wrong tag", Carried.TAGS, 14_100.0, 14_400.0, "wrong_id", {"id": 305}, target="306"),
         Trouble("tag moved", Carried.TAGS, 16_200.0, 16_400.0),
@@ -126,9 +126,6 @@ TROUBLES: Final = tuple(
             "gnss_reflections",
             {"bias_m": 40.0, "over_m": 3_000.0},
             held=False,
-        ),
-        Trouble(
-            "false from the first fix", Carried.GNSS, 0.0, 9_000.0, "gnss_jump", {"bias_m": 35.0}, held=False
         ),
     )
     if each.built

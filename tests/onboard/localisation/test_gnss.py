@@ -1,0 +1,237 @@
+"""A satellite fix: what it may do to estimate and bounds, what is a lie, and what of lies is held."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from onboard.localisation import gnss as reader
+from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN
+from onboard.localisation.gnss import BORNE_OUT, FIRST_FIXES, LOST_S, GnssRow, gnss
+from onboard.localisation.table import READERS_ROW, READINGS
+from onboard.records import NO_PLACES, PATTERN, Chart, UnitRow
+
+STEP_S = 0.1
+PROTECTION_M = 20.0
+CHART = Chart(np.zeros(1, dtype=PATTERN), NO_PLACES)
+AGE_S = 0.2
+
+
+class Train:
+    """A train at a constant speed with a unit that knows where it is, and a receiver whose error is given by the way."""
+
+    def __init__(self, unit: UnitRow, bound_m: float = 5.0, speed_mps: float = 20.0) -> None:
+        self.unit, self.true_m, self.speed_mps = unit, 1000.0, speed_mps
+        self.own: GnssRow = np.zeros(1, READERS_ROW).view(np.recarray)[0].gnss
+        self.shown: Any = np.zeros(1, READINGS).view(np.recarray)[0].gnss
+        unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = self.true_m, bound_m, bound_m
+        unit.bound_growth, unit.odometer_scale, unit.speed_mps = 0.02, 1.0, speed_mps
+        unit.train_mps = unit.may_run_mps = speed_mps
+        unit.position_known, unit.odometer_m = 1, 0.0
+        self.wheels = 1.0  # counted over run
+        self.ran_m = 0.0
+
+    def tick(self, error_m: float | None, open_sky: int = 1, age_s: float = AGE_S) -> int:
+        """A step later, with a fix that errs so, or none."""
+        unit, run_m = self.unit, self.speed_mps * STEP_S
+        self.true_m += run_m
+        self.ran_m += run_m
+        unit.odometer_m += run_m * self.wheels
+        unit.position_m += run_m * self.wheels
+        unit.bound_ahead_m += run_m * 0.02
+        unit.bound_behind_m += run_m * 0.02
+        self.shown.taken = 0 if error_m is None else 1
+        self.shown.position_m = self.true_m - self.speed_mps * AGE_S + (error_m or 0.0)
+        self.shown.age_s, self.shown.protection_m, self.shown.open_sky = age_s, PROTECTION_M, open_sky
+        return gnss(self.own, self.shown, unit, CHART, STEP_S)
+
+    def second(self, error_m: float | None, open_sky: int = 1) -> int:
+        """A second, with a fix at its end."""
+        for _ in range(9):
+            self.tick(None)
+        return self.tick(error_m, open_sky)
+
+    @property
+    def out_m(self) -> float:
+        """By how much the truth is out of the bounds; not positive inside."""
+        beyond_m = self.true_m - self.unit.position_m
+        return float(max(beyond_m - self.unit.bound_ahead_m, -beyond_m - self.unit.bound_behind_m))
+
+    @property
+    def half_m(self) -> float:
+        return float(self.unit.bound_ahead_m + self.unit.bound_behind_m) / 2.0
+
+
+def test_a_borne_out_fix_under_an_open_sky_cuts_to_the_protection_level(unit: UnitRow) -> None:
+    train = Train(unit, bound_m=80.0)
+    for _ in range(BORNE_OUT - 1):
+        train.second(1.0)
+        assert train.half_m > 80.0
+    assert train.second(1.0) == TAKEN
+    assert PROTECTION_M < train.half_m < PROTECTION_M + 2.0  # and what the wheels add since it was taken
+    assert train.out_m < 0.0
+
+
+def test_with_part_of_the_sky_hidden_a_fix_leans_the_estimate_and_no_more(unit: UnitRow) -> None:
+    train = Train(unit, bound_m=40.0)
+    unit.position_m += 15.0
+    for _ in range(20):
+        least_m = unit.position_m - unit.bound_behind_m
+        most_m = unit.position_m + unit.bound_ahead_m
+        ran_m = train.ran_m
+        assert train.second(0.0, open_sky=0) == TAKEN
+        grown_m = 0.02 * (train.ran_m - ran_m)
+        run_m = train.ran_m - ran_m
+        assert unit.position_m - unit.bound_behind_m == pytest.approx(least_m + run_m - grown_m)
+        assert unit.position_m + unit.bound_ahead_m == pytest.approx(most_m + run_m + grown_m)
+    assert abs(unit.position_m - train.true_m) < 5.0
+
+
+def test_a_unit_without_a_position_takes_the_interval_of_a_borne_out_receiver(unit: UnitRow) -> None:
+    train = Train(unit, speed_mps=0.0)
+    unit.position_known, unit.position_m = 0, 0.0
+    for _ in range(FIRST_FIXES - 1):
+        assert train.second(3.0) == NOTHING
+        assert unit.position_known == 0
+    assert train.second(3.0) == TAKEN
+    assert unit.position_known == 1
+    assert train.out_m < 0.0
+    assert train.half_m == pytest.approx(PROTECTION_M, abs=0.5)
+
+
+def test_no_position_is_taken_while_part_of_the_sky_is_hidden(unit: UnitRow) -> None:
+    train = Train(unit, speed_mps=0.0)
+    unit.position_known = 0
+    assert all(train.second(0.0, open_sky=0) == NOTHING for _ in range(3 * FIRST_FIXES))
+    assert unit.position_known == 0
+
+
+def test_silence_is_told_once_there_was_a_fix(unit: UnitRow) -> None:
+    train = Train(unit)
+    assert all(train.tick(None) == NOTHING for _ in range(200))
+    train.second(0.0)
+    outcomes = [train.tick(None) for _ in range(round(LOST_S / STEP_S) + 2)]
+    assert outcomes[0] == NOTHING
+    assert outcomes[-1] == MISSED
+    assert train.half_m > 5.0  # nothing cut, nothing lost
+
+
+@pytest.mark.parametrize("age_s", [-0.1, 7.0, math.nan])
+def test_what_cannot_be_is_refused(unit: UnitRow, age_s: float) -> None:
+    train = Train(unit)
+    before_m = train.half_m
+    assert train.tick(0.0, age_s=age_s) == REFUSED
+    assert train.tick(math.nan) == REFUSED
+    assert train.half_m >= before_m
+
+
+def test_a_fix_off_the_bounds_is_refused(unit: UnitRow) -> None:
+    train = Train(unit, bound_m=2.0)
+    for _ in range(BORNE_OUT - 1):
+        train.second(60.0)
+    assert train.second(60.0) == REFUSED
+    assert train.out_m < 0.0
+
+
+def test_a_jump_widens_what_the_receiver_says_until_it_goes_back(unit: UnitRow) -> None:
+    train = Train(unit, bound_m=30.0)
+    for _ in range(10):
+        train.second(0.0)
+    assert train.second(50.0) == REFUSED
+    for _ in range(60):
+        assert train.second(50.0) != REFUSED
+        assert train.out_m < 0.0
+    assert train.own.lie_m == pytest.approx(50.0, abs=1.0)
+    train.second(0.0)
+    for _ in range(10):
+        train.second(0.0)
+        assert train.out_m < 0.0
+    assert train.half_m < PROTECTION_M + 10.0
+
+
+def test_narrow_bounds_of_others_confirm_a_receiver(unit: UnitRow) -> None:
+    train = Train(unit, bound_m=30.0)
+    for _ in range(10):
+        train.second(30.0)
+    train.second(0.0)  # it has come to its senses, which looks as if it had lost them
+    assert abs(train.own.lie_m) > 25.0
+    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 0.5, 0.5  # a tag
+    train.second(0.0)
+    assert train.own.lie_m == 0.0
+
+
+def test_a_new_path_begins_anew(unit: UnitRow) -> None:
+    train = Train(unit)
+    for _ in range(10):
+        train.second(0.0)
+    unit.paths_taken_up += 1
+    for name in ("position_m",):
+        setattr(unit, name, getattr(unit, name) + 5000.0)
+    train.true_m += 5000.0
+    assert train.second(0.0) != REFUSED
+    assert train.own.lie_m == 0.0
+
+
+Bias = Callable[[float], float]
+
+
+def ramp(begin_m: float, slope: float, most_m: float) -> Bias:
+    """A bias that comes up from a place of the way on by so much a metre, and stays."""
+    return lambda ran_m: math.copysign(min(abs(slope) * max(ran_m - begin_m, 0.0), abs(most_m)), most_m)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=60)
+@given(
+    seed=st.integers(0, 2**16),
+    begin_m=st.floats(200.0, 1500.0),
+    slope=st.floats(0.05, 20.0),
+    most_m=st.floats(-200.0, 200.0),
+    wheels=st.floats(0.993, 1.007),
+    bound_m=st.floats(1.0, 60.0),
+    speed_mps=st.floats(5.0, 25.0),
+)
+def test_the_truth_stays_inside_while_the_receiver_errs_as_stated_or_lies_once(
+    unit: UnitRow,
+    seed: int,
+    begin_m: float,
+    slope: float,
+    most_m: float,
+    wheels: float,
+    bound_m: float,
+    speed_mps: float,
+) -> None:
+    train = Train(unit, bound_m, speed_mps)
+    train.wheels = wheels
+    chance = np.random.default_rng(seed)
+    bias = ramp(begin_m, slope, most_m)
+    honest_m = 0.0
+    for _ in range(160):
+        honest_m = float(np.clip(0.98 * honest_m + 0.3 * chance.normal(), -4.0, 4.0))
+        train.second(honest_m + bias(train.ran_m + speed_mps * (1.0 - AGE_S)))
+        assert train.out_m <= 1e-9
+
+
+def test_what_creeps_up_slower_than_wheels_may_err_is_not_held(unit: UnitRow) -> None:
+    """The hazard that the docstring names: without it the property above would say nothing."""
+    train = Train(unit, 30.0)
+    bias = ramp(200.0, 0.015, 60.0)
+    for _ in range(250):
+        train.second(bias(train.ran_m))
+    assert train.out_m > 5.0
+
+
+def test_the_lie_that_is_kept_is_what_holds_it(unit: UnitRow) -> None:
+    train = Train(unit, 30.0)
+    for _ in range(20):
+        train.second(0.0)
+    for _ in range(30):
+        train.second(35.0)
+        train.own.lie_m = 0.0  # nobody keeps the lie
+    assert train.out_m > 0.0
+    assert reader.STEADY_SHARE + 2.0 * (reader.STEADY_SHARE + reader.WHEELS_SHARE) <= 1.0
