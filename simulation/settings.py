@@ -19,6 +19,7 @@ from network.files.quantities import (
     Distance,
     FrameRate,
     Gain,
+    MarkerError,
     Reaction,
     ReadError,
     RunLimit,
@@ -26,6 +27,7 @@ from network.files.quantities import (
     ShareAbove0,
     SpeedMarginMps,
     SpreadShare,
+    VisibilityM,
     Wait,
     WheelError,
 )
@@ -139,6 +141,22 @@ class Sensors(Record):
         BitErrorFactor,
         about("on the bit-error rates, where tags are read by bits", "Sugiyama, table 7, is factor 1"),
     ] = 1.0
+
+
+class Lidar(Record):
+    """`[lidar]`: what the LiDARs of trains that carry one see of markers (`sensors.carries`)."""
+
+    visibility_m: Annotated[
+        VisibilityM,
+        about("in fog, rain and snow; by the sheeting of markers it sees about as far as people", "assumed: a clear day"),
+    ] = 20_000.0
+    dirt_share: Annotated[
+        Share, about("of the light that dirt on its window takes each way", "assumed: a day after cleaning")
+    ] = 0.05
+    laid_within_m: Annotated[
+        MarkerError,
+        about("markers lie within so much of where the line has them", "assumed: laid by tape from a peg"),
+    ] = 0.03
 
 
 class Load(Record):

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
 from onboard.localisation.fix import NOTHING
+from onboard.localisation.lidar import LidarReading, LidarRow, lidar
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
 from vehicle.compiled import compiled, compiled_lines
@@ -32,7 +33,10 @@ class Reader:
         return self.function.__name__
 
 
-READERS: Final = (Reader(sign, SignReading, SignRow),)
+READERS: Final = (
+    Reader(sign, SignReading, SignRow),
+    Reader(lidar, LidarReading, LidarRow),
+)
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 
 

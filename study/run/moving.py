@@ -128,6 +128,9 @@ SINGLES: Final[Mapping[str, Single]] = {
     "no_detection": Single(60.0, {}),
     "slow": Single(60.0, {"factor": 3.0}),
     "charger_dead": Single(600.0, {}),
+    "lidar_blind": Single(60.0, {}),
+    "lidar_fog": Single(60.0, {"visibility_m": 20.0}),
+    "marker_missing": Single(600.0, {}),
 }
 # A person looks at the restored picture, and again, until the trains out of coverage have answered, too.
 REENTRY_AFTER_S: Final = (30.0, 120.0, 300.0, 600.0, 1200.0)
