@@ -15,6 +15,7 @@ from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
 from onboard.localisation.curvature import CurvatureReading, CurvatureRow, curvature
 from onboard.localisation.fix import NOTHING
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
+from onboard.localisation.lidar import LidarReading, LidarRow, lidar
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
 from vehicle.compiled import compiled, compiled_lines
@@ -40,6 +41,7 @@ READERS: Final = (
     Reader(gnss, GnssReading, GnssRow),
     Reader(beacons, BeaconReading, BeaconsRow),
     Reader(curvature, CurvatureReading, CurvatureRow),
+    Reader(lidar, LidarReading, LidarRow),
 )
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 
