@@ -77,9 +77,7 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
     return rows
 
 
-def bearing_of_piece_rad(
-    line: Line, piece: Piece, kilometrage_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def bearing_of_piece_rad(line: Line, piece: Piece, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
     """Where a piece points going DOWN, to the right positive, with the curves of a leg of points.
 
     By what it differs from place to place a train going UP turns too: both its way and what is right are reversed.

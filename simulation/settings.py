@@ -178,7 +178,7 @@ class Filter(StrEnum):
 
 
 class Curvature(Record):
-    """`[curvature]`: yaw gyro, rails as laid, and the comparison with the map, where `sensors.carries` has curvature."""
+    """`[curvature]`: yaw gyro, rails as laid, comparison with the map, where `sensors.carries` has curvature."""
 
     map: Annotated[
         str,
@@ -203,9 +203,7 @@ class Curvature(Record):
             " white noise",
         ),
     ] = 0.19
-    sample_rate_hz: Annotated[SampleRate, about("of the gyro's samples", "the same record: 1.7 kHz")] = (
-        1700.0
-    )
+    sample_rate_hz: Annotated[SampleRate, about("of the gyro's samples", "the same record: 1.7 kHz")] = 1700.0
     noise_factor: Annotated[
         NoiseFactor, about("on the gyro's noise; units count on 1", "the record is factor 1")
     ] = 1.0
@@ -238,15 +236,17 @@ class Curvature(Record):
     filter_speed_mps: Annotated[
         SpeedMps, about("where a filter by time is as one by distance", "assumed: 72 km/h")
     ] = 20.0
-    window_m: Annotated[
-        MatchedWay, about("longest way that is compared, N_r", "Harada, figure 2: 600 m")
-    ] = 600.0
+    window_m: Annotated[MatchedWay, about("longest way that is compared, N_r", "Harada, figure 2: 600 m")] = (
+        600.0
+    )
     window_least_m: Annotated[
         MatchedWay, about("shortest, after a path has begun", "assumed: about a curve")
     ] = 100.0
     search_m: Annotated[
         MatchedWay,
-        about("furthest that is searched either way, N_s; never beyond the bounds", "Harada, figure 2: 200 m"),
+        about(
+            "furthest that is searched either way, N_s; never beyond the bounds", "Harada, figure 2: 200 m"
+        ),
     ] = 200.0
     every_m: Annotated[
         MatchedWay, about("a comparison each so many metres", "assumed: about one a second at line speed")

@@ -15,6 +15,7 @@ from simulation.faults.rail import Slippery
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
+from simulation.sensors.yaw_gyro import GyroBias, GyroDead, GyroNoise, GyroStuck
 
 KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,
@@ -36,6 +37,10 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Motors,
     Miss,
     WrongId,
+    GyroDead,
+    GyroStuck,
+    GyroBias,
+    GyroNoise,
     Stuck,
     NoDetection,
     Slow,

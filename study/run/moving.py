@@ -124,6 +124,10 @@ SINGLES: Final[Mapping[str, Single]] = {
     # Half a second before each passage, and nowhere else.
     "miss": Single(1.0, {}),
     "wrong_id": Single(1.0, {}),
+    "gyro_dead": Single(60.0, {}),
+    "gyro_stuck": Single(60.0, {}),
+    "gyro_bias": Single(60.0, {"jump_degps": 0.1}),
+    "gyro_noise": Single(60.0, {"factor": 10.0}),
     "stuck": Single(60.0, {}),
     "no_detection": Single(60.0, {}),
     "slow": Single(60.0, {"factor": 3.0}),
