@@ -262,7 +262,7 @@ class Filter(StrEnum):
 
 
 class Curvature(Record):
-    """`[curvature]`: yaw gyro, rails as laid, and the comparison with the map, where `sensors.carries` has curvature."""
+    """`[curvature]`: yaw gyro, rails as laid, comparison with the map, where `sensors.carries` has curvature."""
 
     map: Annotated[
         str,
