@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.localisation.curvature import WINDOW_MAX
-from study.papers.position_run import Moment
 from simulation.world.trains import Trains
+from study.papers.position_run import Moment
 
 EVERY_M: Final = 10.0
 ROWS: Final = np.dtype(
