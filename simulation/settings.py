@@ -23,9 +23,9 @@ from network.files.quantities import (
     Distance,
     FrameRate,
     Gain,
-    PositionBound,
     MatchedWay,
     NoiseFactor,
+    PositionBound,
     Reaction,
     ReadError,
     RunLimit,
@@ -220,7 +220,7 @@ class Filter(StrEnum):
 
 
 class Curvature(Record):
-    """`[curvature]`: yaw gyro, rails as laid, and the comparison with the map, where `sensors.carries` has curvature."""
+    """`[curvature]`: yaw gyro, rails as laid, comparison with the map, where `sensors.carries` has curvature."""
 
     map: Annotated[
         str,

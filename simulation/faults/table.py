@@ -16,6 +16,7 @@ from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
+from simulation.sensors.yaw_gyro import GyroBias, GyroDead, GyroNoise, GyroStuck
 
 KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,
@@ -39,6 +40,10 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     WrongId,
     DeafReceiver,
     FalseBeacon,
+    GyroDead,
+    GyroStuck,
+    GyroBias,
+    GyroNoise,
     Stuck,
     NoDetection,
     Slow,

@@ -2,8 +2,8 @@
 
 Harada, Maki, Kazato and Ishiguri, section 4 and figure 5: four runs over 88.5 km, 200 beacons of the train stop each,
 a standard deviation of 0.65 m, all within 2 m. Ours are four runs of other days, trains of the kind, speeds and rails.
-The noise is that of a recorded gyro, as the settings have it, and not fitted; half and twice of it are told beside. With
-the filter off, or in time instead of space (3.3), the same runs are repeated.
+The noise is that of a recorded gyro, as the settings have it, and not fitted; half and twice of it are told beside.
+With the filter off, or in time instead of space (3.3), the same runs are repeated.
 """
 
 from __future__ import annotations

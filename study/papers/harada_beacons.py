@@ -153,7 +153,7 @@ def reproduce(options: Options) -> Reproduction:
     bounded = run_method("beacons within bounds", beacons, BeaconTrust.BOUNDED, seed)
     curve = run_method("curvature", (Carried.CURVATURE,), BeaconTrust.BOUNDED, seed)
     remarks = [
-        "Each is a run of its own with the same line, train, seed and slippery rail; what slips is the kernel's physics.",
+        "Each is a run of its own on the same line, with the same train, seed and slippery rail.",
         "Bounds that beacons without numbers may not cut only grow: such a train does not come to its last mark.",
     ]
     if options.out is not None:

@@ -79,7 +79,7 @@ class Loop:
 
 
 def legs_of(line: Line, place_m: float) -> tuple[float, float]:
-    """Where the way over the loop of the station at `place_m` leaves the main track and meets it again, kilometrages (m)."""
+    """Where the loop of the station at `place_m` leaves the main track and meets it again, kilometrages (m)."""
     legs = [line.pieces[points.reverse_piece] for points in line.points.values()]
     near = [leg for leg in legs if abs(leg.from_m - place_m) < AROUND_M]
     return min(leg.from_m for leg in near), max(leg.to_m for leg in near)
