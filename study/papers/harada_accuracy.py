@@ -1,15 +1,15 @@
 """`branchline reproduce harada-accuracy`: where trains believe to be by curvature, at 200 places of a mountain line.
 
-Harada, Maki, Kazato and Ishiguri, section 4 and figure 5: four runs over 88.5 km, 200 beacons of the train stop each, a
-standard deviation of 0.65 m, all within 2 m. Ours are four runs of other days, trains of the kind, speeds and rails. The
-noise is that of a recorded gyro, as the settings have it, and not fitted; half and twice of it are told beside. With the
-filter off, or in time instead of space (3.3), the same runs are repeated.
+Harada, Maki, Kazato and Ishiguri, section 4 and figure 5: four runs over 88.5 km, 200 beacons of the train stop each,
+a standard deviation of 0.65 m, all within 2 m. Ours are four runs of other days, trains of the kind, speeds and rails.
+The noise is that of a recorded gyro, as the settings have it, and not fitted; half and twice of it are told beside.
+With the filter off, or in time instead of space (3.3), the same runs are repeated.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +18,7 @@ import numpy as np
 from simulation.settings import Curvature, Filter
 from study.papers.harada_bench import Floats, Ride, Trip, worst_m
 from study.papers.harada_chart import write_errors
-from study.papers.mountain_line import ASSUMED, CHECK_POINTS, STATIONS, MountainLine, mountain_line
+from study.papers.mountain_line import ASSUMED, STATIONS, MountainLine, mountain_line
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 
 RUNS: Final = 4
@@ -68,9 +68,7 @@ def runs_of(name: str, place: MountainLine, seed: int, settings: Curvature, runs
     return Runs(name, tuple(trip.run() for trip in trips))
 
 
-def rows_of(
-    space: Runs, others: Sequence[Runs], noisy: Sequence[Runs], quick: str
-) -> tuple[Row, ...]:
+def rows_of(space: Runs, others: Sequence[Runs], noisy: Sequence[Runs], quick: str) -> tuple[Row, ...]:
     """The paper's figures beside ours, run by run and together; the other filters; other noise."""
     each = tuple(
         Row(
@@ -107,8 +105,12 @@ def parameters(settings: Curvature, runs: int, map_of: str) -> tuple[Parameter, 
     """What was chosen, and why."""
     return (
         *ASSUMED,
-        Parameter("runs", runs, "", "section 4; seeds from --seed on, each another train, gyro, day and rails"),
-        Parameter("speeds", "0, 3.6, 7.2 and 10.8 below", "km/h", "assumed: the paper's speeds are not given"),
+        Parameter(
+            "runs", runs, "", "section 4; seeds from --seed on, each another train, gyro, day and rails"
+        ),
+        Parameter(
+            "speeds", "0, 3.6, 7.2 and 10.8 below", "km/h", "assumed: the paper's speeds are not given"
+        ),
         Parameter("map", map_of, "", "3.1 and 3.3"),
         Parameter("gyro", settings.sample_sigma_degps, "deg/s a sample", _origin("sample_sigma_degps")),
         Parameter("samples of the gyro", settings.sample_rate_hz, "Hz", _origin("sample_rate_hz")),
@@ -146,8 +148,8 @@ def reproduce(options: Options) -> Reproduction:
         for factor in NOISES
     ]  # fmt: skip
     remarks = [
-        "Error: estimate less truth at the moment in which the front passes a check point, before any correction there.",
-        "The map is the design, as believed: the paper's is of a first run; it finds the two alike after the filter (3.3).",
+        "Error: estimate less truth in the step in which the front passes a check point; nothing is corrected there.",
+        "The map is the design, as believed: the paper's, of a first run, is alike after the filter (3.3).",
     ]
     if options.out is not None:
         drawn = write_errors(space, others, Path(options.out))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,6 +25,11 @@ SHOWN_M: Final = 5.0
 
 def write_errors(space: Runs, others: Sequence[Runs], folder: Path) -> tuple[Path, ...]:
     """Figure 5, with the other filters beside it, and the errors over the way."""
+    with drawing():
+        return _written(_errors(space, others), folder, "harada_errors")
+
+
+def _errors(space: Runs, others: Sequence[Runs]) -> Figure:
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     top, below = figure.subplots(2, 1)
     edges = np.arange(-SHOWN_M, SHOWN_M + BIN_M / 2.0, BIN_M)
@@ -55,13 +60,19 @@ def write_errors(space: Runs, others: Sequence[Runs], folder: Path) -> tuple[Pat
     below.set_ylabel("error, m")
     below.grid(visible=True)
     below.legend(loc="upper right", ncols=len(space.rides))
-    return _written(figure, folder, "harada_errors")
+    return figure
 
 
-def write_watched(
-    watched: Watch, ride: Ride, marks: Iterable[tuple[float, float, str]], title: str, folder: Path, name: str
-) -> tuple[Path, ...]:
-    """Figures 4 and 6: speeds, curvature of map and run, mismatch, error; `marks` are stretches (m) with words."""
+Marks = Sequence[tuple[float, float, str]]  # stretches (m) with words
+
+
+def write_watched(watched: Watch, marks: Marks, title: str, folder: Path, name: str) -> tuple[Path, ...]:
+    """Figures 4 and 6: speeds, curvature of map and run, mismatch, error."""
+    with drawing():
+        return _written(_watched(watched, marks, title), folder, name)
+
+
+def _watched(watched: Watch, marks: Marks, title: str) -> Figure:
     rows = watched.rows
     at_km = rows["true_m"] / 1000.0
     figure = Figure(figsize=(9.0, 9.0), layout="constrained")
@@ -69,14 +80,23 @@ def write_watched(
     speeds.plot(at_km, rows["wheel_mps"] * 3.6, color=RED, lw=0.9, label="shown by the wheels")
     speeds.plot(at_km, rows["speed_mps"] * 3.6, color=INK, lw=0.9, label="the train's")
     speeds.set_ylabel("speed, km/h")
-    bends.plot(at_km, rows["map_per_m"] * 1000.0, color="#d98b2b", lw=1.0, label="map, where the unit believes to be")
+    bends.plot(
+        at_km, rows["map_per_m"] * 1000.0, color="#d98b2b", lw=1.0, label="map, where the unit believes to be"
+    )
     bends.plot(at_km, rows["run_per_m"] * 1000.0, color=BLUE, lw=0.9, label="run")
     bends.set_ylabel("curvature, 1/km")
-    misfits.plot(at_km, rows["mismatch_per_m"] * 1000.0, color=BLUE, lw=0.9, label="mismatch (root of the mean square)")
+    misfits.plot(
+        at_km, rows["mismatch_per_m"] * 1000.0, color=BLUE, lw=0.9, label="mismatch (root of the mean square)"
+    )
     misfits.axhline(watched.threshold_per_m * 1000.0, color=RED, lw=0.8, ls="--", label="threshold")
     misfits.set_ylabel("1/km")
     errors.fill_between(
-        at_km, -rows["behind_m"] + rows["error_m"], rows["ahead_m"] + rows["error_m"], color=BAND, lw=0, label="bounds"
+        at_km,
+        -rows["behind_m"] + rows["error_m"],
+        rows["ahead_m"] + rows["error_m"],
+        color=BAND,
+        lw=0,
+        label="bounds",
     )
     errors.plot(at_km, rows["error_m"], color=INK, lw=0.9, label="estimate less truth")
     errors.axhline(0.0, color=PALE, lw=0.6)
@@ -86,42 +106,61 @@ def write_watched(
         axes.grid(visible=True)
         for from_m, to_m, words in marks:
             axes.axvspan(
-                from_m / 1000.0, to_m / 1000.0, color=RULE, lw=0, alpha=0.6, label=words if axes is speeds else None
+                from_m / 1000.0,
+                to_m / 1000.0,
+                color=RULE,
+                lw=0,
+                alpha=0.6,
+                label=words if axes is speeds else None,
             )
         axes.legend(loc="upper left")
     figure.suptitle(title)
-    return _written(figure, folder, name)
+    return figure
 
 
 def write_beacons(rides: Sequence[tuple[str, Ride]], until_m: float, folder: Path) -> tuple[Path, ...]:
     """Figure 1 (3): the error over the way by beacons and by curvature, with the beacons and their windows."""
+    with drawing():
+        return _written(_beacons(rides, until_m), folder, "harada_beacons")
+
+
+def _beacons(rides: Sequence[tuple[str, Ride]], until_m: float) -> Figure:
     figure = Figure(figsize=(9.0, 4.6), layout="constrained")
     axes: Any = figure.subplots()
     for (words, ride), colour in zip(rides, COLOURS, strict=False):
         at_m = ride.kilometrage_m
         shown = at_m <= until_m
-        axes.plot(at_m[shown], ride.result.trace["estimate_error_m"][shown], color=colour, lw=1.0, label=words)
+        axes.plot(
+            at_m[shown], ride.result.trace["estimate_error_m"][shown], color=colour, lw=1.0, label=words
+        )
     line = rides[0][1].trip.place.line
     for beacon in line.beacons.values():
         if beacon.position_m > until_m:
             continue
-        axes.axvline(beacon.position_m, color=INK if beacon.used else PALE, lw=0.8, ls="-" if beacon.used else ":")
+        axes.axvline(
+            beacon.position_m, color=INK if beacon.used else PALE, lw=0.8, ls="-" if beacon.used else ":"
+        )
         if beacon.used and beacon.window_m:
             axes.axvspan(
-                beacon.position_m - beacon.window_m, beacon.position_m + beacon.window_m, color=RULE, lw=0, alpha=0.6
+                beacon.position_m - beacon.window_m,
+                beacon.position_m + beacon.window_m,
+                color=RULE,
+                lw=0,
+                alpha=0.6,
             )
     axes.set_xlabel("kilometrage, m (lines: beacons, dotted where no database goes by them; grey: windows)")
     axes.set_ylabel("estimate less truth, m")
     axes.grid(visible=True)
     axes.legend(loc="upper right")
-    axes.set_title("Wheels slip after the first beacon: another one is taken for the second, and the next two are missed")
-    return _written(figure, folder, "harada_beacons")
+    axes.set_title(
+        "Wheels slip after the first beacon: another one is taken for the second, and the next two are missed"
+    )
+    return figure
 
 
 def _written(figure: Figure, folder: Path, name: str) -> tuple[Path, ...]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = tuple(folder / f"{name}.{kind}" for kind in ("svg", "png"))
-    with drawing():
-        figure.savefig(paths[0], metadata={"Date": None, "Creator": None})
-        figure.savefig(paths[1], dpi=130, metadata={"Software": None})
+    figure.savefig(paths[0], metadata={"Date": None, "Creator": None})
+    figure.savefig(paths[1], dpi=130, metadata={"Software": None})
     return paths

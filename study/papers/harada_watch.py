@@ -8,9 +8,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.localisation.curvature import WINDOW_MAX
-from study.papers.position_run import Moment
+from onboard.localisation.curvature_row import WINDOW_MAX
 from simulation.world.trains import Trains
+from study.papers.position_run import Moment
 
 EVERY_M: Final = 10.0
 ROWS: Final = np.dtype(
@@ -68,7 +68,7 @@ class Watch:
                 float(unit.speed_mps),
                 float(trains.pool.pattern["curvature_per_m"][row]),
                 float(own.bent_per_m[newest]),
-                float(own.mismatch) ** 0.5,
+                float(own.mismatch_per_m),
                 outcome_of(trains, slot),
                 float(unit.position_m - truth.position_m),
                 float(unit.bound_behind_m),

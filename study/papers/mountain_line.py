@@ -45,6 +45,7 @@ STRAIGHT_MEAN_M: Final = 130.0
 LONG_SHARE: Final = 0.07
 LONG_M: Final = (600.0, 1600.0)
 AROUND_STATION_M: Final = 260.0
+FIRST_STRAIGHT_M: Final = 900.0  # out of the first station: a train gathers speed past figure 1's beacons
 GRADIENT_PERMILLE: Final = 25.0
 TUNNEL_SHARE: Final = 0.2
 TUNNEL_M: Final = (120.0, 1400.0)
@@ -262,7 +263,7 @@ def _alignment(rng: np.random.Generator, layout: Layout, places_m: Sequence[floa
     gradients.append(Gradient(layout.from_m, places_m[0] + level_m, 0.0))
     for low_m, high_m in pairwise(places_m):
         from_m, to_m = low_m + level_m, high_m - level_m
-        curves += _curves(rng, from_m, to_m)
+        curves += _curves(rng, from_m if curves else low_m + FIRST_STRAIGHT_M, to_m)
         gradients += _gradients(rng, from_m, to_m)
         gradients.append(Gradient(to_m, min(high_m + level_m, layout.to_m), 0.0))
     limits = tuple(

@@ -61,6 +61,10 @@ LINE: Final = ParameterSet(
     UnitParameters(),
     (
         "battery-day",
+        "harada-accuracy",
+        "harada-beacons",
+        "harada-loop-track",
+        "harada-slide",
         "line-driving",
         "line-stops",
         "oda-tuning",

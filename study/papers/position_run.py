@@ -32,10 +32,6 @@ from simulation.world.trains import Trains
 SLOT: Final = 0
 STANDS_S: Final = 2.0  # how long the train stands at each stop: nothing of this is about passengers
 HOURS_MAX: Final = 6.0
-STOPPED_WITHIN_M: Final = 5.0
-STALLED_S: Final = (
-    600.0  # who has not moved for so long has run past the last tag that could tell where it is
-)
 Rows = NDArray[np.void]
 
 
@@ -78,18 +74,18 @@ class PositionResult:
 class PositionRun:
     """One run in progress; `result` fills as it goes. `moments` are by true path coordinate.
 
-    `told`: the timetable that the unit goes by, where the train is sent another way than that.
-    `number`: of the first stock's trains the one that runs, its first by default.
+    `number`: of the first stock's trains the one that runs, its first by default. `told`: the timetable that the unit
+    goes by, where the train is sent another way than that.
     """
 
     def __init__(
         self,
         setup: Setup,
         moments: Sequence[Moment] = (),
-        told: Timetable | None = None,
         *,
         number: str | None = None,
         steps_max: int = MOVING_STEPS_MAX,
+        told: Timetable | None = None,
     ) -> None:
         self.setup: Final = setup
         self.steps_max: Final = steps_max  # that the kernel runs ahead
@@ -146,14 +142,11 @@ class PositionRun:
         self._moments = sorted([*self._moments, *moments], key=lambda moment: moment.at_m)
 
     def run(self) -> PositionResult:
-        """Run to the last stop, until the train has stalled or `HOURS_MAX` are over; `result.arrived` says which."""
+        """Run to the last stop, or until `HOURS_MAX` are over; `result.arrived` says which."""
         end_s = self.now_s + HOURS_MAX * 3600.0
         self._leave()
-        moved_m, moved_s = self.true_m, self.now_s
-        while self.now_s < end_s and self.now_s < moved_s + STALLED_S and not self.result.arrived:
+        while self.now_s < end_s and not self.result.arrived:
             self._stretch()
-            if self.true_m != moved_m:
-                moved_m, moved_s = self.true_m, self.now_s
         self.result.trace = np.concatenate([self.result.trace, *self._traces])
         return self.result
 
@@ -226,13 +219,9 @@ class PositionRun:
             self._obey()
 
     def _arrived(self) -> None:
-        """The train stands: at its next stop, or short of it by what it believes.
-
-        A train whose bounds reach the end of its track goes no further: its driver sees that it is there.
-        """
-        unit = self.trains.units[SLOT]
-        beyond_m = unit.position_m - self.mission.targets[self._target + 1].mark_m
-        if beyond_m > -STOPPED_WITHIN_M - unit.bound_ahead_m:
+        """The train stands: at its next stop, or short of it by what it believes."""
+        beyond_m = self.trains.units[SLOT].position_m - self.mission.targets[self._target + 1].mark_m
+        if beyond_m > -5.0:
             self._target += 1
         if self._target + 1 == len(self.mission.targets):
             self.result.arrived = True

@@ -111,7 +111,7 @@ TROUBLES: Final = tuple(
         Trouble("beacon added", Carried.BEACONS, 8_700.0, 8_701.0, "false_beacon"),
         Trouble("beacon moved", Carried.BEACONS, 15_500.0, 15_700.0),
         Trouble("gyro dead", Carried.CURVATURE, 6_000.0, 7_200.0, "gyro_dead"),
-        Trouble("gyro bias", Carried.CURVATURE, 18_800.0, 20_000.0, "gyro_bias", {"bias_degps": 0.5}),
+        Trouble("gyro bias", Carried.CURVATURE, 18_800.0, 20_000.0, "gyro_bias", {"jump_degps": 0.5}),
         Trouble("jammed", Carried.GNSS, 5_400.0, 6_600.0, "gnss_jammed"),
         Trouble("reflections", Carried.GNSS, 8_000.0, 9_200.0, "gnss_reflections", {"bias_m": 30.0}),
         Trouble("jump", Carried.GNSS, 11_000.0, 11_900.0, "gnss_jump", {"bias_m": -60.0}),
