@@ -59,6 +59,7 @@ docs: install
 	$(BIN)/python -m documents.journal
 	$(BIN)/python -m documents.faults
 	$(BIN)/python -m documents.losses
+	$(BIN)/python -m documents.sensors
 
 # What cameras see in every light, from rendered images: minutes, and other samples on another machine's arithmetic.
 sightings: install

@@ -12,7 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from documents import busy_line, faults, files, interlocking, journal, losses
+from documents import busy_line, faults, files, interlocking, journal, losses, sensors
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SHOWN_LINES: Final = 8
@@ -30,6 +30,7 @@ PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
     (faults.FILE, faults.document),
     (journal.FILE, journal.document),
     (losses.FILE, losses.document),
+    (sensors.FILE, sensors.document),
 )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from study.papers.position_sets import HIDDEN_M, SETS, TROUBLES, TUNNEL_M, Ran, SensorSet
+from study.papers.position_sets import HIDDEN_M, SETS, TROUBLES, TUNNEL_M, Ran
 from study.report.style import INK, PALE, RED, RULE, WIDTH_IN, drawing
 
 NAME: Final = "position_compare"
@@ -29,15 +29,16 @@ def numbers() -> Mapping[str, int]:
 
 def draw_comparison(runs: Sequence[Ran]) -> Figure:
     """Left what nothing disturbs, right everything that may fail, in turn; both of the same scale in a row."""
-    figure = Figure(figsize=(WIDTH_IN, 1.2 + ROW_IN * len(SETS)), layout="constrained")
-    grid = figure.subplots(len(SETS), 2, sharex=True, sharey="row", squeeze=False)
-    for carried, (left, right) in zip(SETS, grid, strict=True):
+    sets = [carried for carried in SETS if any(ran.carried is carried for ran in runs)]
+    figure = Figure(figsize=(WIDTH_IN, 1.2 + ROW_IN * len(sets)), layout="constrained")
+    grid = figure.subplots(len(sets), 2, sharex=True, sharey="row", squeeze=False)
+    for carried, (left, right) in zip(sets, grid, strict=True):
         plain = next(ran for ran in runs if ran.carried is carried and not ran.troubles)
         troubled = next((ran for ran in runs if ran.carried is carried and len(ran.troubles) > 1), plain)
         limit_m = max(LEAST_M, *(_limit_m(ran) for ran in (plain, troubled)))
         for axes, ran in ((left, plain), (right, troubled)):
             _draw_run(axes, ran, limit_m)
-        left.set_ylabel(_label(carried), rotation=0, ha="right", va="center", fontsize=8.5)
+        left.set_ylabel(carried.name, rotation=0, ha="right", va="center", fontsize=8.5)
     grid[0][0].set_title("nothing fails")
     grid[0][1].set_title("faults, one after the other")
     for axes in grid[-1]:
@@ -54,10 +55,6 @@ def draw_comparison(runs: Sequence[Ran]) -> Figure:
     )
     figure.supxlabel(f"faults, in force where the right side is shaded: {words}", fontsize=7.5, color=INK)
     return figure
-
-
-def _label(carried: SensorSet) -> str:
-    return carried.name
 
 
 def _limit_m(ran: Ran) -> float:
@@ -105,6 +102,6 @@ def write_comparison(runs: Sequence[Ran], folder: Path) -> tuple[Path, ...]:
     with drawing():
         figure = draw_comparison(runs)
         files = tuple(folder / f"{NAME}.{ending}" for ending in ("svg", "png"))
-        for file in files:
-            figure.savefig(file, dpi=150)
+        figure.savefig(files[0], metadata={"Date": None, "Creator": None})
+        figure.savefig(files[1], dpi=130, metadata={"Software": None})
     return files

@@ -32,6 +32,10 @@ from simulation.world.trains import Trains
 SLOT: Final = 0
 STANDS_S: Final = 2.0  # how long the train stands at each stop: nothing of this is about passengers
 HOURS_MAX: Final = 6.0
+STOPPED_WITHIN_M: Final = 5.0
+STALLED_S: Final = (
+    600.0  # who has not moved for so long has run past the last tag that could tell where it is
+)
 Rows = NDArray[np.void]
 
 
@@ -142,11 +146,14 @@ class PositionRun:
         self._moments = sorted([*self._moments, *moments], key=lambda moment: moment.at_m)
 
     def run(self) -> PositionResult:
-        """Run to the last stop, or until `HOURS_MAX` are over; `result.arrived` says which."""
+        """Run to the last stop, until the train has stalled or `HOURS_MAX` are over; `result.arrived` says which."""
         end_s = self.now_s + HOURS_MAX * 3600.0
         self._leave()
-        while self.now_s < end_s and not self.result.arrived:
+        moved_m, moved_s = self.true_m, self.now_s
+        while self.now_s < end_s and self.now_s < moved_s + STALLED_S and not self.result.arrived:
             self._stretch()
+            if self.true_m != moved_m:
+                moved_m, moved_s = self.true_m, self.now_s
         self.result.trace = np.concatenate([self.result.trace, *self._traces])
         return self.result
 
@@ -219,9 +226,13 @@ class PositionRun:
             self._obey()
 
     def _arrived(self) -> None:
-        """The train stands: at its next stop, or short of it by what it believes."""
-        beyond_m = self.trains.units[SLOT].position_m - self.mission.targets[self._target + 1].mark_m
-        if beyond_m > -5.0:
+        """The train stands: at its next stop, or short of it by what it believes.
+
+        A train whose bounds reach the end of its track goes no further: its driver sees that it is there.
+        """
+        unit = self.trains.units[SLOT]
+        beyond_m = unit.position_m - self.mission.targets[self._target + 1].mark_m
+        if beyond_m > -STOPPED_WITHIN_M - unit.bound_ahead_m:
             self._target += 1
         if self._target + 1 == len(self.mission.targets):
             self.result.arrived = True

@@ -1,7 +1,7 @@
 """The run of `position-compare`: sensor sets, what the line has for them, and what fails where.
 
-The run is the Karasuyama line's from Karasuyama to Hoshakuji, 21 km with eight stops. The line has no beacons of a train
-stop, no markers, no tunnel and no stretch with a hidden sky in its file: they are laid here by rule and named as
+The run is the Karasuyama line's from Karasuyama to Hoshakuji, 21 km with eight stops. The line has no beacons of a
+train stop, no markers, no tunnel and no stretch with a hidden sky in its file: they are laid here by rule and named as
 assumed. A fault is one of `simulation.faults.table`, in force between two places; what was moved or added on the track
 is so on the line and not in what the unit knows.
 """
@@ -17,7 +17,7 @@ from network.path import Path
 from onboard.localisation.table import READER_NAMES
 from simulation.faults.fault import InForce, World
 from simulation.faults.table import FAULTS
-from simulation.gnss_settings import Correction
+from simulation.gnss_settings import Correction, Gnss
 from simulation.settings import Carried
 from simulation.setup import Belief, Setup
 from simulation.world.points import WaysideWorld
@@ -32,6 +32,7 @@ HIDDEN_M: Final = ((3_200.0, 4_200.0), (13_200.0, 14_000.0), (17_400.0, 18_600.0
 BEACONS_EVERY_M: Final = 600.0
 MARKERS_EVERY_M: Final = 1_000.0
 MOVED_M: Final = 20.0
+GNSS: Final = Gnss()  # a scenario without that table
 READER_OF: Final[
     Mapping[Carried, str]
 ] = {  # who on board makes something of it; tags are read by the unit itself
@@ -257,7 +258,7 @@ def setup_of(carried: SensorSet, seed: int) -> Setup:
     setup = load_scenario(SCENARIO, seed).setup
     line = furnished(setup.line, path_of_run(setup))
     sensors = setup.sensors.model_copy(update={"carries": carried.carries})
-    gnss = setup.gnss.model_copy(update={"correction": carried.correction})
+    gnss = GNSS.model_copy(update={"correction": carried.correction})
     return replace(setup, line=line, sensors=sensors, gnss=gnss)
 
 

@@ -24,7 +24,7 @@ AGE_S = 0.2
 
 
 class Train:
-    """A train at a constant speed with a unit that knows where it is, and a receiver whose error is given by the way."""
+    """A train at a constant speed whose unit knows where it is, and a receiver that errs as it is told."""
 
     def __init__(self, unit: UnitRow, bound_m: float = 5.0, speed_mps: float = 20.0) -> None:
         self.unit, self.true_m, self.speed_mps = unit, 1000.0, speed_mps

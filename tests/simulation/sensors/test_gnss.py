@@ -182,7 +182,7 @@ def test_faults_that_overlap_are_folded_and_a_bias_goes_as_it_came(rtri_setup: S
 
 
 def test_a_receiver_that_states_less_than_it_errs_by_is_refused() -> None:
-    with pytest.raises(ValidationError, match="at least 19.79"):
+    with pytest.raises(ValidationError, match=r"at least 19\.79"):
         Receiver(sigma_m=1.2, noise_sigma_m=0.3, multipath_sigma_m=3.0, protection_m=10.0)
     assert Gnss().receiver is FAIL_SAFE
     assert Gnss(correction=Correction.AIM).receiver is AIM

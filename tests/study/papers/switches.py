@@ -13,7 +13,16 @@ from onboard.driving import stop_keeper, tuning
 from onboard.driving.tasc import WHOLE_LAW, DesignRow, Part
 from onboard.driving.tuning import Fit, Learned, StopRecord
 from onboard.records import BehaviourRow
-from study.papers import oda_tuning, single_train, stop_set, stop_statistics, stop_window, table4_stops
+from simulation.gnss_settings import FAIL_SAFE, Gnss
+from study.papers import (
+    oda_tuning,
+    position_sets,
+    single_train,
+    stop_set,
+    stop_statistics,
+    stop_window,
+    table4_stops,
+)
 from vehicle.records import TrainRow
 
 Switch = Callable[[pytest.MonkeyPatch], None]
@@ -145,3 +154,18 @@ def _shift_edge(patch: pytest.MonkeyPatch, share: float) -> None:
         return np.where(lowest > 1.0, np.inf, lowest)
 
     patch.setattr(stop_set, "lowest_shares", shifted)
+
+
+# where trains are ---------------------------------------------------------------------------------------------------
+
+
+@switch
+def receiver_states_less_than_it_errs_by(patch: pytest.MonkeyPatch) -> None:
+    """Its file would refuse this: a tenth of the protection level, with the same errors."""
+    stated = FAIL_SAFE.model_copy(update={"protection_m": FAIL_SAFE.protection_m / 10.0})
+    patch.setattr(position_sets, "GNSS", Gnss().model_copy(update={"fail_safe": stated}))
+
+
+@switch
+def faults_do_nothing(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(position_sets, "moments_of", lambda *_: [])
