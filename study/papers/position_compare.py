@@ -2,7 +2,9 @@
 
 Each set runs once with nothing failing, once with each fault that concerns it alone, and once with all of them in
 turn; faults that no sensor claims to withstand are run too, and shown apart. What the line has for the sensors, and
-what fails where, is in `position_sets`. Error is the estimate less the truth; a bound is broken where the truth is outside in any
+what fails where, is in `position_sets`.
+
+Error is the estimate less the truth; a bound is broken where the truth is outside in any
 step of 0.1 s.
 """
 
@@ -254,8 +256,8 @@ def reproduce(options: Options) -> Reproduction:
     found = [measured(ran) for ran in runs]
     remarks = [
         "ours is simulated; published figures are of measured runs with other trains, lines and sensors",
-        f"sigma, 95 %, most: error of the estimate, m; half: median and 95 % of the bounds' half width, m; no fix:"
-        f" share of the way further than {FAR_M:g} m from a fix; unknown: share of the time without a position; outside: by"
+        "sigma, 95 %, most: error of the estimate, m; half: median and 95 % of the bounds' half width, m; no fix: share"
+        f" of the way further than {FAR_M:g} m from a fix; unknown: share of the time without a position; outside: by"
         " how much the truth left the bounds, m",
     ]
     missing = {"beacons", "curvature", "LiDAR"} - {carried.name for carried in SETS}
