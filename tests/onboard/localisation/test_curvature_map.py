@@ -121,9 +121,12 @@ def test_a_file_gives_the_map_back(line: Line, tmp_path: Path) -> None:
         assert piece.curvature_per_m == pytest.approx(whole.pieces[piece_id].curvature_per_m, abs=1e-9)
 
 
-def _at(*keys: Any, value: Any) -> Callable[[Any], Any]:
-    def change(data: Any) -> Any:
-        inside = data
+Data = dict[str, Any]
+
+
+def _at(*keys: str | int, value: object) -> Callable[[Data], object]:
+    def change(data: Data) -> object:
+        inside: Any = data
         for key in keys[:-1]:
             inside = inside[key]
         inside[keys[-1]] = value
@@ -132,7 +135,7 @@ def _at(*keys: Any, value: Any) -> Callable[[Any], Any]:
     return change
 
 
-def _cut(data: Any) -> Any:
+def _cut(data: Data) -> object:
     del data["pieces"][0]["curvature_per_m"][-5:]
     return data
 
@@ -159,7 +162,7 @@ def _cut(data: Any) -> Any:
     ],
 )
 def test_a_file_that_does_not_fit_is_refused(
-    line: Line, tmp_path: Path, change: Callable[[Any], Any], key: str, expected: str
+    line: Line, tmp_path: Path, change: Callable[[Data], object], key: str, expected: str
 ) -> None:
     file = tmp_path / "map.json"
     write_map(design_map(line), file)

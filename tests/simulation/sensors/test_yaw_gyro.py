@@ -30,18 +30,18 @@ from vehicle.record import dtype_of
 STEPS = 4000
 
 
-def carrying(setup: Setup, **curvature: Any) -> Setup:
+def carrying(setup: Setup, **curvature: object) -> Setup:
     sensors = setup.sensors.model_copy(update={"carries": (Carried.CURVATURE,)})
     return replace(setup, sensors=sensors, curvature=setup.curvature.model_copy(update=curvature))
 
 
-def fitted(setup: Setup, stock_id: str = "K1") -> Any:
+def fitted(setup: Setup, stock_id: str = "K1") -> YawGyroRow:
     row: Any = np.zeros(1, dtype_of(YawGyroRow)).view(np.recarray)[0]
     fit(row, setup, stock_id)
     return row
 
 
-def shown(row: Any, turned_rad: np.ndarray, first_step: int = 0) -> np.ndarray:
+def shown(row: YawGyroRow, turned_rad: np.ndarray, first_step: int = 0) -> np.ndarray:
     """What it shows while the bogies turn by so much in each step."""
     scene: Any = np.zeros(1, SCENE).view(np.recarray)[0]
     sensed: Any = np.zeros(1, STOCK["sensed"]).view(np.recarray)[0]
