@@ -112,7 +112,7 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     the front could be where nobody has looked.
     """
     own.whole = 0
-    if max(unit.bound_ahead_m, unit.bound_behind_m) > own.search_m:
+    if unit.bound_ahead_m + unit.bound_behind_m > 2.0 * own.search_m:
         return 0
     longest, since = comparable(own, min(own.metres, int(own.window_m)))
     own.low = -math.ceil(unit.bound_behind_m) - MARGIN_M
