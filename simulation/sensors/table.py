@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
 from onboard.board import SensedRow
-from simulation.sensors import load_sensor as load
 from simulation.sensors import lidar, sign_camera, slide_protection, tag_reader
+from simulation.sensors import load_sensor as load
 from simulation.sensors import tachometer as tacho
 from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled_lines

@@ -22,12 +22,12 @@ from simulation.settings import (
     NO_TUNING,
     NO_VISION,
     Driving,
+    Lidar,
     Limits,
     Load,
     Operation,
     Sensors,
     Tuning,
-    Lidar,
     Vision,
 )
 from simulation.world.scatter import Scatter
