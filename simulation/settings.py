@@ -372,7 +372,10 @@ class Lidar(Record):
 
     visibility_m: Annotated[
         VisibilityM,
-        about("in fog, rain and snow; by the sheeting of markers it sees about as far as people", "assumed: a clear day"),
+        about(
+            "in fog, rain and snow; by the sheeting of markers it sees about as far as people",
+            "assumed: a clear day",
+        ),
     ] = 20_000.0
     dirt_share: Annotated[
         Share, about("of the light that dirt on its window takes each way", "assumed: a day after cleaning")

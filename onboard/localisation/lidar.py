@@ -1,9 +1,9 @@
 """Markers as a fix and as a speed: what the LiDAR says of the train's front, five times a step.
 
-Invariant: a fix is taken only of a pattern that the map has exactly where the train can be. One that it has elsewhere,
-or that lies beside another group which the train could be at as well, is believed when the group read before it lies as
-far away as the wheels have counted; until then it moves nothing. So neither a pattern misread, nor one laid in another's
-place, moves the estimate off the truth, as long as no two of them are wrong alike.
+Invariant: a fix is taken only of a pattern that the map has where the train can be. Where the train could be at another
+group as well, or does not know where it is, the pattern is believed when the group read before it lies as far away as
+the wheels have counted; until then it moves nothing. So neither a pattern misread, nor one laid in another's place,
+moves the estimate off the truth, as long as no two of them are wrong alike.
 
 The interval of a fix: points are moved by a speed that is wrong by no more than SEEN_WITHIN_MPS once the means are
 filled, half the time that points are kept and since the cycle; the first row's own scatter; and where markers lie.
@@ -93,7 +93,9 @@ def begin_path(own: LidarRow, unit: UnitRow, chart: Chart) -> None:
     """On another path: no coordinate holds; markers that are too near to be read are not waited for."""
     own.path = unit.paths_taken_up
     own.doubted, own.read_m = UNREAD, -np.inf
-    own.expected_m = next_markers_m(unit, chart, unit.position_m + unit.bound_ahead_m + FARTHEST_M + SETBACK_M)
+    own.expected_m = next_markers_m(
+        unit, chart, unit.position_m + unit.bound_ahead_m + FARTHEST_M + SETBACK_M
+    )
 
 
 @compiled
@@ -107,7 +109,9 @@ def read_spot(reading: LidarReading, k: int, speed_mps: float) -> bool:
 
 
 @compiled
-def told_apart(own: LidarRow, unit: UnitRow, chart: Chart, pattern: int, ahead_m: float, within_m: float) -> float:
+def told_apart(
+    own: LidarRow, unit: UnitRow, chart: Chart, pattern: int, ahead_m: float, within_m: float
+) -> float:
     """First row (path coordinate, m) of the markers that are read `ahead_m` before the front; nan: not believed.
 
     Keeps what is not believed yet, for the next group to agree with.

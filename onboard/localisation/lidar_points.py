@@ -22,7 +22,9 @@ SPOTS: Final = 5  # cycles in a step of 0.1 s
 FARTHEST_M: Final = 30.0  # mean distances at which speed is detected, table 2
 NEAREST_M: Final = 5.0
 READ_FROM_M: Final = 6.0  # and those at which patterns are read: from here to NEAREST_M
-LOOKED_FOR_M: Final = 8.0  # over the last of these, before the points are moved: the fastest train runs half that in b
+LOOKED_FOR_M: Final = (
+    8.0  # over the last of these, before the points are moved: the fastest train runs half that in b
+)
 MEANS: Final = 25  # n of equation 4: 98 % of the field takes 0.5 s
 FILLED: Final = 2 * MEANS - 1  # cycles until both means hold detected speeds only
 
@@ -45,7 +47,7 @@ SPEED: Final = dtype_of(SpeedRow)
 
 
 class Used(NamedTuple):
-    """How points are made use of: seconds kept, whether they are moved, whether speed is smoothed, rows' spacing (m)."""
+    """How points are made use of: how long they are kept (s), moved, smoothed in speed; the rows' spacing (m)."""
 
     kept_s: float = KEPT_S
     corrected: bool = True

@@ -3,11 +3,11 @@
 Invariant: a pattern is told only if exactly its cells have shown themselves, none other nearly as much as any of them;
 whatever else is seen is refused. A marker lost or one too many can therefore hide a pattern and not feign another.
 
-The paper's patterns are lost with its figures; these are ours. Four columns of the 250 mm grid fit between the rails of
-1,067 mm, with four rows a pattern has 16 cells. Its markers are the words of the first-order Reed-Muller code of length
-16 in which every row has markers: 24 patterns of 8 markers, two in each row, of which any two differ in 8 cells or more.
-A wrong pattern thus takes four markers in other places at once. Rows are counted from the one that the train meets
-first, so no pattern can be taken for another one a row further on.
+The paper's patterns are lost with its figures; these are ours. Four columns of the 250 mm grid fit between rails
+1,067 mm apart, with four rows a pattern has 16 cells. Its markers are the words of the first-order Reed-Muller code of
+length 16 in which every row has markers: 24 patterns of 8 markers, two in each row, any two of which differ in 8 cells
+or more. A wrong pattern thus takes four markers in other places at once. Rows are counted from the one that the train
+meets first, so no pattern can be taken for another one a row further on.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def counted(x_m: Floats, y_m: Floats, spacing_m: float, counts: Ints) -> float:
     least = math.floor((np.min(x_m) - phase) / spacing_m + 0.5)
     for i in range(len(x_m)):
         row = int(math.floor((x_m[i] - phase) / spacing_m + 0.5) - least)
-        column = int(math.floor(y_m[i] / COLUMN_M + 0.5 * COLUMNS))
+        column = math.floor(y_m[i] / COLUMN_M + 0.5 * COLUMNS)
         if row < ROWS_LOOKED and 0 <= column < COLUMNS:
             counts[row * COLUMNS + column] += 1
     return phase + least * spacing_m

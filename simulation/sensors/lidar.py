@@ -155,7 +155,12 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
         ago_s = (SPOTS - 1 - k) * CYCLE_S
         cycle = scene.step * SPOTS + k
         speed_mps = max(scene.speed_mps - accelerates * ago_s, 0.0)
-        row_m = scene.markers_ahead_m + (scene.speed_mps - 0.5 * accelerates * ago_s) * ago_s + SETBACK_M + aside_m
+        row_m = (
+            scene.markers_ahead_m
+            + (scene.speed_mps - 0.5 * accelerates * ago_s) * ago_s
+            + SETBACK_M
+            + aside_m
+        )
         middle_m = row_m + HALF_M
         none = uniform(own.none_source, cycle // NONE_CYCLES) < at_place(own.none_share, speed_mps, middle_m)
         shown.mean_m[k], shown.row_m[k], shown.bears_m[k] = -1.0, 0.0, -1.0
@@ -166,7 +171,9 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
         lag_m = 0.5 * KEPT_S * speed_mps + at_place(own.bias_m, speed_mps, middle_m)
         shown.mean_m[k] = middle_m + lag_m + sigma_m * mean_noise(own.source, cycle)
         row_sigma_m = at_speed(own.row_sigma_m, 1, 0, speed_mps)
-        shown.row_m[k] = row_m + at_speed(own.row_bias_m, 1, 0, speed_mps) + row_sigma_m * normal(own.row_source, cycle)
+        shown.row_m[k] = (
+            row_m + at_speed(own.row_bias_m, 1, 0, speed_mps) + row_sigma_m * normal(own.row_source, cycle)
+        )
         shown.bears_m[k] = bears_m(own, cycle, speed_mps)
 
 

@@ -1,10 +1,12 @@
 """A LiDAR that scans without repeating (非反復走査), and what it sees of reflective markers between the rails.
 
 A stack of beams sweeps fast across the field and nods slowly, at frequencies without a common measure, so that no two
-figures are alike. Each shot goes out at its own time, from where the train then is. Distances run forwards from the LiDAR along the track, x ahead and y to
-the left of the track's middle. Other surfaces than markers and track are left out: none stands between the rails.
+figures are alike. Each shot goes out at its own time, from where the train then is. Distances run forwards from the
+LiDAR along the track, x ahead and y to the left of the track's middle. Other surfaces than markers and track are left
+out: none stands between the rails.
 
-Mochizuki, Kudo and Yamaguchi, sections 2.1 and 4.1; Livox Horizon user manual v1.0 (2019), specifications.
+Mochizuki, Kudo and Yamaguchi, sections 2.1 and 4.1; Livox Horizon user manual v1.0 (2019), specifications; how the
+maker counts what a scan has covered: issue 57 of its repository Livox-SDK.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ from vehicle.record import dtype_of
 
 Floats = NDArray[np.float64]
 
-WHITE: Final = 150.0  # reading of a white surface that scatters evenly; what is above returns to where it came from
+WHITE: Final = (
+    150.0  # reading of a white surface that scatters evenly; what is above returns to where it came from
+)
 BRIGHTEST: Final = 255.0
 LOOKS_EVERY: Final = 24  # shots from one geometry of the markers to the next: 0.1 ms
 POINTS_MAX: Final = 60_000
@@ -38,11 +42,13 @@ class Scanner:
     points_per_s: float = 240_000.0
     range_sigma_m: float = 0.02  # 1 sigma at 20 m
     angle_sigma_deg: float = 0.05  # "below 0.05 degrees"
-    divergence_deg: tuple[float, float] = (0.03, 0.28)  # of a beam, horizontal and vertical, taken as its half width
+    divergence_deg: tuple[float, float] = (
+        0.03,
+        0.28,
+    )  # of a beam, horizontal and vertical, taken as its half width
     beams: int = 6  # lines in the driver's records of this model
-    # assumed, the maker does not tell how it sweeps: about as fast as a prism of its Mid-40 (7294/min; Liu, Wu and Zhang
-    # 2022), both frequencies by the golden ratio away from any that would repeat. With them 0.1 s leave lines
-    # 0.3 degrees apart (the maker: 0.2 to 0.4) and 0.5 s cover 98 % of the field (2.1).
+    # assumed: about as fast as a prism of its Mid-40 (7294/min; Liu, Wu and Zhang 2022), and by the golden ratio away
+    # from any that would repeat. 0.1 s leave lines 0.3 degrees apart (the maker: 0.2 to 0.4), 0.5 s cover 98 % (2.1).
     shots_a_sweep: float = 329.618  # there and back, of one beam
     sweeps_a_nod: float = 10.691
     beam_gap_deg: float = 0.56
@@ -77,13 +83,13 @@ class Mount:
 class Plate:
     """One marker (ターゲットマーカ); assumed, the paper gives none: a square of the sheeting that road signs have.
 
-    It leans back by so much that light from 5 to 30 m meets it within the 45 degrees for which such sheeting is made.
-    The side is round and such that hardly a tenth of a second goes by from 30 m on without a point on any marker: with
-    100 mm one passage in six has one, then loses way (equation 3), and the paper's errors of speed do not come out.
+    It stands upright: from 5 to 30 m light meets it within 21 degrees, such sheeting is made for 45, and it stays below
+    the rails' heads. The side is such that hardly a tenth of a second goes by from 30 m on without a point on any
+    marker: with 100 mm one passage in six has one, then loses way (equation 3).
     """
 
     side_m: float = 0.15
-    lean_deg: float = 45.0  # of the face over the track
+    lean_deg: float = 90.0  # of the face over the track
     # cd/lx/m2: white, class RA2 of EN 12899-1 at 12 minutes and 30 degrees
     retroreflection: float = 150.0
 
@@ -97,7 +103,9 @@ HORIZON: Final = Scanner()
 TRAM_MOUNT: Final = Mount()
 SIGN_SHEETING: Final = Plate()
 TRACK_READING: Final = 15.0  # of ballast and asphalt, about 10 % of white; assumed
-SWAY_SIGMA_M: Final = 0.02  # by which a train runs beside the track's middle; assumed: half the play of wheels
+SWAY_SIGMA_M: Final = (
+    0.02  # by which a train runs beside the track's middle; assumed: half the play of wheels
+)
 
 
 class ScanRow(Protocol):
@@ -167,7 +175,10 @@ def scan_row(
     row.pitch_cos = math.cos(math.radians(mount.pitch_down_deg))
     row.pitch_sin = math.sin(math.radians(mount.pitch_down_deg))
     row.half_side_m = plate.side_m / 2.0
-    row.lean_cos, row.lean_sin = math.cos(math.radians(plate.lean_deg)), math.sin(math.radians(plate.lean_deg))
+    row.lean_cos, row.lean_sin = (
+        math.cos(math.radians(plate.lean_deg)),
+        math.sin(math.radians(plate.lean_deg)),
+    )
     row.gain, row.least_reading = plate.gain, least_reading
     return row
 
@@ -213,7 +224,9 @@ def scan(
     points = np.empty((4, POINTS_MAX))
     sway_m = SWAY_SIGMA_M * float(rng.standard_normal())
     phases = rng.uniform(0.0, 2.0 * np.pi, 2)
-    count = _scanned(row, markers_m, motion, duration_s, (float(phases[0]), float(phases[1]), sway_m), rng, points)
+    count = _scanned(
+        row, markers_m, motion, duration_s, (float(phases[0]), float(phases[1]), sway_m), rng, points
+    )
     if count > POINTS_MAX:
         raise ValueError(f"more than {POINTS_MAX} points in a passage of {duration_s:g} s")
     return Points(*points[:, :count].copy())
@@ -234,7 +247,7 @@ def _share(offset: float, half: float, sigma: float) -> float:
 
 @compiled
 def _directions(row: ScanRow, markers_m: Floats, ahead_m: float, sway_m: float, seen: Floats) -> None:
-    """Fill `seen` (n, 6): azimuth and elevation of each marker from the axis, range, half its size each way, foreshortening.
+    """Fill `seen` (n, 6) for each marker: azimuth, elevation from the axis, range, half sizes, foreshortening.
 
     Angles in rad; a marker that lies behind the LiDAR has range 0.
     """
@@ -296,7 +309,9 @@ def _reading(row: ScanRow, over_white: float) -> float:
 
 
 @compiled
-def _range_m(row: ScanRow, marker_m: Floats, seen: Floats, ahead_m: float, offsets: tuple[float, float, float]) -> float:
+def _range_m(
+    row: ScanRow, marker_m: Floats, seen: Floats, ahead_m: float, offsets: tuple[float, float, float]
+) -> float:
     """Range of a shot (m): to where it meets the marker, or the marker's edge. `offsets`: azimuth, elevation, sway."""
     along = offsets[1] * seen[2] / seen[5]
     along = min(max(along, -row.half_side_m), row.half_side_m)
@@ -333,7 +348,10 @@ def _scanned(
     rng: np.random.Generator,
     points: Floats,
 ) -> int:
-    """Fill `points` (4, POINTS_MAX); `begins`: phases of sweep and nod (rad), sway (m). The number found, even if not all fit."""
+    """Fill `points` (4, POINTS_MAX) and count them, those too that do not fit.
+
+    `begins`: phases of sweep and nod (rad), sway (m).
+    """
     seen, box = np.zeros((markers_m.shape[0], 6)), np.zeros(4)
     sweep, nod, sway_m = begins
     count, since = 0, LOOKS_EVERY
@@ -347,7 +365,10 @@ def _scanned(
             since = 0
         since += row.beams
         middle = row.half_elevation * math.sin(nod)
-        if middle + 0.5 * row.beams * row.beam_gap < box[2] or middle - 0.5 * row.beams * row.beam_gap > box[3]:
+        if (
+            middle + 0.5 * row.beams * row.beam_gap < box[2]
+            or middle - 0.5 * row.beams * row.beam_gap > box[3]
+        ):
             continue
         for beam in range(row.beams):
             azimuth = row.half_azimuth * math.sin(sweep + row.sweep_turn * beam / row.beams)

@@ -93,6 +93,8 @@ TABLE_1: Final = ParameterSet(
 SETS: Final = (SECTION_3_2, LINE, TENTH_SCALE, TABLE_1)
 NOT_DRIVEN: Final[Mapping[str, str]] = {
     "journeys": "runs are computed as optima, nothing drives them",
+    "mochizuki-patterns": "trains pass markers at a constant speed",
+    "mochizuki-speed": "trains pass markers, gaining or losing speed evenly",
     "oda-vision": "images alone",
     "sugiyama-tags": "trains pass tags at a constant speed",
     "ttobench": "profiles alone",

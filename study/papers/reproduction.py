@@ -19,6 +19,8 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "harada-loop-track": "study.papers.harada_loop_track",
     "harada-slide": "study.papers.harada_slide",
     "line-stops": "study.papers.line_stops",
+    "mochizuki-patterns": "study.papers.mochizuki_patterns",
+    "mochizuki-speed": "study.papers.mochizuki_speed",
     "oda-scale-track": "study.papers.oda_scale_track",
     "oda-table4": "study.papers.oda_table4",
     "oda-tuning": "study.papers.oda_tuning",

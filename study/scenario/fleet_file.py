@@ -21,6 +21,7 @@ from onboard.unit_records import UnitParameters
 from simulation.design import overrated
 from simulation.events import WORLD
 from simulation.settings import Carried, Driving, Sensors, Tuning, Vision
+from simulation.settings import Carried, Driving, Tuning, Vision
 from simulation.setup import Setup
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
@@ -66,7 +67,10 @@ def check_markers(file: str, setup: Setup) -> None:
         for group in line.markers.values():
             if group.pattern > PATTERNS:
                 raise InputError(
-                    file, f"markers.{group.id}.pattern", group.pattern, f"one of the catalogue, 1 to {PATTERNS}"
+                    file,
+                    f"markers.{group.id}.pattern",
+                    group.pattern,
+                    f"one of the catalogue, 1 to {PATTERNS}",
                 )
 
 

@@ -30,9 +30,9 @@ from study.scenario.curvature_choice import curvature_map_of
 from study.scenario.fleet_file import (
     check_grip,
     check_margins,
+    check_markers,
     check_parties,
     check_scatter,
-    check_markers,
     check_vision,
     check_wheels,
     learned_of,
