@@ -63,6 +63,7 @@ LINE: Final = ParameterSet(
         "battery-day",
         "line-driving",
         "line-stops",
+        "position-fusion",
         "oda-tuning",
         "stop-statistics",
         "stop-window",

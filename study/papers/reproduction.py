@@ -19,6 +19,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "oda-table4": "study.papers.oda_table4",
     "oda-tuning": "study.papers.oda_tuning",
     "oda-vision": "study.papers.oda_vision",
+    "position-fusion": "study.papers.position_fusion",
     "stop-statistics": "study.papers.stop_statistics",
     "stop-window": "study.papers.stop_window",
     "sugiyama-table5": "study.papers.sugiyama_table5",
