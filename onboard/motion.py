@@ -281,7 +281,7 @@ class Motion:
         if heard is not Heard.BELIEVED:
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             self._expect_tag()
-            return self._lose("tags contradict one another") if heard is Heard.CONTRADICTED else []
+            return []
         self.notes.append(
             notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3))
         )

@@ -21,7 +21,7 @@ TACHOMETER_DOUBT_S = 4.0  # assumed: well over dead time and lag of traction and
 LOST_SHARE = 0.5  # slide protection keeps the wheel above this share of the train's speed
 LOST_FROM_MPS = 1.0
 GAINED_MPS = 2.5  # wheels spin up by less than this, and than their speed again, within a step
-SURE_BRAKE_MPS2 = 0.2  # assumed: locked wheels on a rail with adhesion 0.05, down the steepest gradient here
+SURE_BRAKE_MPS2 = 0.05  # assumed: locked wheels on a rail with adhesion 0.02, down 15 permille
 ANSWERS_MPS2 = 0.1  # half the service brake slows a train by more than this on any gradient here
 
 
@@ -37,11 +37,11 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
     share = min(train.wheel_slide_share_max, LOST_SHARE)
     unseen_m = unseen_run_m(unit, train, run_m * unit.odometer_scale, speed_mps, step_s)
     slid_m = slipped_m = 0.0
-    if unit.wheel_slide < 0:
+    if unit.wheel_slide != 0:  # on such a rail wheels slip and slide by turns
         slid_m = max(abs(run_m) * share / (1.0 - share), unseen_m)
     elif unseen_m > 0.0:
         slid_m = unseen_m
-    elif unit.wheel_slide > 0:
+    if unit.wheel_slide > 0:
         slipped_m = abs(run_m)
     unit.bound_ahead_m += slid_m
     unit.bound_behind_m += slipped_m
@@ -69,12 +69,14 @@ def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float,
     Wheels that turn without sliding show its speed. Standing ones may be locked, and turning ones that slide may
     turn at any speed, where the train has no protection that keeps them above a share of its own. What sees the speed
     otherwise (`unit.seen_speed_mps`) bounds it.
+    Wheels that roll show its speed. Standing ones may be locked, and turning ones that slide or slip may turn at any
+    speed, where the train has no protection that keeps them above a share of its own.
     """
     rolled_mps = speed_mps * unit.odometer_scale
     locks = train.wheel_slide_share_max > LOST_SHARE
-    if speed_mps > 0.0 and (unit.wheel_slide >= 0 or not locks):
+    if speed_mps > 0.0 and (unit.wheel_slide == 0 or not locks):
         unit.may_run_mps = (
-            rolled_mps / (1.0 - train.wheel_slide_share_max) if unit.wheel_slide < 0 else rolled_mps
+            rolled_mps / (1.0 - train.wheel_slide_share_max) if unit.wheel_slide != 0 else rolled_mps
         )
         return 0.0
     may_mps = unit.may_run_mps

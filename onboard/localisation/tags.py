@@ -3,9 +3,9 @@
 Invariant: of the tags read one after another at most `tags_wrong_together` say where the train is not (a wrong id, one
 of another track, one that was moved), or those that do lie on both sides of it (two that were swapped). So the bounds
 span as many and one more: the newest tag whole, and of what those before it say by now, by the wheels, what the bounds
-before it leave. None of them can move the bounds off the truth. A tag that no earlier one agrees with, as far as the
-wheels are known, is doubted: it may widen the bounds, but neither moves the estimate nor counts as passed, until a
-later one tells which was wrong. Three in a row, and nobody knows where the train is.
+before it leave. None of them can move the bounds off the truth. A tag that agrees neither with the last one believed
+nor with one doubted since, as far as the wheels are known, is doubted: it may widen the bounds, but neither moves the
+estimate nor counts as passed, until a later one tells which was wrong.
 
 After a position fault a tag fixes the position again only if no other tag can be meant, counting all that the
 tachometer may be wrong, or if it agrees with the tag read before it (地上子位置との照合, Sugiyama, table 5). Where tags
@@ -28,8 +28,6 @@ from onboard.localisation.wheel_scale import Held, Scales, WheelScale, carried, 
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.compiled import compiled
-
-CONTRADICTIONS: Final = 3  # tags in a row that agree with none before them
 
 
 @compiled
@@ -57,7 +55,6 @@ class Heard(Enum):
 
     OUT = "out"  # it misses the bounds
     DOUBTED = "doubted"  # it is not believed yet
-    CONTRADICTED = "contradicted"  # the last of too many that agree with none before them
     BELIEVED = "believed"
 
 
@@ -78,7 +75,7 @@ class TagDoubt:
         together = parameters.tags_wrong_together
         self._read: Final[deque[Held]] = deque(maxlen=2 * together + 2)  # what tags said, the newest last
         self._before: Held | None = None  # the bounds before a position fault for which tags alone spoke
-        self._contradictions = 0
+        self._doubted = 0  # read since the last that was believed
 
     def placed(self) -> None:
         """The crew has told where the train stands."""
@@ -123,7 +120,7 @@ class TagDoubt:
             row.bound_ahead_m += share * since_m
             row.bound_behind_m += share * since_m
             self._doubting = True
-        self._wide, self._contradictions = True, 0
+        self._wide, self._doubted = True, 0
         self._wheel.forget()
         row.bound_growth = share
         self._read.clear()
@@ -170,14 +167,14 @@ class TagDoubt:
         if missed_by_m(record, fix) > 0.0:
             return Heard.OUT, 0.0
         believed, span_m = self.believes(tag, odometer_m), self.span_m(fix)
-        if not believed and not row.position_known:
-            return Heard.DOUBTED, 0.0
         if not believed:
-            within(row, *span_m)
+            if row.position_known:
+                within(row, *span_m)
+            self._doubted += 1
             self.remember(fix)
-            wrong = self._contradictions >= CONTRADICTIONS
-            return Heard.CONTRADICTED if wrong else Heard.DOUBTED, 0.0
+            return Heard.DOUBTED, 0.0
         self.take(tag, odometer_m)
+        self._doubted = 0
         taken = take(record, fix, span_m)
         self.remember(fix)
         return Heard.BELIEVED, taken.correction_m if isinstance(taken, Taken) else 0.0
@@ -226,6 +223,7 @@ class TagDoubt:
         if self._before is not None and len(self._read) >= self._parameters.tags_wrong_together:
             self._before = None
         if row.position_known and not self._wide:
+            self._wheel.read(self._read[-1])
             self._wheel.learn(held(row, *bounds_of(row)))
             self._wheel.apply(row.odometer_scale)
 
@@ -234,20 +232,18 @@ class TagDoubt:
         return carried(self._row, one, self._wheel.scales)
 
     def _fits(self, tag: PathTag, odometer_m: float) -> bool:
-        """Whether any tag read before agrees with this one, as far as the wheels are known."""
+        """Whether the last tag believed, or one doubted since, agrees with this one as far as the wheels are known."""
         if not self._parameters.tags_wrong_together or not self._read:
             return True
         fix = tag_fix(self._record, tag.position_m, odometer_m, self._parameters.tag_accuracy_m)
         low_m, high_m = fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m
         share, scale = self._parameters.doubt_error_share, self._row.odometer_scale
         scales = Scales(scale - share, scale + share) if self._wide else self._wheel.scales
-        earlier = (carried(self._row, one, scales) for one in self._read)
-        fits = any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in earlier)
-        self._contradictions = 0 if fits else self._contradictions + 1
-        return fits
+        earlier = (carried(self._row, one, scales) for one in list(self._read)[-1 - self._doubted :])
+        return any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in earlier)
 
     def _end_doubt(self) -> None:
-        self._wide, self._contradictions = False, 0
+        self._wide = False
 
     def _agree(self, before: tuple[PathTag, float], tag: PathTag, odometer_m: float) -> bool:
         """Whether the way between two tags is as the tachometer says, within what wheels wear."""

@@ -2,11 +2,15 @@
 
 Invariant: the wheel's own scale lies within the interval as long as wheels are worn by no more than stated, what
 changes from place to place (creep, the tread's slope in curves) stays within its share of the stated error, and the
-intervals that it was learned from hold the front. What contradicts all that is not learned: it begins anew.
+intervals that it was learned from hold the front. Tags alone are worth as much: the ways from each to the next add up
+to what lies between two that are right, so one that lies makes the way to it too long by what the next is too short.
+Of `2 n + 1` such ways, where no more than n tags lie together, one is right or two are wrong to either side.
+What contradicts all that is not learned: it begins anew.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import Final, NamedTuple
 
@@ -49,6 +53,16 @@ def carried(row: UnitRow, before: Held, scales: Scales) -> tuple[float, float]:
     return low_m, before.high_m + run_m * scales.high + (row.slid_ahead_m - before.ahead_m)
 
 
+def way_between(before: Held, here: Held) -> Scales:
+    """What a metre counted was worth from one interval of the front to another; anything where nothing was counted."""
+    run_m = here.odometer_m - before.odometer_m
+    if run_m <= 0.0:
+        return Scales(-math.inf, math.inf)
+    slid_m, slipped_m = here.ahead_m - before.ahead_m, here.behind_m - before.behind_m
+    low_m, high_m = here.low_m - before.high_m - slid_m, here.high_m - before.low_m + slipped_m
+    return Scales(low_m / run_m, high_m / run_m)
+
+
 class WheelScale:
     """What one unit knows of its wheels; sets `odometer_scale` and `bound_growth` of its row."""
 
@@ -58,6 +72,8 @@ class WheelScale:
         self._varies: Final = max(parameters.wheel_error_share - parameters.wheel_scale_limit, 0.0)
         self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
         self._places: deque[Held] = deque(maxlen=PLACES_KEPT)
+        self._tag: Held | None = None  # the last that was read
+        self._ways: deque[Scales] = deque(maxlen=2 * parameters.tags_wrong_together + 1)
 
     @property
     def scales(self) -> Scales:
@@ -67,24 +83,34 @@ class WheelScale:
     def forget_places(self) -> None:
         """The path coordinates are others now; what the wheels are worth is kept."""
         self._places.clear()
+        self._ways.clear()
+        self._tag = None
 
     def forget(self) -> None:
         """Something was false: nothing is known but what is stated."""
-        self._places.clear()
+        self.forget_places()
         self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
 
     def learn(self, here: Held) -> None:
         """The front surely is in this interval now: what that says about the way since earlier ones."""
-        for before in self._places:
-            run_m = here.odometer_m - before.odometer_m
-            if run_m >= LEARNED_OVER_M:
-                slid_m, slipped_m = here.ahead_m - before.ahead_m, here.behind_m - before.behind_m
-                low = (here.low_m - before.high_m - slid_m) / run_m - self._varies
-                high = (here.high_m - before.low_m + slipped_m) / run_m + self._varies
-                self._low, self._high = max(self._low, low), min(self._high, high)
+        for before in tuple(self._places):
+            if here.odometer_m - before.odometer_m >= LEARNED_OVER_M:
+                self._narrow(*way_between(before, here))
+        self._places.append(here)
+
+    def read(self, tag: Held) -> None:
+        """A tag was read that says the front is in this interval now; it may lie."""
+        before, self._tag = self._tag, tag
+        if before is not None:
+            self._ways.append(way_between(before, tag))
+        if len(self._ways) == self._ways.maxlen:
+            self._narrow(min(way.low for way in self._ways), max(way.high for way in self._ways))
+
+    def _narrow(self, low: float, high: float) -> None:
+        """Over some way a metre counted was worth this, at least and at most."""
+        self._low, self._high = max(self._low, low - self._varies), min(self._high, high + self._varies)
         if not self._low <= self._high:
             self.forget()
-        self._places.append(here)
 
     def apply(self, scale: float) -> None:
         """Count by this scale from now on, as far as bounds then grow by no more than stated: by what it may be off."""

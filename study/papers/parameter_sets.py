@@ -67,6 +67,7 @@ LINE: Final = ParameterSet(
         "harada-slide",
         "line-driving",
         "line-stops",
+        "position-fusion",
         "oda-tuning",
         "position-compare",
         "stop-statistics",

@@ -26,6 +26,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "oda-tuning": "study.papers.oda_tuning",
     "oda-vision": "study.papers.oda_vision",
     "position-compare": "study.papers.position_compare",
+    "position-fusion": "study.papers.position_fusion",
     "stop-statistics": "study.papers.stop_statistics",
     "stop-window": "study.papers.stop_window",
     "sugiyama-table5": "study.papers.sugiyama_table5",

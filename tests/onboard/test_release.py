@@ -79,7 +79,9 @@ def test_without_the_tag_it_would(
 
 
 def test_before_the_arrival_tag_nothing_is_given_back_however_far_it_is(cleared_to_b: Bench) -> None:
-    cleared_to_b.row.position_m = 631.0
+    row = cleared_to_b.row
+    row.odometer_m += 631.0 - row.position_m
+    row.position_m = 631.0
     cleared_to_b.ticked(EVENT_SAFE_REAR)
     assert cleared_to_b.said == []
     assert cleared_to_b.held == ALL

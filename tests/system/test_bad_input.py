@@ -110,6 +110,10 @@ CASES: Mapping[str, tuple[dict[str, str], tuple[str, ...]]] = {
         {"s.toml": BASE + "[sensors]\nwheel_factor_sigma = 5.0"},
         ("s.toml: sensors.wheel_factor_sigma is 5.0", "0 to 0.1"),
     ),
+    "wheels that creep by more than units allow for": (
+        {"s.toml": BASE + "[sensors]\ncreep_share = 0.006"},
+        ("s.toml: sensors.creep_share is 0.006", "at most 0.005", "unit.wheel_scale_limit"),
+    ),
     "an efficiency that no machine has": (
         {"s.toml": OWN_TRAIN,
          "v.toml": changed(TRAIN, "efficiency_traction = 0.85", "efficiency_traction = 1e-9")},

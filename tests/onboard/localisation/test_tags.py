@@ -94,7 +94,7 @@ def test_the_bounds_stay_wide_until_tags_and_tachometer_agree(doubt: TagDoubt, u
     doubt.take(THIRD, 300.0 + 0.9 * 50.0)  # a tenth too little
     assert unit.bound_growth == PARAMETERS.doubt_error_share
     doubt.take(FOURTH, 345.0 + 200.0)
-    assert unit.bound_growth == PARAMETERS.wheel_error_share
+    assert unit.bound_growth == pytest.approx(PARAMETERS.wheel_error_share)
 
 
 def test_nothing_is_freed_on_what_a_tachometer_may_show_too_much(doubt: TagDoubt, unit: np.recarray) -> None:

@@ -1,0 +1,188 @@
+"""`branchline reproduce position-fusion`: random runs in which the true position must never leave the stated bounds.
+
+What is drawn for a run is told in `study.papers.fusion_runs`; each is one train through the kernel and the real unit,
+with bounds judged in every step. Beside the rule that units have stand the same runs with that rule switched off by
+name: bounds that trust every tag, and bounds that do not grow, must be broken, or the runs would show nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Final
+
+import numpy as np
+
+from simulation.setup import Setup
+from study.papers.fusion_runs import (
+    AS_UNITS_ARE,
+    CONICITY,
+    CREEP_MAX,
+    FAULT_SHARE,
+    LINES,
+    MOVED_M,
+    SLIPPERY,
+    UNPROTECTED_SHARE,
+    WHEEL_SIGMA,
+    Ill,
+    Outcome,
+    Rule,
+    base_setup,
+    outcome,
+)
+from study.papers.position_run import PositionRun
+from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.run.forks import Died, Forks, jobs_of
+
+NAME: Final = "position-fusion"
+RUNS: Final = 1000
+QUICK_RUNS: Final = 20
+BROKEN_RUNS: Final = 100  # with a rule switched off
+MEDIAN_LINE: Final = "karasuyama_weekday"
+MEDIAN_BEYOND_M: Final = 2.0
+TRUSTING: Final = Rule("every tag that can be is trusted", tags_wrong_together=0)
+NO_GROWTH: Final = Rule("bounds do not grow", wheel_error_share=0.0)
+SWITCHED_OFF: Final = (TRUSTING, NO_GROWTH)
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The outcomes of some runs under one rule, by number, and those that came to nothing."""
+
+    rule: Rule
+    outcomes: tuple[Outcome, ...]
+    died: tuple[str, ...] = ()
+
+    @property
+    def steps(self) -> int:
+        """Steps in which the unit stated bounds."""
+        return sum(one.known_steps for one in self.outcomes)
+
+    @property
+    def broken(self) -> tuple[Outcome, ...]:
+        """Runs in which the truth was out of them in any step; what is no number counts."""
+        return tuple(one for one in self.outcomes if one.known_steps and not one.out_m <= 0.0)
+
+
+def run_all(seed: int, numbers: Sequence[int], rule: Rule = AS_UNITS_ARE, jobs: int | None = None) -> Found:
+    """The runs of these numbers, in copies of this process; the first one here, which compiles what all need."""
+    first = outcome(seed, numbers[0], rule)
+    for line in LINES:
+        base_setup(line)
+    with Forks(Outcome, jobs_of(jobs)) as copies:
+        for number in numbers[1:]:
+            copies.start((rule.name, number), lambda number=number: outcome(seed, number, rule))  # type: ignore[misc]
+        copies.wait()
+        found = [copies.results[rule.name, number] for number in numbers[1:]]
+    died = [
+        f"run {n}: {one.text}" for n, one in zip(numbers[1:], found, strict=True) if isinstance(one, Died)
+    ]
+    return Found(rule, (first, *(one for one in found if isinstance(one, Outcome))), tuple(died))
+
+
+def held_row(found: Found) -> Row:
+    """Whether the truth was inside in every step of every run."""
+    ours = f"{len(found.broken)} of {len(found.outcomes)} runs, {found.steps} steps; {len(found.died)} died"
+    return Row(
+        f"runs with a step out of bounds, {found.rule.name}, {' and '.join(found.rule.carries)}",
+        None,
+        ours,
+        not found.broken and not found.died,
+        "none",
+    )
+
+
+def broken_row(found: Found) -> Row:
+    """The same runs with a rule switched off: bounds must be broken."""
+    worst_m = max((one.out_m for one in found.broken), default=0.0)
+    ours = f"{len(found.broken)} of {len(found.outcomes)} runs, by {worst_m:.1f} m at most"
+    return Row(f"the same where {found.rule.name}", None, ours, bool(found.broken), "at least one")
+
+
+def median_row(setup: Setup, rule: Rule = AS_UNITS_ARE) -> Row:
+    """Median half-width on the line as it stands, with tags alone, against the way since the last tag."""
+    run = PositionRun(rule.of(setup))
+    trace = run.run().trace
+    seen = trace[(trace["speed_mps"] > 0.0) & np.isfinite(trace["bound_ahead_m"])]
+    half_m = float(np.median((seen["bound_ahead_m"] + seen["bound_behind_m"]) / 2.0))
+    tags_m = np.array([run.mission.targets[0].mark_m, *(tag.position_m for tag in run.mission.tags)])
+    passed_m = tags_m[np.searchsorted(tags_m, seen["position_m"], side="right") - 1]
+    since_m = float(np.median(seen["position_m"] - passed_m))
+    most_m = setup.unit.wheel_error_share * since_m + MEDIAN_BEYOND_M
+    return Row(
+        f"median half-width of the bounds, m, {setup.name}, {' and '.join(rule.carries)}",
+        None,
+        round(half_m, 2),
+        half_m < most_m,
+        f"below {most_m:.1f}: stated growth times the median way since the last tag, {since_m:.0f} m, and 2 m",
+    )
+
+
+def figures(found: Found) -> tuple[Figure, ...]:
+    """What the runs had in them."""
+    outcomes = found.outcomes
+    ills = {str(ill): sum(one.ills[str(ill)] for one in outcomes) for ill in Ill}
+    halves_m = [half_m for one in outcomes for half_m in one.halves_m]
+    return (
+        *(Figure(f"tags {name}", number, "laid in all runs") for name, number in ills.items()),
+        Figure("tags believed", sum(one.read for one in outcomes), "read and believed"),
+        Figure("tags doubted", sum(one.doubted for one in outcomes), "read and not believed yet"),
+        Figure("position faults", sum(one.faults for one in outcomes), "the unit did not know where it is"),
+        Figure(
+            "runs that arrived", sum(one.arrived for one in outcomes), "the others end past their last tag"
+        ),
+        Figure("median half-width", round(median(halves_m), 2) if halves_m else None, "m, of all runs"),
+    )
+
+
+def parameters() -> tuple[Parameter, ...]:
+    """What is drawn, and why so."""
+    return (
+        Parameter("lines", ", ".join(LINES), "", "those shipped; half the runs with tags at random places"),
+        Parameter("tags with something wrong", FAULT_SHARE, "share", "assumed: far more than any line has"),
+        Parameter(
+            "tags moved", f"{MOVED_M[0]:g} to {MOVED_M[1]:g}", "m", "assumed: maintenance of the track"
+        ),
+        Parameter(
+            "wear of wheels", WHEEL_SIGMA, "share (sigma, cut at 3)", "assumed: as far as units allow for"
+        ),
+        Parameter(
+            "creep", f"0 to {CREEP_MAX:g}", "share at full adhesion", "assumed: see [sensors] creep_share"
+        ),
+        Parameter("slope of treads", ", ".join(map(str, CONICITY)), "", "Harada, 2.1; assumed: new and worn"),
+        Parameter(
+            "slippery stretches", f"{SLIPPERY[0]:g} to {SLIPPERY[1]:g}", "of the dry rail", "assumed: leaves"
+        ),
+        Parameter("runs without slide protection", UNPROTECTED_SHARE, "share", "assumed: wheels may lock"),
+        Parameter(
+            "tags wrong one after another", 1, "", "the premise: unit.tags_wrong_together, or two swapped"
+        ),
+    )
+
+
+def reproduce(options: Options) -> Reproduction:
+    """All runs by the rule as it is, some with the rule switched off, and the width of the bounds on one line."""
+    numbers = range(QUICK_RUNS if options.quick else RUNS)
+    found = run_all(options.seed, numbers)
+    off = [run_all(options.seed, range(min(len(numbers), BROKEN_RUNS)), rule) for rule in SWITCHED_OFF]
+    remarks = [
+        "A run is drawn from (seed, number): study.papers.fusion_runs.outcome(seed, number) is that run again.",
+        *(f"OUT: {again(one)}" for one in found.broken),
+        *found.died,
+    ]
+    if options.quick:
+        remarks.append(f"A short slice: {QUICK_RUNS} runs of {RUNS}.")
+    return Reproduction(
+        NAME,
+        "Where a train is: the truth within the stated bounds, whatever wheels and tags do",
+        parameters(),
+        (held_row(found), *map(broken_row, off), median_row(base_setup(MEDIAN_LINE))),
+        tuple(remarks),
+        figures(found),
+    )
+
+
+def again(one: Outcome) -> str:
+    """How to have a run again, and what was wrong in it."""
+    return f"seed {one.seed}, number {one.number} ({one.scenario}): {one.out_m:.3f} m at {one.out_at_m:.0f} m"

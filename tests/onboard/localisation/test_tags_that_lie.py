@@ -1,0 +1,267 @@
+"""Whatever tags say within what units are told to expect, the truth stays inside the bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from network.model import TagPurpose
+from onboard.duty.mission import PathTag
+from onboard.localisation.tags import Heard, TagDoubt
+from onboard.localisation.wheel_scale import LEARNED_OVER_M, WheelScale, held
+from onboard.records import UNIT
+from onboard.unit_records import UnitParameters
+
+PARAMETERS = UnitParameters()
+TRUSTING = PARAMETERS.model_copy(update={"tags_wrong_together": 0})
+START_M = 100.0
+READ_WITHIN_M = 0.2
+
+
+@dataclass
+class Ride:
+    """A train that truly is at `true_m`, on a wheel worth `worn` metres a metre counted, and its unit."""
+
+    tags: Sequence[PathTag]
+    worn: float = 1.0
+    parameters: UnitParameters = PARAMETERS
+    true_m: float = START_M
+    heard: list[Heard] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.row = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+        self.row.position_known, self.row.odometer_scale = 1, 1.0
+        self.row.position_m = self.true_m
+        self.row.bound_ahead_m = self.row.bound_behind_m = self.parameters.tag_accuracy_m
+        self.doubt = TagDoubt(self.row, self.parameters)
+        self.doubt.placed()
+        self.doubt.new_path(tuple(self.tags))
+
+    @property
+    def out_m(self) -> float:
+        """By how much the truth is out of the bounds; not positive where it is inside, or nothing is stated."""
+        if not self.row.position_known:
+            return -np.inf
+        beyond_m = self.true_m - self.row.position_m
+        return float(max(beyond_m - self.row.bound_ahead_m, -beyond_m - self.row.bound_behind_m))
+
+    def run_to(self, true_m: float, changes: float = 0.0) -> None:
+        """Run, each metre counted being worth that much more than the wheel is."""
+        counted_m = (true_m - self.true_m) / (self.worn + changes)
+        row = self.row
+        row.odometer_m += counted_m
+        row.position_m += counted_m * row.odometer_scale
+        row.bound_ahead_m += counted_m * row.bound_growth
+        row.bound_behind_m += counted_m * row.bound_growth
+        self.true_m = true_m
+
+    def read(self, tag: PathTag, error_m: float = 0.0) -> Heard:
+        """The reader reads what calls itself `tag`; what the driving part makes of it."""
+        heard, _ = self.doubt.hear(tag, float(self.row.odometer_m) + error_m)
+        if heard is Heard.OUT:
+            self.doubt.begin()
+            self.row.position_known = 0
+        self.heard.append(heard)
+        return heard
+
+
+def tags_at(*positions_m: float) -> tuple[PathTag, ...]:
+    return tuple(PathTag(number, at_m, TagPurpose.POSITION) for number, at_m in enumerate(positions_m))
+
+
+@dataclass(frozen=True)
+class Laid:
+    """A tag of a drawn line: how far behind the one before it, and what is wrong with it."""
+
+    gap_m: float
+    ill: str
+    by_m: float
+    changes: float
+    error_m: float
+
+
+worn = st.floats(1.0 - PARAMETERS.wheel_scale_limit, 1.0 + PARAMETERS.wheel_scale_limit)
+changes = st.floats(-0.0049, 0.0049)
+lies = st.floats(-60.0, 60.0)
+laid = st.builds(
+    Laid,
+    gap_m=st.one_of(st.floats(8.0, 60.0), st.floats(60.0, 3000.0)),
+    ill=st.sampled_from(["none", "none", "none", "missed", "moved", "wrong", "swapped"]),
+    by_m=lies,
+    changes=changes,
+    error_m=st.floats(-READ_WITHIN_M, READ_WITHIN_M),
+)
+
+
+def ills_of(line: Sequence[Laid]) -> list[str]:
+    """What is wrong with each tag; the one after a tag that was swapped is the other one of the two."""
+    ills: list[str] = []
+    for index, one in enumerate(line):
+        if index and ills[-1] == "swapped":
+            ills.append("swapped with")
+        else:
+            last = index + 1 == len(line)
+            ills.append("none" if last and one.ill in ("wrong", "swapped") else one.ill)
+    return ills
+
+
+def ride_along(line: Sequence[Laid], worn: float, parameters: UnitParameters, together: int) -> Ride:
+    """Run along the line and read its tags; AssertionError where the truth leaves the bounds.
+
+    One that would be one too many that lie together is not read, nor is one passed before the one before it.
+    """
+    tags = tags_at(*(START_M + at_m for at_m in accumulate(one.gap_m for one in line)))
+    ride = Ride(tags, worn, parameters)
+    lying, swapped = 0, False
+    for index, (one, ill) in enumerate(zip(line, ills_of(line), strict=True)):
+        at_m = tags[index].position_m + (one.by_m if ill == "moved" else 0.0)
+        lies = ill != "none"
+        unread = ill == "missed" or at_m <= ride.true_m or (ill == "swapped with" and not swapped)
+        too_many = lies and lying >= together and ill != "swapped with"
+        swapped = ill == "swapped" and not unread and not too_many
+        if unread or too_many:
+            continue
+        lying = lying + 1 if lies else 0
+        says = {"wrong": index + 1, "swapped": index + 1, "swapped with": index - 1}.get(ill, index)
+        ride.run_to(at_m, one.changes)
+        assert ride.out_m <= 1e-9, (index, ill)
+        ride.read(tags[says], one.error_m)
+        assert ride.out_m <= 1e-9, (index, ill, ride.heard)
+    return ride
+
+
+@settings(max_examples=300)
+@given(st.lists(laid, min_size=2, max_size=25), worn)
+def test_the_truth_stays_inside_whatever_tags_say(line: list[Laid], worn: float) -> None:
+    ride_along(line, worn, PARAMETERS, 1)
+
+
+@settings(max_examples=100)
+@given(st.lists(laid, min_size=2, max_size=25), worn)
+def test_two_that_lie_together_need_the_bounds_to_span_three(line: list[Laid], worn: float) -> None:
+    ride_along(line, worn, PARAMETERS.model_copy(update={"tags_wrong_together": 2}), 2)
+
+
+MOVED = [Laid(2000.0, "none", 0.0, 0.0, 0.0), Laid(2000.0, "moved", 25.0, 0.0, 0.0)]
+
+
+def test_trusted_a_moved_tag_moves_the_bounds_off_the_truth() -> None:
+    ride_along(MOVED, 1.0, PARAMETERS, 1)
+    with pytest.raises(AssertionError, match="moved"):
+        ride_along(MOVED, 1.0, TRUSTING, 1)
+
+
+def test_where_more_tags_lie_than_units_expect_bounds_may_be_broken() -> None:
+    line = [*MOVED, Laid(200.0, "moved", 25.0, 0.0, 0.0)]
+    with pytest.raises(AssertionError, match="moved"):
+        ride_along(line, 1.0, PARAMETERS, 2)
+
+
+def test_a_tag_that_deviates_from_what_the_wheels_are_known_to_be_worth_is_doubted() -> None:
+    """And does not move the estimate; the next one tells that it was wrong."""
+    ride = Ride(tags_at(*(START_M + 1000.0 * n for n in range(1, 8))))
+    for tag in ride.tags[:5]:
+        ride.run_to(tag.position_m)
+        assert ride.read(tag) is Heard.BELIEVED
+    assert ride.row.bound_growth < 0.6 * PARAMETERS.wheel_error_share
+    ride.run_to(ride.tags[5].position_m - 18.0)
+    before_m = float(ride.row.position_m)
+    assert ride.read(ride.tags[5]) is Heard.DOUBTED
+    assert float(ride.row.position_m) == before_m
+    assert ride.out_m <= 0.0
+    ride.run_to(ride.tags[6].position_m)
+    assert ride.read(ride.tags[6]) is Heard.BELIEVED
+    assert ride.out_m <= 0.0
+
+
+def test_a_worn_wheel_is_not_taken_for_wrong_tags() -> None:
+    ride = Ride(
+        tags_at(*(START_M + 1000.0 * n for n in range(1, 8))), worn=1.0 - PARAMETERS.wheel_scale_limit
+    )
+    for tag in ride.tags:
+        ride.run_to(tag.position_m)
+        ride.read(tag)
+    assert set(ride.heard) == {Heard.BELIEVED}
+
+
+def test_after_a_fault_told_by_a_tag_the_bounds_before_it_are_spanned_too() -> None:
+    """The tag that fixes the position again lies: trusted, it would be a false position."""
+    ride = Ride(tags_at(400.0, 800.0, 1500.0))
+    ride.run_to(400.0)
+    assert ride.read(ride.tags[2]) is Heard.OUT
+    ride.run_to(810.0)  # moved by 10 m
+    assert ride.read(ride.tags[1]) is Heard.BELIEVED
+    assert ride.out_m <= 0.0
+    assert ride.row.bound_ahead_m > 10.0
+
+
+def test_wheels_that_are_out_of_order_say_nothing_of_where_it_is() -> None:
+    ride = Ride(tags_at(150.0, 400.0))
+    ride.run_to(160.0)
+    ride.doubt.begin(wheels_lie=True)
+    ride.row.position_known = 0
+    ride.run_to(400.0)
+    assert ride.read(ride.tags[1]) is Heard.BELIEVED
+    assert ride.row.bound_ahead_m == pytest.approx(PARAMETERS.tag_accuracy_m)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_on_another_path_what_tags_said_is_kept(turned: bool) -> None:
+    ride = Ride(tags_at(200.0, 300.0))
+    for tag in ride.tags:
+        ride.run_to(tag.position_m)
+        ride.read(tag)
+    ride.run_to(310.0)
+    kept = ride.doubt.leave_path(turned=turned)
+    ride.row.position_m = 5000.0
+    ride.doubt.new_path(ride.tags, kept)
+    again = ride.doubt.leave_path(turned=turned)  # mirrored twice, or never
+    ride.row.position_m = 310.0
+    ride.doubt.new_path(ride.tags, again)
+    ends_m = [(one.low_m, one.high_m) for one in ride.doubt.leave_path(turned=False)]
+    assert ends_m[-1] == pytest.approx((-0.7, 0.7))
+    assert ends_m[0] == pytest.approx((-0.5 - 2.2, 0.5 + 2.2))
+    assert kept[-1].high_m - kept[-1].low_m == pytest.approx(1.4)
+
+
+# what the wheels are worth -------------------------------------------------------------------------------------------
+
+
+@given(
+    worn, st.lists(st.tuples(st.floats(50.0, 2000.0), changes, st.floats(0.0, 3.0)), min_size=1, max_size=12)
+)
+def test_the_wheels_worth_stays_within_what_is_learned(
+    worn: float, way: list[tuple[float, float, float]]
+) -> None:
+    ride = Ride(())
+    wheel = WheelScale(ride.row, PARAMETERS)
+    wheel.learn(held(ride.row, ride.true_m - 1.0, ride.true_m + 1.0))
+    ride.worn = worn
+    for run_m, more, half_m in way:
+        ride.run_to(ride.true_m + run_m, more)
+        wheel.learn(held(ride.row, ride.true_m - half_m, ride.true_m + half_m))
+        low, high = wheel.scales
+        assert low <= worn - 0.0049 or low <= worn
+        assert low + 0.005 <= worn + 1e-9
+        assert high - 0.005 >= worn - 1e-9
+        wheel.apply(float(ride.row.odometer_scale))
+        assert ride.row.bound_growth <= PARAMETERS.wheel_error_share + 1e-12
+
+
+def test_what_contradicts_the_wheels_makes_it_begin_anew() -> None:
+    ride = Ride(())
+    wheel = WheelScale(ride.row, PARAMETERS)
+    stated = wheel.scales
+    wheel.learn(held(ride.row, 99.0, 101.0))
+    ride.run_to(100.0 + 10.0 * LEARNED_OVER_M)
+    wheel.learn(held(ride.row, 1099.0, 1101.0))
+    assert wheel.scales.high - wheel.scales.low < stated.high - stated.low
+    ride.run_to(1100.0 + 10.0 * LEARNED_OVER_M)
+    wheel.learn(held(ride.row, 2199.0, 2201.0))
+    assert wheel.scales == stated

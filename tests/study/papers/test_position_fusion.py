@@ -1,0 +1,69 @@
+"""Random runs about where a train is: the rule holds, and without it they would show that it does not."""
+
+from __future__ import annotations
+
+import pytest
+
+from study.papers.fusion_runs import LIES, Ill, LaidTag, base_setup, draw, keep_to_the_model, outcome
+from study.papers.position_fusion import (
+    NO_GROWTH,
+    TRUSTING,
+    Found,
+    again,
+    broken_row,
+    held_row,
+    median_row,
+    reproduce,
+)
+from study.papers.reproduction import Options, reproduction
+
+SHORT = (7, 15, 18, 19, 28)  # on the test line, which takes a moment
+ONCE_BROKEN = (15,)  # by wheels that slipped and slid by turns, while only slips were seen
+
+
+def test_it_is_known_by_name() -> None:
+    assert reproduction("position-fusion") is reproduce
+
+
+@pytest.mark.parametrize("number", sorted({*SHORT, *ONCE_BROKEN}))
+def test_the_truth_stays_inside(number: int) -> None:
+    found = Found(TRUSTING, (outcome(1, number),))
+    assert held_row(found).passed, again(found.outcomes[0])
+
+
+def test_what_is_drawn_is_the_same_again_and_another_by_number() -> None:
+    one, same, other = draw(1, 7), draw(1, 7), draw(1, 8)
+    assert (one.says, one.stretches, one.setup.seed) == (same.says, same.stretches, same.setup.seed)
+    assert one.setup.seed != other.setup.seed
+
+
+def test_no_two_lie_that_are_read_one_after_another_unless_they_were_swapped() -> None:
+    laid = [LaidTag(n, 100.0 * n, 100.0 * n, n, Ill.MOVED) for n in range(4)]
+    laid[2].ill, laid[2].says = Ill.MISSED, None
+    laid.append(LaidTag(4, 400.0, 400.0, 5, Ill.SWAPPED, 1))
+    laid.append(LaidTag(5, 500.0, 500.0, 4, Ill.SWAPPED, 1))
+    keep_to_the_model(laid)
+    read = [tag for tag in laid if tag.says is not None]
+    assert [tag.ill in LIES for tag in read] == [True, False, True, False, False]
+
+
+def test_rows_can_fail() -> None:
+    out = outcome(1, SHORT[0])
+    fine, broken = Found(NO_GROWTH, (out,)), Found(NO_GROWTH, (), ("run 1: died",))
+    assert held_row(fine).passed
+    assert not broken_row(fine).passed
+    assert not held_row(broken).passed
+
+
+def test_bounds_that_do_not_grow_are_broken() -> None:
+    assert not outcome(1, SHORT[0], NO_GROWTH).out_m <= 0.0
+
+
+def test_on_the_line_as_it_stands_bounds_are_narrow_enough() -> None:
+    assert median_row(base_setup("karasuyama_weekday")).passed
+
+
+@pytest.mark.nightly
+def test_the_slice() -> None:
+    result = reproduce(Options(quick=True))
+    assert [row.case for row in result.rows if not row.passed] == []
