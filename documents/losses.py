@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from documents.page import write_page
 from network.model import Line
 from network.profile import profile_of
+from network.units import J_PER_KWH
 from onboard.driving.pattern import limit_for_train
 from study.measures.running_times import STEP_S, Hop, planned_hops
 from study.scenario.scenario import load_scenario
@@ -151,7 +152,7 @@ def _run(line: Line, hop: Hop, *trains: NDArray[np.void]) -> tuple[float, ...]:
 
 
 def _saved(all_j: float, cut_j: float) -> str:
-    return f"{all_j / 3.6e6:.2f} | {cut_j / 3.6e6:.2f} | {(all_j - cut_j) / 3.6e6:.2f} |"
+    return f"{all_j / J_PER_KWH:.2f} | {cut_j / J_PER_KWH:.2f} | {(all_j - cut_j) / J_PER_KWH:.2f} |"
 
 
 if __name__ == "__main__":

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Final
+
+J_PER_KWH: Final = 3.6e6
+
 
 def metres(kilometrage_km: float) -> float:
     """Kilometrage in m, to the micrometre: 1.001 km is 1001 m, not 1000.9999999999999."""

@@ -74,7 +74,7 @@ def too_steep(way: Way, means: Means) -> TooSteep | None:
         return None
     piece_id, kilometrage_m = way.mission.path.locate(stall.at_m)
     return TooSteep(
-        station=there.station_id or there.section_id,
+        station=there.place_id,
         piece_id=piece_id,
         kilometrage_m=round(kilometrage_m, 1),
         gradient_permille=round(stall.gradient_permille, 2),

@@ -398,7 +398,7 @@ class Motion:
         target = self._next_target()
         if target is not None:
             why = self.keeper.verdict().name.lower().replace("_", " ")
-            self.notes.append(notes.StopImpossible(why=why, station=target.station_id or target.section_id))
+            self.notes.append(notes.StopImpossible(why=why, station=target.place_id))
 
     def _expect_tag(self, after_m: float | None = None) -> None:
         if self._mission is None or not self.reads_tags:

@@ -57,23 +57,10 @@ class Hop:
     beyond_j: float = 0.0
 
 
-def place_of(target: Target) -> str:
-    """A station, or the section of a portal."""
-    return target.station_id or target.section_id
-
-
 def charger_at(line: Line, target: Target) -> str:
     """The station whose charger a set at this stop can use; empty: none."""
     charger = None if target.station_id is None else line.chargers.get(target.station_id)
     return charger.station_id if charger is not None and target.track in charger.tracks else ""
-
-
-def due_s(there: Target, dwell_s: float) -> float | None:
-    """The latest arrival that keeps the plan's arrival and departure."""
-    if there.departure_s is None:
-        return there.arrival_s
-    ready_s = there.departure_s - (dwell_s if there.passengers else 0.0)
-    return ready_s if there.arrival_s is None else min(there.arrival_s, ready_s)
 
 
 def run_of(
@@ -91,7 +78,7 @@ def run_of(
     """
     here, there = ends
     cruise_mps = np.inf
-    arrives_s = due_s(there, dwell_s)
+    arrives_s = there.latest_arrival_s(dwell_s)
     if here.departure_s is not None and arrives_s is not None:
         cruise_mps = cruise_for(
             train,
@@ -145,8 +132,8 @@ def hops_of(
         found.append(
             Hop(
                 mission.number,
-                place_of(here),
-                place_of(there),
+                here.place_id,
+                there.place_id,
                 time_s,
                 takes_j,
                 stands_s(there, next_first, dwell_s) * auxiliary_w,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated, Final
+from typing import Annotated
 
 from pydantic import Field
 
@@ -18,8 +18,7 @@ from network.files.quantities import (
     SpeedKmh,
 )
 from network.files.toml_input import Record
-
-KWH_J: Final = 3.6e6
+from network.units import J_PER_KWH
 
 
 class Departure(StrEnum):
@@ -67,7 +66,7 @@ class Beyond(Record):
     @property
     def takes_j(self) -> float:
         """What running there takes of the battery, J."""
-        return self.distance_km * self.consumption_kwh_per_km * KWH_J
+        return self.distance_km * self.consumption_kwh_per_km * J_PER_KWH
 
 
 class BatterySettings(Record):

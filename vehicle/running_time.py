@@ -30,6 +30,26 @@ def laid_down_s(least_s: float) -> int:
     return math.ceil(least_s / LAID_DOWN_TO_S - 1e-9) * LAID_DOWN_TO_S
 
 
+class Stall(NamedTuple):
+    """Where the front of a train comes to a stand against its will (m), and the balance there at rest, N.
+
+    `gradient_permille` is the mean over the train, curves included.
+    """
+
+    at_m: float
+    gradient_permille: float
+    pull_n: float
+    needed_n: float
+
+
+class Conditions(NamedTuple):
+    """With what a train runs: its load, the motors in service, and the rail, as a factor of the dry one's adhesion."""
+
+    load_share: float
+    motors_share: float = ALL_MOTORS
+    adhesion_factor: float = DRY
+
+
 @compiled
 def _pattern_squared(
     limit_mps: NDArray[np.float64], start_m: float, stop_m: float, deceleration_mps2: float
@@ -99,8 +119,6 @@ def predicted_run(
     dt_s: float,
     initial_mps: float = 0.0,
     until_m: float = math.inf,
-    motors_share: float = ALL_MOTORS,
-    adhesion_factor: float = DRY,
 ) -> tuple[float, float]:
     """Time (s) and net energy at the wire (J: traction + auxiliary - regenerated) from `start_m` to a stop.
 
@@ -109,11 +127,11 @@ def predicted_run(
     `elevation_m[i]` is the height at metre i counted in the direction of travel, curves included
     (`vehicle.resistance.climb_m`), `limit_mps[i]` the limit for the train's front from metre i to i + 1 (train
     length already folded in); both reach beyond ceil(stop_m), and 0 <= start_m <= stop_m. A train that cannot climb
-    gives an infinite time; `furthest_m` says where it stands then.
+    gives an infinite time; `stall_of` says where it stands then.
     """
     time_s, energy_j, _ = _run(
         train,
-        load_share,
+        Conditions(load_share, ALL_MOTORS, DRY),
         elevation_m,
         limit_mps,
         start_m,
@@ -123,64 +141,8 @@ def predicted_run(
         dt_s,
         initial_mps,
         until_m,
-        motors_share,
-        adhesion_factor,
     )
     return time_s, energy_j
-
-
-@compiled
-def furthest_m(
-    train: TrainRow,
-    load_share: float,
-    motors_share: float,
-    adhesion_factor: float,
-    elevation_m: NDArray[np.float64],
-    limit_mps: NDArray[np.float64],
-    start_m: float,
-    stop_m: float,
-    deceleration_mps2: float,
-    dt_s: float,
-) -> float:
-    """Where the front of a train comes to a stand that leaves `start_m` at full power: before `stop_m`, it has
-    stalled on a gradient there. Arguments as of `predicted_run`.
-    """
-    time_s, _, reached_m = _run(
-        train,
-        load_share,
-        elevation_m,
-        limit_mps,
-        start_m,
-        stop_m,
-        math.inf,
-        deceleration_mps2,
-        dt_s,
-        0.0,
-        math.inf,
-        motors_share,
-        adhesion_factor,
-    )
-    return stop_m if time_s < math.inf else reached_m
-
-
-class Stall(NamedTuple):
-    """Where the front of a train comes to a stand against its will (m), and the balance there at rest, N.
-
-    `gradient_permille` is the mean over the train, curves included.
-    """
-
-    at_m: float
-    gradient_permille: float
-    pull_n: float
-    needed_n: float
-
-
-class Conditions(NamedTuple):
-    """With what a train runs: its load, the motors in service, and the rail, as a factor of the dry one's adhesion."""
-
-    load_share: float
-    motors_share: float = ALL_MOTORS
-    adhesion_factor: float = DRY
 
 
 def stall_of(
@@ -199,10 +161,20 @@ def stall_of(
     """
     if stop_m <= start_m:
         return None
-    reached_m = furthest_m(
-        train, *conditions, elevation_m, limit_mps, start_m, stop_m, deceleration_mps2, dt_s
+    time_s, _, reached_m = _run(
+        train,
+        conditions,
+        elevation_m,
+        limit_mps,
+        start_m,
+        stop_m,
+        math.inf,
+        deceleration_mps2,
+        dt_s,
+        0.0,
+        math.inf,
     )
-    return None if reached_m >= stop_m else balance_at(train, conditions, elevation_m, reached_m)
+    return None if time_s < math.inf else balance_at(train, conditions, elevation_m, reached_m)
 
 
 @compiled
@@ -222,7 +194,7 @@ def balance_at(
 @compiled
 def _run(
     train: TrainRow,
-    load_share: float,
+    conditions: Conditions,
     elevation_m: NDArray[np.float64],
     limit_mps: NDArray[np.float64],
     start_m: float,
@@ -232,10 +204,9 @@ def _run(
     dt_s: float,
     initial_mps: float,
     until_m: float,
-    motors_share: float,
-    adhesion_factor: float,
 ) -> tuple[float, float, float]:
     """Time (s), net energy (J) and where the front is then (m); see `predicted_run`."""
+    load_share, motors_share, adhesion_factor = conditions
     inertia = equivalent_mass_kg(train, load_share)
     first = math.floor(start_m)
     squared = _pattern_squared(limit_mps, start_m, stop_m, deceleration_mps2)

@@ -82,10 +82,7 @@ class Pace:
     def choose(self, mission: Mission, at: int, now_s: float, load_share: float) -> None:
         """Choose the pace for what is left of the way to target `at`, or to the next station before it with a time."""
         row, parameters, there = self._row, self._parameters, mission.targets[at]
-        due_s = there.arrival_s
-        if due_s is not None and there.departure_s is not None:
-            dwell_s = parameters.dwell_min_s if there.passengers else 0.0
-            due_s = min(due_s, there.departure_s - dwell_s)
+        due_s = None if there.arrival_s is None else there.latest_arrival_s(parameters.dwell_min_s)
         row.cruise_mps = math.inf
         self.give_up_plan()
         row.due_s = math.inf if due_s is None else due_s - parameters.time_margin_s

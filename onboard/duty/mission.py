@@ -63,6 +63,11 @@ class Target:
     passengers: bool = True
     crossing: bool = False
 
+    @property
+    def place_id(self) -> str:
+        """Id of the station, or of the section where it is no station."""
+        return self.station_id or self.section_id
+
     def latest_arrival_s(self, dwell_min_s: float) -> float | None:
         """The latest arrival, s: by the plan, and the least dwell before the departure; None where neither is given."""
         if self.departure_s is None:

@@ -167,7 +167,7 @@ def plan_of(mission: Mission, length_m: float) -> Plan:
         by_tag = max((tag.clear for laid, tag in read if laid.position_m <= target.mark_m), default=0)
         stops.append(
             Stop(
-                target.station_id or target.section_id,
+                target.place_id,
                 target.station_id is not None,
                 at,
                 clear,

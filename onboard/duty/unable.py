@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import msgspec
 
+from network.units import J_PER_KWH
+
 
 class TooSteep(msgspec.Struct, frozen=True, tag=True):
     """The train cannot start, or would come to a stand, on a gradient of its way: it has less pull than that needs.
@@ -65,7 +67,9 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
             how = "it is charging" if self.up else "its pantograph is not up"
         if self.full:
             how = "it is full"
-        return f"{self.needed_j / 3.6e6:.1f} kWh {where}: it has {self.has_j / 3.6e6:.1f} kWh, and {how}"
+        return (
+            f"{self.needed_j / J_PER_KWH:.1f} kWh {where}: it has {self.has_j / J_PER_KWH:.1f} kWh, and {how}"
+        )
 
 
 Unable = TooSteep | NoCharge

@@ -168,7 +168,7 @@ class Books:
             self._trains.stock_ids[slot],
             duty.train.number,
             duty.train.revenue,
-            target.station_id or target.section_id,
+            target.place_id,
             target.track,
             target.arrival_s if index > 0 else None,
             target.departure_s,

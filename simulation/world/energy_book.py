@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from onboard.duty.mission import Target
 from simulation.result import PARTS, EnergyParts, EnergyRecord, Phase
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.ride import NO_RIDE, taken
@@ -39,11 +38,6 @@ class Account:
     since_step: int
     since: Counters
     leg: list[EnergyRecord] = field(default_factory=list[EnergyRecord])
-
-
-def place_of(target: Target) -> str:
-    """A station, or the portal section by which a train enters or leaves."""
-    return target.station_id or target.section_id
 
 
 class EnergyBook:
@@ -108,7 +102,7 @@ class EnergyBook:
         """End the open record; the next begins where it ends."""
         duty, since = account.duty, account.since
         targets = duty.mission.targets
-        here = place_of(targets[account.at])
+        here = targets[account.at].place_id
         on_leg = account.phase in (Phase.RUNNING, Phase.HELD)
         record = EnergyRecord(
             self._trains.stock_ids[slot],
@@ -116,7 +110,7 @@ class EnergyBook:
             duty.train.revenue,
             account.phase,
             here,
-            place_of(targets[min(account.at + 1, len(targets) - 1)]) if on_leg else here,
+            targets[min(account.at + 1, len(targets) - 1)].place_id if on_leg else here,
             account.since_step / STEPS_PER_S,
             step / STEPS_PER_S,
             now.travelled_m - since.travelled_m,
@@ -132,7 +126,7 @@ class EnergyBook:
 
     def _arrive(self, account: Account, at: int) -> None:
         """The leg ends at a target: perhaps beyond the next one, where the train has not called."""
-        to_id = place_of(account.duty.mission.targets[at])
+        to_id = account.duty.mission.targets[at].place_id
         self.records += [replace(record, to_id=to_id) for record in account.leg]
         account.leg.clear()
         account.at = at

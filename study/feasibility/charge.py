@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from network.units import J_PER_KWH
 from onboard.charge import ChargeRules, commits_at
 from onboard.reach import Hop, SetWays, charger_at, stands_s, to_next_charge
 from simulation.battery_settings import BatterySettings, Departure
@@ -23,7 +24,6 @@ from vehicle.battery import available_j, soc_of, stand, stored_j
 
 STEP_S = 5.0
 WAITS_S_MAX = 4.0 * 3600.0
-KWH_J = 3.6e6
 
 
 @dataclass(slots=True)
@@ -149,8 +149,8 @@ def _looks(one: _Set, duty: Duty, at: int, hops: Sequence[Hop]) -> Finding | Non
     name = line.stations[place].name if place in line.stations else place
     where = f"to {reach.place}, where it can charge next" if reach.place else "to where its day ends"
     text = (
-        f"{duty.train.number} would leave {name} at {minute(departs_s)} with {has_j / KWH_J:.1f} kWh and needs"
-        f" {needed_j / KWH_J:.1f} kWh {where}"
+        f"{duty.train.number} would leave {name} at {minute(departs_s)} with {has_j / J_PER_KWH:.1f} kWh and needs"
+        f" {needed_j / J_PER_KWH:.1f} kWh {where}"
     )
     charger = line.chargers.get(charger_at(line, target))
     waits_s = None if charger is None else _waits_s(one, charger.power_w, needed_j)

@@ -112,7 +112,7 @@ def _nowhere(day: PlannedDay) -> Iterator[Finding]:
     for train in day.all():
         if len(train.duty.mission.targets) < 2:
             stand = train.stands[0]
-            place = stand.target.station_id or stand.target.section_id
+            place = stand.target.place_id
             text = f"{train.number} has one stop alone, at {minute(stand.departs_s)}, and goes nowhere"
             remedy = "a second call, or no train"
             trains = (train.number,)

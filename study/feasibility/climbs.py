@@ -139,7 +139,7 @@ def _finding(
     climb: Climb,
     severity: Severity,
 ) -> Finding:
-    ids = [stand.target.station_id or stand.target.section_id for stand in ends]
+    ids = [stand.target.place_id for stand in ends]
     names = [day.line.stations[i].name if i in day.line.stations else f"portal {i}" for i in ids]
     begins_m = train.duty.mission.path.kilometrage_m(ends[0].target.mark_m)
     stall, kind, leaves_s = climb.stall, setup.trains[train.stock_id], ends[0].departs_s

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
+from network.units import J_PER_KWH
 from simulation.result import EnergyRecord, Phase
 from simulation.world.ride import BRAKES, COASTS, CRUISES, Ride, together
-from study.run.energy_parts import JOULE_PER_KWH
 from vehicle.train_file import Receiver
 
 Ends = tuple[str, str, str]  # train, from, to
@@ -106,8 +106,8 @@ def _hop(
     run: Sequence[EnergyRecord], stock: Stock, late_s: float | None, stop_error_m: float | None
 ) -> DrivenHop:
     first, ride = run[0], together(record.ride for record in run)
-    traction_kwh = sum(record.traction_j for record in run) / JOULE_PER_KWH
-    regenerated_kwh = sum(record.regenerated_j for record in run) / JOULE_PER_KWH
+    traction_kwh = sum(record.traction_j for record in run) / J_PER_KWH
+    regenerated_kwh = sum(record.regenerated_j for record in run) / J_PER_KWH
     back_kwh = 0.0 if stock.regenerated_to is Receiver.RESISTORS else regenerated_kwh
     return DrivenHop(
         first.stock_id,

@@ -13,12 +13,12 @@ from typing import Final
 import numpy as np
 
 from network.profile import profile_of
+from network.units import J_PER_KWH
 from onboard.driving.pattern import limit_for_train, lowered_by
 from simulation.result import RunResult
 from simulation.setup import Setup
 from study.measures.driving import DrivenHop
 from study.measures.running_times import Hop, planned_hops
-from study.run.energy_parts import JOULE_PER_KWH
 from vehicle.optimum import Course, least_energy, least_time
 from vehicle.optimum.bound import lower_bound_j
 from vehicle.resistance import climb_m
@@ -151,7 +151,7 @@ def _least(course: Course, hop: DrivenHop, time_s: float) -> HopLeast:
         hop.to_station,
         time_s,
         hop.running_kwh,
-        float(best.energy_j) / JOULE_PER_KWH,
-        float(lower_bound_j(course, best, time_s)) / JOULE_PER_KWH,
+        float(best.energy_j) / J_PER_KWH,
+        float(lower_bound_j(course, best, time_s)) / J_PER_KWH,
         flat_out,
     )

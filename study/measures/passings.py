@@ -42,7 +42,7 @@ def planned_passings(setup: Setup) -> tuple[PlannedPassing, ...]:
                             piece_id,
                             kilometrage_m,
                             passing.time_s,
-                            target.station_id or target.section_id,
+                            target.place_id,
                         )
                     )
     return tuple(found)

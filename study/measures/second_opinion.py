@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import polars as pl
 
+from network.units import J_PER_KWH
 from simulation.result import RunResult
 from simulation.setup import Setup
 from study.measures.public_figures import PUBLIC_FIGURES, Per
@@ -19,7 +20,6 @@ from study.measures.replayed import (
     own_resistance_n,
     traction_j,
 )
-from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import make_table
 from vehicle.train_file import TrainType
 
@@ -90,7 +90,7 @@ def _replays(result: RunResult, setup: Setup, booked_kwh: float) -> Iterator[Com
     """The day's traction from the trace: with our resistance, as a check of the method, and with the other."""
 
     def kwh(resistance: Resistance) -> float:
-        return traction_j(result, setup.line, setup.trains, resistance) / JOULE_PER_KWH
+        return traction_j(result, setup.line, setup.trains, resistance) / J_PER_KWH
 
     own_kwh, jr_kwh = kwh(own_resistance_n), kwh(jr_resistance_n)
     if min(own_kwh, jr_kwh) <= 0.0:

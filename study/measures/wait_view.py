@@ -135,7 +135,7 @@ def _restarted(view: View, t_s: float, _event: notes.UnitRestarted) -> None:
 
 def _arrived(view: View, t_s: float, event: notes.Arrived) -> None:
     targets = () if view.duty is None else view.duty.mission.targets
-    places = [target.station_id or target.section_id for target in targets]
+    places = [target.place_id for target in targets]
     view.at = next(
         (i for i in range(view.at, len(places)) if places[i] == event.station and (i > view.at or i == 0)),
         view.at,

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from network.model import Direction
+from network.units import J_PER_KWH
 from onboard.driving.planner.windows import journey_stops
 from onboard.driving.planner.wish import Style
 from onboard.duty.mission import Mission
@@ -29,7 +30,6 @@ from study.papers.reference_data import reference_folder
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 from study.papers.ttobench_files import course_of as bench_course
 from study.papers.ttobench_files import read_track, read_train
-from study.run.energy_parts import JOULE_PER_KWH
 from study.scenario.scenario import load_scenario
 from vehicle.optimum.coast import coast_run, cruise_run
 from vehicle.optimum.journey import ANY_TIME, JourneyStop, Window, WindowMissed
@@ -193,7 +193,7 @@ def figures_of(case: Case) -> Iterator[Figure]:
                 "standard_s": round(standard.journey.running_s[i], 1),
                 "proportional_s": round(proportional_s, 1),
                 "allocated_s": round(allocated_s, 1),
-                "saved_kwh": round((ways[0].hops_j[i] - ways[1].hops_j[i]) / JOULE_PER_KWH, 3),
+                "saved_kwh": round((ways[0].hops_j[i] - ways[1].hops_j[i]) / J_PER_KWH, 3),
                 "price_kw": round(found.optimal.journey.prices_w[i] / 1e3, 2),
             },
             "where the seconds go; the price is what one more would save",
@@ -214,7 +214,7 @@ def _end_s(shared: Shared) -> float:
 
 
 def _kwh(energy_j: float) -> float:
-    return round(energy_j / JOULE_PER_KWH, 3)
+    return round(energy_j / J_PER_KWH, 3)
 
 
 def parameters(setup: Setup) -> tuple[Parameter, ...]:

@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from network.units import J_PER_KWH
 from study.measures.journeys import JourneyEnergies
 from study.report.style import INK, PALE, RED, TRACTION, drawing
-from study.run.energy_parts import JOULE_PER_KWH
 
 if TYPE_CHECKING:
     from study.papers.journeys import Case
@@ -38,7 +38,7 @@ def _panel(axes: Axes, name: str, hops: Sequence[str], found: JourneyEnergies) -
         np.array(shared.journey.running_s) - np.array(found.least_s)
         for shared in (found.proportional, found.optimal)
     ]
-    saved = (np.array(found.proportional.hops_j) - np.array(found.optimal.hops_j)) / JOULE_PER_KWH
+    saved = (np.array(found.proportional.hops_j) - np.array(found.optimal.hops_j)) / J_PER_KWH
     axes.bar(at - 0.5 * WIDTH, over[0], WIDTH, color=PALE, label="in proportion")
     axes.bar(at + 0.5 * WIDTH, over[1], WIDTH, color=TRACTION, label="where it saves most")
     tops = np.maximum(*over)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.profile import PROFILE
+from network.units import J_PER_KWH
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.laws.table import LAWS
 from onboard.driving.pattern import limit_for_train, pattern_of
@@ -255,7 +256,7 @@ class Timed:
     @property
     def traction_kwh(self) -> float:
         """Drawn for traction, at the wire."""
-        return float(self.outcome["energy_traction_j"]) / 3.6e6
+        return float(self.outcome["energy_traction_j"]) / J_PER_KWH
 
     @property
     def notch_changes(self) -> int:

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
+from network.units import J_PER_KWH
 from study.papers.reference_data import reference_folder
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 from study.papers.ttobench_files import BenchTrain, Track, course_of, read_tracks, read_trains
@@ -27,7 +28,6 @@ BOUND_POINTS: Final = 900
 GAP: Final = 0.01
 OFF: Final = 0.01
 SIMPLER_OFF: Final = 0.02
-J_PER_KWH: Final = 3.6e6
 QUICK: Final = (
     ("CH_Fribourg_Bern", "CH_Stadler_FLIRT_TPF"),
     ("CN_Songjiazhuang_Yizhuang", "CN_Beijing_Subway"),

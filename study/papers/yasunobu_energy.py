@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from network.files.toml_input import Record
+from network.units import J_PER_KWH
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy
 from onboard.driving.laws.pid import Pid
 from onboard.driving.laws.settings import LawTables
@@ -37,7 +38,6 @@ from study.papers.yasunobu_train import (
 from vehicle.optimum import Course, TooShort, least_energy
 from vehicle.optimum.bound import lower_bound_j
 
-KWH_J: Final = 3.6e6
 PUNCTUAL_S: Final = 1.0
 SAVING_SHARE: Final = 0.10  # the paper, 6.2
 NEAR_BOUND_SHARE: Final = 0.05
@@ -211,14 +211,16 @@ def row_of(cell: Cell) -> Row:
         return Row(cell.name, None, said, False, "a running time that there is")
     ours = {f"{way.value}, kWh": round(cell.hops[way].traction_kwh, 2) for way in Way}
     ours |= {
-        "optimum, kWh": round(cell.optimum_j / KWH_J, 2),
-        "lower bound, kWh": round(cell.bound_j / KWH_J, 3),
+        "optimum, kWh": round(cell.optimum_j / J_PER_KWH, 2),
+        "lower bound, kWh": round(cell.bound_j / J_PER_KWH, 3),
     }
     ours |= {"fuzzy saves, %": percent(cell.saving)}
     ours |= {f"{way.value} over the bound, %": percent(cell.over_bound[way]) for way in Way}
     ours |= {f"{way.value} notch changes": cell.hops[way].notch_changes for way in Way}
     ours |= {f"{way.value} off the time, s": round(cell.hops[way].off_s, 1) for way in Way}
-    never = cell.over_bound[Way.FUZZY] >= 0.0 and cell.hops[Way.FUZZY].traction_kwh >= cell.optimum_j / KWH_J
+    never = (
+        cell.over_bound[Way.FUZZY] >= 0.0 and cell.hops[Way.FUZZY].traction_kwh >= cell.optimum_j / J_PER_KWH
+    )
     criterion = "all four within 1 s of the order and 1 m of the mark, the optimum not above fuzzy"
     return Row(cell.name, None, ours, cell.comparable() and never, criterion)
 
@@ -303,7 +305,7 @@ def figures(nominal: Cell) -> tuple[Figure, ...]:
 
 def net_kwh(hop: Timed) -> float:
     """Traction less what came back."""
-    return hop.traction_kwh - float(hop.outcome["energy_regenerated_j"]) / KWH_J
+    return hop.traction_kwh - float(hop.outcome["energy_regenerated_j"]) / J_PER_KWH
 
 
 def parameters() -> tuple[Parameter, ...]:
@@ -347,7 +349,7 @@ def write_pictures(cells: Sequence[Cell], folder: Path) -> tuple[Path, ...]:
         bounded = [cell for cell in of_gradient if cell.bound_j is not None]
         lines["lower bound"] = Curve(
             np.array([cell.asked_s for cell in bounded]),
-            np.array([(cell.bound_j or 0.0) / KWH_J for cell in bounded]),
+            np.array([(cell.bound_j or 0.0) / J_PER_KWH for cell in bounded]),
         )
         curves[gradient_named(gradient)] = lines
     traces: dict[str, Rows] = {}

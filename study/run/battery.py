@@ -13,10 +13,10 @@ from typing import Any, Final
 import numpy as np
 import polars as pl
 
+from network.units import J_PER_KWH
 from simulation.battery_settings import BatterySettings
 from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import Setup
-from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import make_table
 from vehicle.battery import soc_of, stand, stored_j
 
@@ -93,11 +93,11 @@ def _rows(records: Sequence[BatteryRecord], window: Window) -> list[dict[str, An
                 "soc": record.soc,
                 "soc_low": window.soc_low,
                 "soc_kept": window.soc_kept,
-                "stored_kwh": record.stored_j / JOULE_PER_KWH,
-                "above_low_kwh": (record.stored_j - window.low_j) / JOULE_PER_KWH,
+                "stored_kwh": record.stored_j / J_PER_KWH,
+                "above_low_kwh": (record.stored_j - window.low_j) / J_PER_KWH,
                 "power_kw": out_j / since_s / 1e3 if since_s > 0.0 else 0.0,
                 "supply_kw": record.supply_w / 1e3,
-                **{f"{name}_kwh": getattr(record, f"{name}_j") / JOULE_PER_KWH for name in FLOWS},
+                **{f"{name}_kwh": getattr(record, f"{name}_j") / J_PER_KWH for name in FLOWS},
             }
         )
     return found
@@ -126,9 +126,9 @@ def _charges(records: Sequence[BatteryRecord], window: Window, setup: Setup) -> 
                 "to_s": end.t_s,
                 "soc_from": begin.soc,
                 "soc_to": end.soc,
-                "gained_kwh": (end.stored_j - begin.stored_j) / JOULE_PER_KWH,
-                "next_way_kwh": needs_j / JOULE_PER_KWH,
-                "margin_kwh": (until.stored_j - window.kept_j) / JOULE_PER_KWH,
+                "gained_kwh": (end.stored_j - begin.stored_j) / J_PER_KWH,
+                "next_way_kwh": needs_j / J_PER_KWH,
+                "margin_kwh": (until.stored_j - window.kept_j) / J_PER_KWH,
                 "minutes": (end.t_s - begin.t_s) / 60.0,
                 "minutes_suffice": None if suffices_s is None else suffices_s / 60.0,
             }
@@ -196,7 +196,7 @@ def _set_summary(rows: pl.DataFrame, window: Window) -> dict[str, Any]:
         "lowest_at_s": lowest["t_s"],
         "lowest_train": lowest["train"],
         "lowest_station": lowest["station"],
-        "margin_kwh": lowest["stored_kwh"] - window.kept_j / JOULE_PER_KWH,
+        "margin_kwh": lowest["stored_kwh"] - window.kept_j / J_PER_KWH,
         "above_low_kwh": lowest["above_low_kwh"],
         **{f"{name}_kwh": value for name, value in flows.items()},
         "change_kwh": change,

@@ -8,8 +8,9 @@ from typing import Final
 
 import polars as pl
 
+from network.units import J_PER_KWH
 from simulation.result import EnergyRecord, Phase
-from study.run.energy_parts import JOULE_PER_KWH, parts_columns
+from study.run.energy_parts import parts_columns
 from study.run.tables import make_table
 from vehicle.train_file import Receiver, TrainType
 
@@ -67,10 +68,10 @@ def added(records: Iterable[EnergyRecord]) -> Sum:
         sum(r.end_s - r.begin_s for r in moving),
         sum(r.end_s - r.begin_s for r in still),
         sum(r.distance_m for r in whole) / 1000.0,
-        sum(r.traction_j for r in whole) / JOULE_PER_KWH,
-        sum(r.regenerated_j for r in whole) / JOULE_PER_KWH,
-        sum(r.auxiliary_j for r in whole) / JOULE_PER_KWH,
-        sum(r.auxiliary_j for r in still) / JOULE_PER_KWH,
+        sum(r.traction_j for r in whole) / J_PER_KWH,
+        sum(r.regenerated_j for r in whole) / J_PER_KWH,
+        sum(r.auxiliary_j for r in whole) / J_PER_KWH,
+        sum(r.auxiliary_j for r in still) / J_PER_KWH,
     )
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from network.units import J_PER_KWH
 from simulation.result import EnergyRecord
 from study.run.energy import Make
-from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import make_table
 from vehicle.train_file import Receiver
 
@@ -32,7 +32,7 @@ def energy_hours_of(records: Iterable[EnergyRecord], fleet: Mapping[str, Make]) 
         for hour_s, share in shares(record.begin_s, record.end_s):
             sums[hour_s, record.stock_id, record.phase.value] += share * joules
     keys = sorted(key for key, joules in sums.items() if joules.any())
-    kwh = [sums[key] / JOULE_PER_KWH for key in keys]
+    kwh = [sums[key] / J_PER_KWH for key in keys]
     taken = [fleet[unit].regenerated_to is not Receiver.RESISTORS for _, unit, _ in keys]
     return make_table(
         "energy_hours",

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Final
 
+from network.units import J_PER_KWH
 from simulation.result import PARTS, EnergyRecord
 from vehicle.train_file import Receiver
-
-JOULE_PER_KWH: Final = 3.6e6
 
 
 def parts_columns(
@@ -28,5 +26,5 @@ def parts_columns(
         sums_j["rejected"] = math.fsum(r.rejected_j for r in records) + burnt_j
         sums_j["residual"] = math.fsum(r.residual_j for r in records)
         for name, joules in sums_j.items():
-            columns[f"{name}_kwh"].append(joules / JOULE_PER_KWH)
+            columns[f"{name}_kwh"].append(joules / J_PER_KWH)
     return columns

@@ -63,8 +63,8 @@ def ways() -> SetWays:
             hops.append(
                 Hop(
                     mission.number,
-                    here.station_id or here.section_id,
-                    there.station_id or there.section_id,
+                    here.place_id,
+                    there.place_id,
                     180.0,
                     5.0 * KWH,
                     1.0 * KWH,

@@ -38,14 +38,14 @@ def journey_stops(
     here = mission.targets[at]
     leaves_s = now_s if here.departure_s is None else max(now_s, here.departure_s)
     leaves = Window(leaves_s, max(leaves_s, _latest_departure_s(here, over_s[at])))
-    stops = [JourneyStop(_name(here), departure=leaves)]
+    stops = [JourneyStop(here.place_id, departure=leaves)]
     for target, later_s in zip(mission.targets[at + 1 :], over_s[at + 1 :], strict=True):
         dwell_s = dwell_min_s if target.passengers else 0.0
         latest_s = target.latest_arrival_s(dwell_min_s)
         arrival = Window(latest_s=math.inf if latest_s is None else latest_s + later_s - time_margin_s)
         early_s = -math.inf if target.departure_s is None else target.departure_s
         departure = Window(early_s, _latest_departure_s(target, later_s))
-        stops.append(JourneyStop(_name(target), arrival, departure, dwell_s))
+        stops.append(JourneyStop(target.place_id, arrival, departure, dwell_s))
     return tuple(stops)
 
 
@@ -83,7 +83,3 @@ def _over_s(mission: Mission, index: int, tolerance_s: float) -> float:
     stations = [i for i, target in enumerate(mission.targets) if target.station_id is not None]
     at_end = not stations or index <= stations[0] or index >= stations[-1]
     return 0.0 if at_end or mission.targets[index].crossing else tolerance_s
-
-
-def _name(target: Target) -> str:
-    return target.station_id or target.section_id

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.units import J_PER_KWH
 from simulation.result import EnergyRecord, Phase
 from simulation.world.ride import Ride
 from study.measures.driving import DrivenHop, Stock, driven, driven_hops
 from study.run.driving import driving_summary, read_hops
-from study.run.energy_parts import JOULE_PER_KWH
 from study.run.tables import DRIVING, make_table
 from vehicle.train_file import Receiver
 
@@ -27,7 +27,7 @@ STOCKS: Final = {
 def run_of(
     unit: str, train: str, ends: str, times_s: tuple[float, float], kwh: tuple[float, float], ride: Ride
 ) -> EnergyRecord:
-    joules = (figure * JOULE_PER_KWH for figure in kwh)
+    joules = (figure * J_PER_KWH for figure in kwh)
     return EnergyRecord(
         unit, train, True, Phase.RUNNING, *ends.split("-"), *times_s, ride.moved_m, *joules, 9e6, ride=ride
     )

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.units import J_PER_KWH
 from simulation.result import EnergyRecord, Phase
 from simulation.world.energy_book import EnergyBook
 from study.run.drill import find_drill
 from study.run.energy import Make, energy_tables, stays_of
-from study.run.energy_parts import JOULE_PER_KWH
 from study.run.run import simulated
 from study.scenario.scenario import load_scenario
 from vehicle.train_file import Receiver
@@ -32,7 +32,7 @@ def record(
     m: float = 0.0,
 ) -> EnergyRecord:
     from_id, to_id = ends.split("-") if "-" in ends else (ends, ends)
-    joules = (figure * JOULE_PER_KWH for figure in kwh)
+    joules = (figure * J_PER_KWH for figure in kwh)
     return EnergyRecord("K1", number, True, phase, from_id, to_id, *times_s, m, *joules)
 
 
@@ -123,7 +123,7 @@ def unbooked_kwh(drill: str) -> float:
     standing = [r for r in result.energy if r.phase is not Phase.RUNNING]
     assert all(r.traction_j == r.regenerated_j == r.distance_m == 0.0 for r in standing)
     assert all(r.end_s >= r.begin_s and r.auxiliary_j >= 0.0 for r in result.energy)
-    return max(abs(counted[kind] - booked[kind]) for kind in KINDS) / JOULE_PER_KWH
+    return max(abs(counted[kind] - booked[kind]) for kind in KINDS) / J_PER_KWH
 
 
 def test_every_joule_of_a_run_is_in_one_record() -> None:

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from network.units import J_PER_KWH
 from simulation.result import EnergyRecord, Phase
 from study.run.energy import Make
 from study.run.energy_hours import energy_hours_of, shares
-from study.run.energy_parts import JOULE_PER_KWH
 from vehicle.train_file import Receiver
 
 FLEET = {"K1": Make(40.0, 2, Receiver.BATTERY), "K2": Make(40.0, 2, Receiver.RESISTORS)}
@@ -18,7 +18,7 @@ FLEET = {"K1": Make(40.0, 2, Receiver.BATTERY), "K2": Make(40.0, 2, Receiver.RES
 def record(
     unit: str, phase: Phase, begin_s: float, end_s: float, kwh: tuple[float, float, float]
 ) -> EnergyRecord:
-    joules = (one * JOULE_PER_KWH for one in kwh)
+    joules = (one * J_PER_KWH for one in kwh)
     return EnergyRecord(unit, "1", True, phase, "A", "B", begin_s, end_s, 0.0, *joules)
 
 
@@ -60,5 +60,5 @@ def test_the_shares_of_a_stretch_sum_to_one(begin_s: float, length_s: float) -> 
 def test_the_sum_over_all_hours_is_that_of_the_records(records: list[EnergyRecord]) -> None:
     found = energy_hours_of(records, FLEET)
     for kind in ("traction", "regenerated", "auxiliary"):
-        booked = sum(getattr(one, f"{kind}_j") for one in records) / JOULE_PER_KWH
+        booked = sum(getattr(one, f"{kind}_j") for one in records) / J_PER_KWH
         assert found[f"{kind}_kwh"].sum() == pytest.approx(booked, abs=1e-9)
