@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 from onboard.board import SensedRow
 from simulation.sensors import beacon_receiver as beacon
 from simulation.sensors import gnss, lidar, sign_camera, slide_protection, tag_reader, yaw_gyro
-from simulation.sensors import lidar, sign_camera, slide_protection, tag_reader
 from simulation.sensors import load_sensor as load
 from simulation.sensors import tachometer as tacho
 from simulation.sensors.scene import SceneRow

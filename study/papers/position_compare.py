@@ -100,10 +100,11 @@ def far_from_a_fix(ran: Ran) -> float:
 
 
 def measured(ran: Ran) -> Measures:
-    """The measures of a run, from a sample a second and from the worst of all steps."""
+    """The measures of a run, from a sample a second while it moves and from the worst of all steps."""
     result, trace = ran.result, ran.result.trace
+    trace = trace[trace["speed_mps"] > 0.0]  # a train that waits is one place, however long
     error_m = np.asarray(trace["estimate_error_m"], dtype=np.float64)
-    half_m = half_widths_m(ran)
+    half_m = np.asarray((trace["bound_ahead_m"] + trace["bound_behind_m"]) / 2.0, dtype=np.float64)
     outside = (error_m > trace["bound_behind_m"]) | (-error_m > trace["bound_ahead_m"])
     return Measures(
         carried=ran.carried.name,

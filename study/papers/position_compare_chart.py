@@ -17,9 +17,10 @@ NAME: Final = "position_compare"
 BAND: Final = "#cfe2f1"
 ROW_IN: Final = 1.45
 FAULT: Final = "#fbe3c8"
-HEADROOM: Final = 1.35
-SHARE_SHOWN: Final = 96.0  # percentile of the half width that a row shows; what is wider goes off its top
-LEAST_M: Final = 5.0
+LINEAR_M: Final = 1.0  # the scale is linear within so much of 0, and logarithmic beyond
+LIMIT_M: Final = 1_000.0  # a train whose bounds are wider knows nothing
+TICKS_M: Final = (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)
+PER_LINE: Final = 9
 
 
 def numbers() -> Mapping[str, int]:
@@ -28,43 +29,38 @@ def numbers() -> Mapping[str, int]:
 
 
 def draw_comparison(runs: Sequence[Ran]) -> Figure:
-    """Left what nothing disturbs, right everything that may fail, in turn; both of the same scale in a row."""
+    """Left what nothing disturbs, right everything that may fail, in turn; all of the same scale."""
     sets = [carried for carried in SETS if any(ran.carried is carried for ran in runs)]
     figure = Figure(figsize=(WIDTH_IN, 1.2 + ROW_IN * len(sets)), layout="constrained")
-    grid = figure.subplots(len(sets), 2, sharex=True, sharey="row", squeeze=False)
+    grid = figure.subplots(len(sets), 2, sharex=True, sharey=True, squeeze=False)
     for carried, (left, right) in zip(sets, grid, strict=True):
         plain = next(ran for ran in runs if ran.carried is carried and not ran.troubles)
         troubled = next((ran for ran in runs if ran.carried is carried and len(ran.troubles) > 1), plain)
-        limit_m = max(LEAST_M, *(_limit_m(ran) for ran in (plain, troubled)))
         for axes, ran in ((left, plain), (right, troubled)):
-            _draw_run(axes, ran, limit_m)
+            _draw_run(axes, ran)
         left.set_ylabel(carried.name, rotation=0, ha="right", va="center", fontsize=8.5)
     grid[0][0].set_title("nothing fails")
     grid[0][1].set_title("faults, one after the other")
     for axes in grid[-1]:
         axes.set_xlabel("way from Karasuyama, km")
     handles, labels = grid[0][0].get_legend_handles_labels()
-    words = "   ".join(f"{number} {name}" for name, number in numbers().items())
+    words = [f"{number} {name}" for name, number in numbers().items()]
+    lines = ["   ".join(words[first : first + PER_LINE]) for first in range(0, len(words), PER_LINE)]
     figure.legend(handles, labels, loc="outside upper right", ncols=4)
     figure.suptitle(
-        "Error of the estimated position, and the bounds that must hold it, m (scales differ from row to row)",
+        "Error of the estimated position, and the bounds that must hold it, m (linear to 1 m, then by powers of ten)",
         x=0.01,
         ha="left",
         fontsize=9.5,
         color=INK,
     )
-    figure.supxlabel(f"faults, in force where the right side is shaded: {words}", fontsize=7.5, color=INK)
+    figure.supxlabel(
+        "\n".join(["faults, in force where the right side is shaded:", *lines]), fontsize=8.0, color=INK
+    )
     return figure
 
 
-def _limit_m(ran: Ran) -> float:
-    trace = ran.result.trace
-    widest_m = np.maximum(trace["bound_ahead_m"], trace["bound_behind_m"])
-    moves = trace["speed_mps"] > 0.0
-    return float(np.percentile(widest_m[moves], SHARE_SHOWN)) * HEADROOM
-
-
-def _draw_run(axes: Axes, ran: Ran, limit_m: float) -> None:
+def _draw_run(axes: Axes, ran: Ran) -> None:
     trace = ran.result.trace
     km = trace["position_m"] / 1e3
     axes.axvspan(TUNNEL_M[0] / 1e3, TUNNEL_M[1] / 1e3, ymin=0.95, color=PALE, lw=0, label="tunnel")
@@ -75,10 +71,10 @@ def _draw_run(axes: Axes, ran: Ran, limit_m: float) -> None:
         axes.axvspan(trouble.from_m / 1e3, max(trouble.to_m, trouble.from_m + 60.0) / 1e3, color=FAULT, lw=0)
         axes.annotate(
             str(numbers()[trouble.name]),
-            (trouble.from_m / 1e3, -0.93 * limit_m),
+            (trouble.from_m / 1e3, -LIMIT_M),
             fontsize=7.0,
             color=INK,
-            xytext=(1.0, 0.0),
+            xytext=(1.0, 2.0),
             textcoords="offset points",
         )
     axes.fill_between(
@@ -91,7 +87,10 @@ def _draw_run(axes: Axes, ran: Ran, limit_m: float) -> None:
     )
     axes.plot(km, trace["estimate_error_m"], color=RED, lw=0.9, label="error")
     axes.axhline(0.0, color=PALE, lw=0.4)
-    axes.set_ylim(-limit_m, limit_m)
+    axes.set_yscale("symlog", linthresh=LINEAR_M, linscale=0.8)
+    axes.set_ylim(-LIMIT_M, LIMIT_M)
+    axes.set_yticks(TICKS_M, [f"{tick:g}" for tick in TICKS_M])
+    axes.minorticks_off()
     axes.set_xlim(0.0, 21.4)
     axes.grid(visible=True, axis="y")
 

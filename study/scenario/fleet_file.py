@@ -21,7 +21,6 @@ from onboard.unit_records import UnitParameters
 from simulation.design import overrated
 from simulation.events import WORLD
 from simulation.settings import Carried, Driving, Sensors, Tuning, Vision
-from simulation.settings import Carried, Driving, Tuning, Vision
 from simulation.setup import Setup
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
