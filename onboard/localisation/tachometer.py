@@ -66,11 +66,9 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
 def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float, step_s: float) -> float:
     """How far the train may have run in this step beyond what its wheels counted, m; keeps `unit.may_run_mps`.
 
-    Wheels that turn without sliding show its speed. Standing ones may be locked, and turning ones that slide may
-    turn at any speed, where the train has no protection that keeps them above a share of its own. What sees the speed
-    otherwise (`unit.seen_speed_mps`) bounds it.
     Wheels that roll show its speed. Standing ones may be locked, and turning ones that slide or slip may turn at any
-    speed, where the train has no protection that keeps them above a share of its own.
+    speed, where the train has no protection that keeps them above a share of its own. What sees the speed otherwise
+    (`unit.seen_speed_mps`) bounds it.
     """
     rolled_mps = speed_mps * unit.odometer_scale
     locks = train.wheel_slide_share_max > LOST_SHARE
