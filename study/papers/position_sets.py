@@ -109,7 +109,7 @@ TROUBLES: Final = tuple(
         Trouble("wrong tag", Carried.TAGS, 14_100.0, 14_400.0, "wrong_id", {"id": 305}, target="306"),
         Trouble("tag moved", Carried.TAGS, 16_200.0, 16_400.0),
         Trouble("beacon missed", Carried.BEACONS, 6_500.0, 6_700.0, "no_beacon"),
-        Trouble("beacon added", Carried.BEACONS, 8_960.0, 8_961.0, "false_beacon"),
+        Trouble("beacon added", Carried.BEACONS, 8_995.0, 8_996.0, "false_beacon"),
         Trouble("beacon moved", Carried.BEACONS, 15_500.0, 15_700.0),
         Trouble("gyro dead", Carried.CURVATURE, 6_000.0, 7_200.0, "gyro_dead"),
         Trouble("gyro bias", Carried.CURVATURE, 18_800.0, 20_000.0, "gyro_bias", {"jump_degps": 0.5}),
