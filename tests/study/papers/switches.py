@@ -23,6 +23,7 @@ from study.papers import (
     stop_window,
     table4_stops,
 )
+from study.papers.position_run import Moment
 from vehicle.records import TrainRow
 
 Switch = Callable[[pytest.MonkeyPatch], None]
@@ -168,4 +169,7 @@ def receiver_states_less_than_it_errs_by(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def faults_do_nothing(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(position_sets, "moments_of", lambda *_: [])
+    def nothing(_trouble: position_sets.Trouble, _stock_id: str, _key: int) -> list[Moment]:
+        return []
+
+    patch.setattr(position_sets, "moments_of", nothing)
