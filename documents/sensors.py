@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -231,7 +231,7 @@ def _value(value: object) -> str:
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, tuple):
-        return ", ".join(_value(each) for each in value) or "none"
+        return ", ".join(_value(each) for each in cast("tuple[object, ...]", value)) or "none"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,6 @@ from onboard.driving import stop_keeper, tuning
 from onboard.driving.tasc import WHOLE_LAW, DesignRow, Part
 from onboard.driving.tuning import Fit, Learned, StopRecord
 from onboard.records import BehaviourRow
-from simulation.gnss_settings import FAIL_SAFE, Gnss
 from study.papers import (
     oda_tuning,
     position_sets,
@@ -161,10 +161,10 @@ def _shift_edge(patch: pytest.MonkeyPatch, share: float) -> None:
 
 
 @switch
-def receiver_states_less_than_it_errs_by(patch: pytest.MonkeyPatch) -> None:
-    """Its file would refuse this: a tenth of the protection level, with the same errors."""
-    stated = FAIL_SAFE.model_copy(update={"protection_m": FAIL_SAFE.protection_m / 10.0})
-    patch.setattr(position_sets, "GNSS", Gnss().model_copy(update={"fail_safe": stated}))
+def creeping_reflections_claimed_to_be_held(patch: pytest.MonkeyPatch) -> None:
+    """What no reader can see: the bounds break, and the reproduction must say so."""
+    creeping = [replace(each, held=True) for each in position_sets.TROUBLES if not each.held]
+    patch.setattr(position_sets, "TROUBLES", tuple(creeping))
 
 
 @switch
