@@ -30,7 +30,9 @@ from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
+    AtMark,
     Command,
+    Found,
     How,
     Looked,
     Order,
@@ -43,22 +45,14 @@ from onboard.duty.records import (
     VehicleChecked,
 )
 from onboard.duty.unable import Unable
-from onboard.localisation.fix import (
-    FOREIGN,
-    MISSED,
-    NOTHING,
-    OUTCOMES,
-    REFUSED,
-    TAKEN,
-    Taken,
-    missed_by_m,
-    take,
-)
+from onboard.fixes import Fixes
+from onboard.localisation.fix import MISSED, REFUSED, TAKEN, Taken, missed_by_m, take
 from onboard.localisation.sighting import sign
-from onboard.localisation.table import READER_NAMES, READERS_ROW, ReadersRow
+from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import TagDoubt, tag_fix
 from onboard.records import (
     EMERGENCY_INTERVENTION,
+    EVENT_CONTRADICTED,
     EVENT_FIX,
     EVENT_INTERVENTION,
     EVENT_MOVING,
@@ -136,7 +130,7 @@ class Motion:
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters)
         self._ability: Final = Ability()
-        self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
+        self._fixes: Final = Fixes(self.row, self.readers, parameters, self._length_m)
         self._found = False
         self._off_plan = False
         self._laws: Final = laws
@@ -199,6 +193,7 @@ class Motion:
         row.path_offset, row.path_rows = path.offset, len(path.rows)
         row.places_offset, row.places_rows = path.places_offset, path.places_rows
         row.paths_taken_up += 1
+        self._fixes.take_up(mission, virtual=not self.reads_tags)
         self._pace.take_up(path.rows)
         row.mode = MODE_HOLD
         row.target_stop_m = row.mark_m = row.position_m
@@ -244,6 +239,8 @@ class Motion:
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
             unfit=self.vehicle.unfit,
             unable=self._unable(mission, near) if stands and near >= 0 else None,
+            unsure=stands and near >= 0 and self._fixes.unsure,
+            untold=self._fixes.untold,
         )
 
     def _unable(self, mission: Mission, at: int) -> Unable | None:
@@ -262,8 +259,21 @@ class Motion:
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""
-        taken, self.notes = self.notes, []
+        taken = [*self.notes, *self._fixes.notes]
+        self.notes.clear()
+        self._fixes.notes.clear()
         return taken
+
+    def at_mark(self, event: AtMark) -> list[Sensed]:
+        """The driver's eye has told where the train stands, which a unit that reads tags does not go by."""
+        return self._taken_up(self._fixes.at_mark(event, self.command))
+
+    def _taken_up(self, of_fixes: list[Sensed]) -> list[Sensed]:
+        """What fixes mean to the duty; who has found its position runs on from there."""
+        if any(isinstance(each, Found) for each in of_fixes):
+            self._found = True
+            self._expect_tag()
+        return of_fixes
 
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
@@ -284,10 +294,10 @@ class Motion:
         found = bool(row.position_known != 1)
         taken = take(self._record, tag_fix(self._record, tag.position_m, odometer_m, tolerance_m))
         correction_m = taken.correction_m if isinstance(taken, Taken) else 0.0
-        self.notes.append(
-            notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3))
-        )
+        moved_m = round(correction_m, 3)
+        self.notes.append(notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=moved_m))
         self._expect_tag(tag.position_m)
+        self._fixes.tag_believed()
         self._found = self._found or found
         return [TagPassed(index, found)]
 
@@ -299,7 +309,10 @@ class Motion:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
             happened += self._lose("the tachometer shows what cannot be")
         if bits & EVENT_FIX:
-            self._fixes()
+            self._look_at_fixes()
+        if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
+            happened += self._lose("fixes miss the bounds of the position")
+        happened += self._taken_up(self._fixes.ticked(bits, self.command))
         if bits & EVENT_VERDICT:
             self._note_impossible()
         if bits & EVENT_TAG_OVERDUE:
@@ -320,17 +333,13 @@ class Motion:
             happened.append(Looked())
         return happened
 
-    def _fixes(self) -> None:
+    def _look_at_fixes(self) -> None:
         """What came of a reading is another than before: taken, refused, or missed."""
-        for number, name in enumerate(READER_NAMES):
-            before, outcome = self._outcomes[number], int(self.readers.outcome[number])
-            self._outcomes[number] = outcome
-            if outcome in (before, NOTHING):
-                continue
+        for number, name, before, outcome in self._fixes.changes():
             if outcome == REFUSED:
                 self.notes.append(notes.FixRefused(reader=name))
             if name != SIGN:
-                self._explain(number, name, before, outcome)
+                self._fixes.explain(number, name, before, outcome)
                 continue
             target = self._next_target()
             if outcome == TAKEN and target is not None:
@@ -339,23 +348,12 @@ class Motion:
             elif outcome == MISSED:
                 self._impossible(Verdict.TARGET_NOT_SEEN)
 
-    def _explain(self, number: int, name: str, before: int, outcome: int) -> None:
-        """What came of a reading that is no sign's: the first fix taken, and where the map begins and ceases to fit."""
-        if outcome == TAKEN:
-            moved_m = round(float(self.readers.moved_m[number]), 3)
-            self.notes.append(notes.FixTaken(reader=name, correction_m=moved_m, after=OUTCOMES[before]))
-        elif outcome == FOREIGN:
-            self.notes.append(notes.ForeignTrack(reader=name))
-        elif outcome == MISSED:
-            self.notes.append(notes.FixMissed(reader=name))
-
     def _look_for_sign(self, target: Target | None) -> None:
         """Go by the sign of this mark from now on."""
         mark_m = math.inf if target is None else target.mark_m
         if mark_m != self.readers.sign.mark_m:
             self.readers.sign.mark_m, self.readers.sign.seen = mark_m, 0
-            number = READER_NAMES.index(SIGN)
-            self._outcomes[number] = self.readers.outcome[number] = NOTHING
+            self._fixes.forget_outcome(SIGN)
 
     def _stopped(self) -> list[Sensed]:
         row, target = self.row, self._next_target()
@@ -416,6 +414,7 @@ class Motion:
         row = self.row
         self.notes.append(notes.PositionFault(why=why))
         self._doubt.begin()
+        self._fixes.doubt()
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known = 0
         row.restricted_mps = self._parameters.restricted_mps
@@ -444,6 +443,7 @@ class Motion:
             self._run(command, now_s)
         self._found = False
         row.position_trigger_m = math.inf if self._pace.timed is None else self._pace.timed.position_m
+        row.position_trigger_m = min(row.position_trigger_m, self._fixes.ask_m)
         if command.await_radio and row.position_known and self._mission is not None:
             covered_m = next_coverage_m(self._line, self._mission.path, row.position_m)
             row.position_trigger_m = min(row.position_trigger_m, covered_m)

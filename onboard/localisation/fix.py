@@ -28,6 +28,8 @@ MISSED: Final = 3  # what should have shown itself by now has not
 FOREIGN: Final = 4  # what it sees is not what the map has here
 OUTCOMES: Final = ("nothing", "taken", "refused", "missed", "foreign")  # the words for them
 
+FIX_CUT: Final = 1  # unit.fix_came
+FIX_MISSED: Final = 2
 STRONGEST_WEIGHT: Final = 1.0  # of a fix that meets an estimate which says nothing
 
 
@@ -98,7 +100,12 @@ def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> flo
 @compiled
 def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
     """A fix from a reader of the table, by the rule; what came of it."""
-    return TAKEN if cut(row, position_m, behind_m, ahead_m) <= 0.0 else REFUSED
+    if not cut(row, position_m, behind_m, ahead_m) <= 0.0:
+        row.fix_came = FIX_MISSED
+        return REFUSED
+    row.fix_came = FIX_CUT
+    row.fix_low_m, row.fix_high_m = position_m - behind_m, position_m + ahead_m
+    return TAKEN
 
 
 @compiled

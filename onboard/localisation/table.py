@@ -11,7 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
-from onboard.localisation.fix import NOTHING
+from onboard.localisation.fix import NOTHING, TAKEN
+from onboard.localisation.places import told
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
 from vehicle.compiled import compiled, compiled_lines
@@ -20,11 +21,16 @@ from vehicle.record import dtype_of
 
 @dataclass(frozen=True, slots=True)
 class Reader:
-    """One reader: its compiled function, the class of what its sensor shows, and that of its own row."""
+    """One reader: its compiled function, the class of what its sensor shows, and that of its own row.
+
+    `absolute`: its fixes rest on what lies beside or above the track, and on the tachometer for no more than the
+    stretch that it compares. Only these prove what lies behind (decision 037).
+    """
 
     function: Callable[..., int]
     reading: type
     row: type
+    absolute: bool = False
 
     @property
     def name(self) -> str:
@@ -49,6 +55,7 @@ class ReadersRow(Protocol):
 
     outcome: Annotated[list[int], len(READERS), "the last that was not nothing"]
     moved_m: Annotated[list[float], len(READERS), "by which the last fix taken moved the position"]
+    taken: Annotated[list[int], len(READERS), "how many fixes were taken"]
 
     if TYPE_CHECKING:
 
@@ -68,6 +75,7 @@ def noted(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int
     """Keep what came of a reading; an event where it is another than before."""
     if outcome == NOTHING:
         return 0
+    readers.taken[number] += 1 if outcome == TAKEN else 0
     before = readers.outcome[number]
     readers.outcome[number], readers.moved_m[number] = outcome, moved_m
     return 0 if outcome == before else EVENT_FIX
@@ -75,15 +83,17 @@ def noted(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int
 
 def _read_all() -> ReadAll:
     lines = ["def read_all(readers, readings, unit, chart, step_s):", "    events = 0"]
-    for number, name in enumerate(READER_NAMES):
+    for number, (name, reader) in enumerate(zip(READER_NAMES, READERS, strict=True)):
         lines += [
-            "    before_m = unit.position_m",
+            "    before_m, unit.fix_came = unit.position_m, 0",
             f"    outcome = {name}(readers.{name}, readings.{name}, unit, chart, step_s)",
             f"    events |= noted(readers, {number}, outcome, unit.position_m - before_m)",
         ]
+        if reader.absolute:
+            lines += [f"    events |= told(unit, {number})"]
     lines += ["    return events"]
     names = {reader.name: reader.function for reader in READERS}
-    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted}, __name__))
+    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted, "told": told}, __name__))
 
 
 read_all: Final = _read_all()

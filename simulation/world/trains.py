@@ -17,7 +17,7 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAW_NAMES, LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
-from onboard.localisation.table import ReadersRow
+from onboard.localisation.table import READER_NAMES, ReadersRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
@@ -383,6 +383,13 @@ class Trains:
         if self.setup.sensors.tags == "bits" and says_id is not None:
             says_id = self._read_bits(slot, says_id)
         return tag_id, says_id, float(self.tag_readers[slot].latched_m)
+
+    def fixes(self) -> dict[str, dict[str, int]]:
+        """How many fixes each reader has taken, by stock id and its name."""
+        return {
+            stock_id: {name: int(readers.taken[number]) for number, name in enumerate(READER_NAMES)}
+            for stock_id, readers in zip(self.stock_ids, self.readers, strict=True)
+        }
 
     def reads_tags(self, slot: int) -> bool:
         """Whether the stock carries a reader of tags."""

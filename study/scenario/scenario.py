@@ -39,6 +39,7 @@ from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
 from study.scenario.script_file import script_of
+from study.scenario.sensor_choice import check_sensors
 from vehicle.train_file import TrainType, shipped_train
 from vehicle.train_patch import patched_train
 
@@ -88,6 +89,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     check_vision(str(path), model.vision, line.stations)
     check_margins(str(path), model.driving)
     check_battery(str(path), model.battery, timetable, trains)
+    check_sensors(str(path), model.sensors, sorted(trains))
     check_grip(str(path), model.driving, trains, line.max_speed_mps)
     setup = Setup(
         name=model.id,

@@ -1,0 +1,154 @@
+"""Virtual tags (仮想地上子): for a train without a reader of tags, their places in the database are passed by fixes.
+
+Invariant: a place counts as passed only once a fix of an absolute sensor has the whole of its own interval beyond it.
+What the tachometer says counts nothing there, as at a real tag, which can be read only where it is: so a release that
+waits for the place is immune to the tachometer (decisions 011 and 037). Where the front passes a place without a fix,
+the next fix beyond it counts for it; where none comes, the driver is asked at the mark.
+
+What only asks for something ahead (throws at ④, the route beyond) goes by the estimate: it frees nothing, and whoever
+may be upon points throws none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from network.model import TagPurpose
+from onboard.duty.mission import PathTag
+from onboard.localisation.fix import FIX_CUT, FIX_MISSED
+from onboard.localisation.tachometer import calibrated_scale
+from onboard.records import EVENT_CONTRADICTED, EVENT_PLACE, UnitRow
+from onboard.unit_records import UnitParameters
+from vehicle.compiled import compiled
+
+MISSED_MAX: Final = 3  # in a row: one reading may be wrong, three say that the bounds are
+AGREES_OVER_M: Final = (
+    200.0  # assumed: a way over which two fixes tell a sound tachometer from one out of order
+)
+MEASURES_SHARE: Final = 0.002  # fixes nearer to each other than what they leave open allows measure no wheel
+ASKS_AHEAD: Final = (TagPurpose.APPROACH, TagPurpose.POSITION)
+
+
+@compiled
+def told(unit: UnitRow, reader: int) -> int:
+    """What a reading of an absolute sensor means for virtual tags; event bits."""
+    if unit.fix_came == FIX_CUT:
+        unit.missed_fixes = 0
+        unit.fix_at_m, unit.fix_odometer_m = unit.position_m, unit.odometer_m
+        unit.fix_reader = reader
+        unit.sure_m = max(unit.sure_m, unit.fix_low_m)
+        if unit.sure_m >= unit.place_trigger_m:
+            unit.place_trigger_m = np.inf
+            return EVENT_PLACE
+    elif unit.fix_came == FIX_MISSED:
+        unit.missed_fixes += 1
+        if unit.missed_fixes == MISSED_MAX:
+            return EVENT_CONTRADICTED
+    return 0
+
+
+class _Anchor(NamedTuple):
+    """A fix that others are measured by: about where, within what either way, and what the tachometer showed; m."""
+
+    position_m: float
+    within_m: float
+    odometer_m: float
+
+
+class Places:
+    """What one unit without a reader of tags makes of fixes; reads and sets localisation in its row."""
+
+    def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
+        self._row: Final = row
+        self._parameters: Final = parameters
+        self._tags: tuple[PathTag, ...] = ()
+        self._proved = 0  # of the tags, how many by fixes
+        self._asked = 0  # and how many by the estimate
+        self._anchor: _Anchor | None = None
+        self.forget()
+
+    def forget(self) -> None:
+        """No virtual tags, until a path is taken up."""
+        row = self._row
+        row.sure_m = row.fix_at_m = -math.inf
+        row.place_trigger_m = math.inf
+        row.missed_fixes = 0
+        self._tags, self._anchor = (), None
+
+    def take_up(self, tags: tuple[PathTag, ...]) -> None:
+        """Another mission, from where the train stands: what lies behind it there is of no interest any more."""
+        self.forget()
+        self._tags = tags
+        here_m = float(self._row.position_m) + 0.1
+        self._proved = self._asked = sum(tag.position_m <= here_m for tag in tags)
+        self._watch()
+
+    @property
+    def ask_m(self) -> float:
+        """Where the estimate next has something asked for ahead; +inf: nowhere."""
+        ahead = (tag.position_m for tag in self._tags[self._asked :] if tag.purpose in ASKS_AHEAD)
+        return next(ahead, math.inf)
+
+    def proved(self) -> Iterator[tuple[int, PathTag]]:
+        """The tags whose places fixes prove to be behind the front since the last call, in their order."""
+        while self._proved < len(self._tags) and self._tags[self._proved].position_m <= self._row.sure_m:
+            yield self._proved, self._tags[self._proved]
+            self._proved += 1
+        self._measure()
+        self._watch()
+
+    def reached(self) -> Iterator[int]:
+        """The tags that ask for something ahead, and at whose places the estimate now is."""
+        while self._asked < len(self._tags) and self._tags[self._asked].position_m <= self._row.position_m:
+            if self._tags[self._asked].purpose in ASKS_AHEAD:
+                yield self._asked
+            self._asked += 1
+
+    def doubt(self) -> None:
+        """A position fault: no way is measured over it."""
+        self._anchor = None
+        self._row.missed_fixes = 0
+
+    def eye(self, front_m: float, within_m: float) -> None:
+        """The driver's eye has told where the front is: a fix like that of a sensor."""
+        row = self._row
+        row.fix_low_m, row.fix_high_m = front_m - within_m, front_m + within_m
+        row.fix_at_m, row.fix_odometer_m = row.position_m, row.odometer_m
+        row.sure_m = max(row.sure_m, row.fix_low_m)
+
+    def _watch(self) -> None:
+        """Have the tick report the next place; while the tachometer is in doubt, a fix that may clear it too."""
+        row = self._row
+        following = self._tags[self._proved].position_m if self._proved < len(self._tags) else math.inf
+        if self._anchor is not None and row.bound_growth > self._parameters.wheel_error_share:
+            following = min(following, self._anchor.position_m + AGREES_OVER_M)
+        elif row.bound_growth > self._parameters.wheel_error_share and math.isfinite(row.sure_m):
+            following = min(following, row.sure_m)
+        row.place_trigger_m = following
+
+    def _measure(self) -> None:
+        """Two fixes with a way between them: whether the tachometer agrees with them, and how its wheels count."""
+        row, parameters, before = self._row, self._parameters, self._anchor
+        if not math.isfinite(row.fix_at_m):
+            return
+        within_m = (row.fix_high_m - row.fix_low_m) / 2.0
+        now = _Anchor((row.fix_high_m + row.fix_low_m) / 2.0, within_m, row.fix_odometer_m)
+        if before is None:
+            self._anchor = now
+            return
+        way_m, run_m = now.position_m - before.position_m, now.odometer_m - before.odometer_m
+        open_m = now.within_m + before.within_m
+        if way_m < AGREES_OVER_M or run_m <= 0.0:
+            return
+        if abs(run_m * row.odometer_scale - way_m) > parameters.wheel_error_share * way_m + open_m:
+            self._anchor = now
+            return
+        row.bound_growth = parameters.wheel_error_share
+        if open_m <= MEASURES_SHARE * way_m:
+            limit, scale = parameters.wheel_scale_limit, row.odometer_scale
+            row.odometer_scale = calibrated_scale(scale, way_m, run_m, limit, open_m / 2.0)
+            self._anchor = now
