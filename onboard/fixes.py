@@ -33,8 +33,16 @@ UNSURE_OVER_M: Final = (
 class Fixes:
     """Of one unit; `virtual`: its train has no reader of tags, so that fixes pass the places of tags."""
 
-    def __init__(self, row: UnitRow, readers: Any, parameters: UnitParameters, length_m: float) -> None:  # noqa: ANN401
+    def __init__(
+        self,
+        row: UnitRow,
+        record: UnitRow,
+        readers: Any,  # noqa: ANN401
+        parameters: UnitParameters,
+        length_m: float,
+    ) -> None:
         self._row: Final = row
+        self._record: Final = record  # the same memory, as compiled code takes it
         self._readers: Final = readers
         self._length_m: Final = length_m
         self._places: Final = Places(row, parameters)
@@ -118,9 +126,9 @@ class Fixes:
         row = self._row
         known, before_m = bool(row.position_known), float(row.position_m)
         front_m = self._mission.targets[event.stop].mark_m + event.beyond_m
-        if missed_m(row, front_m, EYE_WITHIN_M, EYE_WITHIN_M) > 0.0:
+        if missed_m(self._record, front_m, EYE_WITHIN_M, EYE_WITHIN_M) > 0.0:
             row.position_known = 0  # an eye that looks out stands against wheels and maps
-        cut(row, front_m, EYE_WITHIN_M, EYE_WITHIN_M)
+        cut(self._record, front_m, EYE_WITHIN_M, EYE_WITHIN_M)
         self._places.eye(front_m, EYE_WITHIN_M)
         moved_m = round(float(row.position_m) - before_m, 3) if known else 0.0
         self.notes.append(notes.FixTaken(reader=EYE, correction_m=moved_m, after=OUTCOMES[NOTHING]))

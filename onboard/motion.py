@@ -130,7 +130,7 @@ class Motion:
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters)
         self._ability: Final = Ability()
-        self._fixes: Final = Fixes(self.row, self.readers, parameters, self._length_m)
+        self._fixes: Final = Fixes(self.row, row, self.readers, parameters, self._length_m)
         self._found = False
         self._off_plan = False
         self._laws: Final = laws

@@ -157,7 +157,7 @@ class OnBoard:
         self._motions[slot].vehicle = before.vehicle
 
     def switch_on(
-        self, slot: int, duty: Duty, stands_at: int | None, beyond_m: float
+        self, slot: int, duty: Duty, stands_at: int | None, beyond_m: float = 0.0
     ) -> list[Person | Sensed]:
         """After a boot on the line the crew enters the train number and, if it stands at one, the stop.
 

@@ -64,6 +64,7 @@ LINE: Final = ParameterSet(
         "line-driving",
         "line-stops",
         "oda-tuning",
+        "position-operations",
         "stop-statistics",
         "stop-window",
         "sugiyama-table5",

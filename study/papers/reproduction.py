@@ -15,6 +15,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "line-driving": "study.papers.line_driving",
     "battery-day": "study.papers.battery_day",
     "line-stops": "study.papers.line_stops",
+    "position-operations": "study.papers.position_operations",
     "oda-scale-track": "study.papers.oda_scale_track",
     "oda-table4": "study.papers.oda_table4",
     "oda-tuning": "study.papers.oda_tuning",
