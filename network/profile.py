@@ -25,6 +25,7 @@ PROFILE: Final = np.dtype(
         ("heading_rad", "f8"),
         ("irregularity_rad", "f8"),
         ("sky", "f8"),
+        ("kilometrage_m", "f8"),
     ],
     align=True,
 )
@@ -45,6 +46,7 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
       the curves of the legs of points; its slope is the signed curvature.
     - irregularity_rad: how far the rails as laid point off that; 0 here, the world lays it.
     - sky: NO_SKY, PART_OF_SKY or OPEN_SKY.
+    - kilometrage_m: of its alignment: what does not depend on which way a train comes.
     """
     count = math.ceil(path.length_m) + 1
     at_m = np.minimum(np.arange(count, dtype=np.float64), path.length_m)
@@ -61,6 +63,7 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
         kilometrages_m = np.concatenate((ends_m, inside_m))
         height_m = _elevation_m(alignment, kilometrages_m)
         bend_rad = np.abs(_turn_rad(alignment, kilometrages_m) - _turn_rad(alignment, ends_m[:1]))
+        rows["kilometrage_m"][here] = inside_m
         rows["elevation_m"][here] = elevation_m + height_m[2:] - height_m[0]
         rows["turn_rad"][here] = turn_rad + bend_rad[2:]
         elevation_m += float(height_m[1] - height_m[0])

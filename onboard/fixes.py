@@ -7,20 +7,21 @@ from the main track, while the register has which of them the points were locked
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, Final
 
 from network.model import SectionKind
 from onboard import notes
-from onboard.duty.mission import Mission
+from onboard.duty.mission import Mission, Target
 from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M
 from onboard.duty.records import AtMark, Command, Found, Sensed, TagPassed, TagReached
-from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, OUTCOMES, TAKEN, cut, missed_m
+from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, OUTCOMES, REFUSED, TAKEN, cut, missed_m
 from onboard.localisation.places import Places
+from onboard.localisation.sighting import sign
 from onboard.localisation.table import READER_NAMES
 from onboard.records import EVENT_FOUND, EVENT_PLACE, EVENT_POSITION, UnitRow
 from onboard.unit_records import UnitParameters
 
+SIGN: Final = sign.__name__
 EYE: Final = "driver's eye"
 EYE_WITHIN_M: Final = (
     ARRIVED_ON_SIGHT_WITHIN_M  # of what a driver says: ten metres to the nearest, and a metre
@@ -40,6 +41,7 @@ class Fixes:
         readers: Any,  # noqa: ANN401
         parameters: UnitParameters,
         length_m: float,
+        said: list[notes.Note],
     ) -> None:
         self._row: Final = row
         self._record: Final = record  # the same memory, as compiled code takes it
@@ -51,7 +53,7 @@ class Fixes:
         self._virtual = False
         self._doubted = False  # a position found that is not believed, and said so
         self.untold = False  # which track it is on rests on the register
-        self.notes: list[notes.Note] = []
+        self.notes: Final = said
 
     def take_up(self, mission: Mission, *, virtual: bool) -> None:
         """Another mission, from where the train stands."""
@@ -61,9 +63,9 @@ class Fixes:
         else:
             self._places.forget()
 
-    def forget_outcome(self, name: str) -> None:
-        """What came of a reader's readings so far is of no interest: it looks for another thing."""
-        number = READER_NAMES.index(name)
+    def forget_sign(self) -> None:
+        """What came of the camera's readings so far is of no interest: it looks for another sign."""
+        number = READER_NAMES.index(SIGN)
         self._outcomes[number] = self._readers.outcome[number] = NOTHING
 
     def doubt(self) -> None:
@@ -88,23 +90,29 @@ class Fixes:
 
     # what came of readings ----------------------------------------------------------------------------------------
 
-    def changes(self) -> Iterator[tuple[int, str, int, int]]:
-        """What came of a reading that is another than before: reader, its name, the outcome before and now."""
+    def sign_missed(self, target: Target | None) -> bool:
+        """Write down what came of readings where it is another than before; whether it is that no sign has come."""
+        missed = False
         for number, name in enumerate(READER_NAMES):
             before, outcome = self._outcomes[number], int(self._readers.outcome[number])
             self._outcomes[number] = outcome
-            if outcome not in (before, NOTHING):
-                yield number, name, before, outcome
-
-    def explain(self, number: int, name: str, before: int, outcome: int) -> None:
-        """What came of a reading that is no sign's: the first fix taken, and where the map begins and ceases to fit."""
-        if outcome == TAKEN:
+            if outcome in (before, NOTHING):
+                continue
             moved_m = round(float(self._readers.moved_m[number]), 3)
-            self.notes.append(notes.FixTaken(reader=name, correction_m=moved_m, after=OUTCOMES[before]))
-        elif outcome == FOREIGN:
-            self.notes.append(notes.ForeignTrack(reader=name))
-        elif outcome == MISSED:
-            self.notes.append(notes.FixMissed(reader=name))
+            if outcome == REFUSED:
+                self.notes.append(notes.FixRefused(reader=name))
+            elif name == SIGN:
+                missed = missed or outcome == MISSED
+                if outcome == TAKEN and target is not None:
+                    self.notes.append(notes.SignSeen(station=target.station_id, correction_m=moved_m))
+            elif outcome == TAKEN:
+                note = notes.FixTaken(reader=name, correction_m=moved_m, after=OUTCOMES[before])
+                self.notes.append(note)
+            elif outcome == FOREIGN:
+                self.notes.append(notes.ForeignTrack(reader=name))
+            elif outcome == MISSED:
+                self.notes.append(notes.FixMissed(reader=name))
+        return missed
 
     # what they mean to the duty -----------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -46,10 +46,9 @@ from onboard.duty.records import (
 )
 from onboard.duty.unable import Unable
 from onboard.fixes import Fixes
-from onboard.localisation.fix import MISSED, REFUSED, TAKEN, Taken, missed_by_m, take
-from onboard.localisation.sighting import sign
 from onboard.localisation.table import READERS_ROW, ReadersRow
-from onboard.localisation.tags import TagDoubt, tag_fix
+from onboard.localisation.tags import Heard, TagDoubt
+from onboard.localisation.wheel_scale import Held
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_CONTRADICTED,
@@ -75,7 +74,6 @@ from vehicle.record import cells_of
 from vehicle.records import TrainRow
 from vehicle.wheel import pulse_m
 
-SIGN: Final = sign.__name__
 STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
@@ -116,7 +114,7 @@ class Motion:
         self.vehicle = IN_ORDER
         self.charge: ChargeWatch | None = None  # of a set that runs on a battery
         self.reads_tags = True  # a train without a reader expects none
-        self.notes: list[notes.Note] = []
+        self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
         self._line: Final = line
@@ -128,9 +126,9 @@ class Motion:
         self._starts_m: list[float] = []
         self._ends_m: list[float] = []
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
-        self._doubt: Final = TagDoubt(self.row, parameters)
+        self._doubt: Final = TagDoubt(self.row, parameters, row)
         self._ability: Final = Ability()
-        self._fixes: Final = Fixes(self.row, row, self.readers, parameters, self._length_m)
+        self._fixes: Final = Fixes(self.row, row, self.readers, parameters, self._length_m, self.notes)
         self._found = False
         self._off_plan = False
         self._laws: Final = laws
@@ -148,7 +146,7 @@ class Motion:
         row.odometer_m = odometer_m
         if not row.odometer_scale:
             row.odometer_scale = 1.0
-        row.bound_growth = self._parameters.wheel_error_share
+        self._doubt.placed()
         row.position_m = mission.targets[0].mark_m
         row.bound_ahead_m = row.bound_behind_m = self._parameters.tag_accuracy_m + row.pulse_m
         row.position_known = 1
@@ -157,39 +155,41 @@ class Motion:
 
     def go_on(self, mission: Mission, path: PathData) -> None:
         """Another train number in the same direction: the same place on another path."""
+        kept = self._doubt.leave_path(turned=False)
         if self._mission is not None:
             here = self._mission.path.locate(float(self.row.position_m))
             self.row.position_m = mission.path.to_path_m(*here)
-        self._take_up(mission, path)
+        self._take_up(mission, path, kept)
 
     def turn(self, mission: Mission, path: PathData) -> None:
         """The driver has changed ends: what was the rear is the front, on the next mission's path."""
         row = self.row
+        kept = self._doubt.leave_path(turned=True)
         if self._mission is not None:
             rear = self._mission.path.locate(float(row.position_m) - self._length_m)
             row.position_m = mission.path.to_path_m(*rear)
             row.bound_ahead_m, row.bound_behind_m = row.bound_behind_m, row.bound_ahead_m
-        self._take_up(mission, path)
+        self._take_up(mission, path, kept)
 
     def switch_on(self, mission: Mission, path: PathData, odometer_m: float, speed_mps: float) -> None:
         """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
         row.speed_mps = speed_mps
-        row.bound_growth = self._parameters.wheel_error_share
+        self._doubt.placed()
         row.tag_window_m = self._parameters.tag_window_m
         self._take_up(mission, path)
         row.position_known = 0
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = row.stop_limit_m = math.inf
         row.intervention = EMERGENCY_INTERVENTION
 
-    def _take_up(self, mission: Mission, path: PathData) -> None:
+    def _take_up(self, mission: Mission, path: PathData, kept: Sequence[Held] = ()) -> None:
         row = self.row
         self._mission, self._off_plan = mission, False
         self._starts_m = [span.start_m for span in mission.spans]
         self._ends_m = [span.end_m for span in mission.spans]
         self._tags = {tag.tag_id: (index, tag) for index, tag in enumerate(mission.tags)}
-        self._doubt.new_path(mission.tags)
+        self._doubt.new_path(mission.tags, kept)
         row.path_offset, row.path_rows = path.offset, len(path.rows)
         row.places_offset, row.places_rows = path.places_offset, path.places_rows
         row.paths_taken_up += 1
@@ -259,9 +259,8 @@ class Motion:
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""
-        taken = [*self.notes, *self._fixes.notes]
+        taken = self.notes.copy()
         self.notes.clear()
-        self._fixes.notes.clear()
         return taken
 
     def at_mark(self, event: AtMark) -> list[Sensed]:
@@ -279,21 +278,19 @@ class Motion:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
         row = self.row
         if self._stood_m is not None and abs(row.odometer_m - self._stood_m) < STANDS_WITHIN_M:
-            return self._lose("a tag was passed while the tachometer shows a stand")
+            return self._lose("a tag was passed while the tachometer shows a stand", wheels_lie=True)
         known = self._tags.get(tag_id)
-        tolerance_m = self._parameters.tag_accuracy_m
         if known is None:
             return self._lose(f"tag {tag_id} where none can be")
         index, tag = known
-        if missed_by_m(self._record, tag_fix(self._record, tag.position_m, odometer_m, tolerance_m)) > 0.0:
-            return self._lose(f"tag {tag_id} where none can be")
-        if not self._doubt.believes(tag, odometer_m):
-            self.notes.append(notes.TagDoubted(tag_id=tag_id))
-            return []
-        self._doubt.take(tag, odometer_m)
         found = bool(row.position_known != 1)
-        taken = take(self._record, tag_fix(self._record, tag.position_m, odometer_m, tolerance_m))
-        correction_m = taken.correction_m if isinstance(taken, Taken) else 0.0
+        heard, correction_m = self._doubt.hear(tag, odometer_m)
+        if heard is Heard.OUT:
+            return self._lose(f"tag {tag_id} where none can be")
+        if heard is not Heard.BELIEVED:
+            self.notes.append(notes.TagDoubted(tag_id=tag_id))
+            self._expect_tag()
+            return self._lose("tags contradict one another") if heard is Heard.CONTRADICTED else []
         moved_m = round(correction_m, 3)
         self.notes.append(notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=moved_m))
         self._expect_tag(tag.position_m)
@@ -307,9 +304,9 @@ class Motion:
         happened: list[Sensed] = []
         if bits & EVENT_TACHOMETER:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
-            happened += self._lose("the tachometer shows what cannot be")
-        if bits & EVENT_FIX:
-            self._look_at_fixes()
+            happened += self._lose("the tachometer shows what cannot be", wheels_lie=True)
+        if bits & EVENT_FIX and self._fixes.sign_missed(self._next_target()):
+            self._impossible(Verdict.TARGET_NOT_SEEN)
         if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
             happened += self._lose("fixes miss the bounds of the position")
         happened += self._taken_up(self._fixes.ticked(bits, self.command))
@@ -333,27 +330,12 @@ class Motion:
             happened.append(Looked())
         return happened
 
-    def _look_at_fixes(self) -> None:
-        """What came of a reading is another than before: taken, refused, or missed."""
-        for number, name, before, outcome in self._fixes.changes():
-            if outcome == REFUSED:
-                self.notes.append(notes.FixRefused(reader=name))
-            if name != SIGN:
-                self._fixes.explain(number, name, before, outcome)
-                continue
-            target = self._next_target()
-            if outcome == TAKEN and target is not None:
-                moved_m = round(float(self.readers.moved_m[number]), 3)
-                self.notes.append(notes.SignSeen(station=target.station_id, correction_m=moved_m))
-            elif outcome == MISSED:
-                self._impossible(Verdict.TARGET_NOT_SEEN)
-
     def _look_for_sign(self, target: Target | None) -> None:
         """Go by the sign of this mark from now on."""
         mark_m = math.inf if target is None else target.mark_m
         if mark_m != self.readers.sign.mark_m:
             self.readers.sign.mark_m, self.readers.sign.seen = mark_m, 0
-            self._fixes.forget_outcome(SIGN)
+            self._fixes.forget_sign()
 
     def _stopped(self) -> list[Sensed]:
         row, target = self.row, self._next_target()
@@ -409,11 +391,11 @@ class Motion:
         ahead = (tag.position_m for tag in self._mission.tags if tag.position_m > beyond_m + 0.1)
         self.row.expected_tag_m = next(ahead, math.inf)
 
-    def _lose(self, why: str) -> list[Sensed]:
+    def _lose(self, why: str, *, wheels_lie: bool = False) -> list[Sensed]:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         row = self.row
         self.notes.append(notes.PositionFault(why=why))
-        self._doubt.begin()
+        self._doubt.begin(wheels_lie=wheels_lie)
         self._fixes.doubt()
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known = 0

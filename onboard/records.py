@@ -46,6 +46,8 @@ class UnitRow(Protocol):
     bound_ahead_m: Annotated[float, "the front is at most this far ahead of position_m"]
     bound_behind_m: float
     bound_growth: Annotated[float, "m of bound per m run"]
+    slid_ahead_m: Annotated[float, "by which slides have widened the bound ahead in all, beyond its growth"]
+    slipped_behind_m: Annotated[float, "the same of slips and the bound behind"]
     position_known: int
     odometer_m: Annotated[float, "tachometer reading at the last tick"]
     pulse_m: Annotated[

@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import Annotated
 
 from network.files.kinds import about
-from network.files.quantities import Distance, PositionBound, Share, SightSpeedMps, Wait, WheelError
+from network.files.quantities import (
+    Distance,
+    PositionBound,
+    Share,
+    SightSpeedMps,
+    TagsWrong,
+    Wait,
+    WheelError,
+)
 from network.files.toml_input import Record
 from onboard.duty.turn import DutyParameters
 
@@ -30,8 +38,19 @@ class UnitParameters(Record):
     tag_accuracy_m: Annotated[
         PositionBound, about("bound of the position at a tag", "assumed: reader's field")
     ] = 0.5
+    tags_wrong_together: Annotated[
+        TagsWrong,
+        about(
+            "of the tags read one after another, as many may be wrong or moved: the bounds span one more;"
+            " 0: every tag that can be is trusted",
+            "assumed: a tag that was moved, an id mixed up, two that were swapped",
+        ),
+    ] = 1
     wheel_error_share: Annotated[
-        WheelError, about("growth of the bounds with distance", "assumed: worn wheels")
+        WheelError,
+        about(
+            "growth of the bounds with distance, until tags have measured the wheel", "assumed: worn wheels"
+        ),
     ] = 0.02
     doubt_error_share: Annotated[
         Share,
@@ -43,7 +62,11 @@ class UnitParameters(Record):
     ] = 60.0
     wheel_scale_limit: Annotated[
         WheelError,
-        about("most that tags may correct the wheel by, as a share", "assumed: below wheel_error_share"),
+        about(
+            "most that a wheel is worn by, as a share; what is left of wheel_error_share changes on the way: creep,"
+            " the tread's slope in curves",
+            "assumed: below wheel_error_share",
+        ),
     ] = 0.015
     tag_window_m: Annotated[
         PositionBound,

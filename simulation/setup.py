@@ -23,6 +23,7 @@ from radio.air import AirParameters
 from radio.keys import KeyRing, key_ring
 from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
+from simulation.gnss_settings import Gnss
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
@@ -74,6 +75,7 @@ class Setup:
     law_settings: Record = field(default_factory=LawTables)
     planning: Planning = PLAIN
     sensors: Sensors = field(default_factory=Sensors)
+    gnss: Gnss = field(default_factory=Gnss)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     # What trains know of their brakes to begin with, by stock id.

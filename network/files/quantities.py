@@ -182,6 +182,9 @@ THROW_TIME: Final = Quantity(
 TAG_ID: Final = Quantity(
     "id of a tag", "", ((1, 0xFFFF),), "Sugiyama, 6.1.3: 24 bits hold the id and its CRC-8"
 )
+TAGS_WRONG: Final = Quantity(
+    "number of tags that are wrong together", "", ((0, 4),), "assumed: a station has about five"
+)
 
 # what happens on it -----------------------------------------------------------------------------------------
 WAIT: Final = Quantity(
@@ -236,6 +239,33 @@ READ_ERROR: Final = Quantity(
 )
 WHEEL_ERROR: Final = Quantity(
     "error of a wheel", "", ((0.0, 0.1),), "assumed: wear from new to last, 860 to 780 mm is 9 %"
+)
+FIX_RATE: Final = Quantity(
+    "rate of a receiver's fixes", "Hz", ((1.0, 10.0),), "a step of 0.1 s; least assumed"
+)
+RECEIVER_ERROR: Final = Quantity(
+    "error of a satellite receiver",
+    "m",
+    ((0.0, 100.0),),
+    "assumed: as when signals were degraded, until 2000",
+)
+RECEIVER_BIAS: Final = Quantity(
+    "fault of a satellite receiver", "m", ((-10_000.0, 10_000.0),), "assumed: as a distance to a place"
+)
+RECEIVER_LATENCY: Final = Quantity(
+    "latency of a satellite receiver",
+    "s",
+    ((0.0, 3.0),),
+    "what units keep of the way run; some tenths are usual",
+)
+CORRELATION_TIME: Final = Quantity(
+    "time constant of an error",
+    "s",
+    ((1.0, 7200.0),),
+    "assumed: two hours; the troposphere's is at most 2700 s",
+)
+CORRELATION_WAY: Final = Quantity(
+    "way over which an error changes", "m", ((1.0, 10_000.0),), "assumed: as a distance to a place"
 )
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
@@ -325,6 +355,7 @@ Bearing = Annotated[float, BEARING]
 Offset = Annotated[float, OFFSET]
 ThrowTime = Annotated[float, THROW_TIME]
 TagId = Annotated[int, TAG_ID]
+TagsWrong = Annotated[int, TAGS_WRONG]
 Wait = Annotated[float, WAIT]
 Reaction = Annotated[float, REACTION]
 RunLimit = Annotated[float, RUN_LIMIT]
@@ -349,6 +380,12 @@ ChargeTime = Annotated[float, CHARGE_TIME]
 PositionBound = Annotated[float, POSITION_BOUND]
 ReadError = Annotated[float, READ_ERROR]
 WheelError = Annotated[float, WHEEL_ERROR]
+FixRate = Annotated[float, FIX_RATE]
+ReceiverError = Annotated[float, RECEIVER_ERROR]
+ReceiverBias = Annotated[float, RECEIVER_BIAS]
+ReceiverLatency = Annotated[float, RECEIVER_LATENCY]
+CorrelationTime = Annotated[float, CORRELATION_TIME]
+CorrelationWay = Annotated[float, CORRELATION_WAY]
 Days = Annotated[int, DAYS]
 Seed = Annotated[int, SEED]
 Share = Annotated[float, SHARE]

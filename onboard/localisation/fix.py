@@ -6,9 +6,10 @@ the fix as it is.
 
 A reader of `onboard.localisation.table` gives its fix to `taken` in the compiled tick, event-driven ones give theirs
 to `take`; both `cut`. The new estimate lies between the two, weighted by the squares of what each may be wrong by,
-inside what is left. After a tag the bounds rest on that alone: it lies where it lies, while what the tachometer has
-shown since the tag before may be false without anybody having noticed. A sensor that may be deceived (a camera) only
-has the estimate `leant`: it moves inside the bounds, which stay where they are, so nothing that is safe rests on it.
+inside what is left. A tag may lie, and what the tachometer has shown since the one before may be false without anybody
+having noticed: after a tag the bounds span it and what the tags before it say (`onboard.localisation.tags`). A sensor
+that may be deceived (a camera) only has the estimate `leant`: it moves inside the bounds, which stay where they are,
+so nothing that is safe rests on it.
 """
 
 from __future__ import annotations
@@ -135,13 +136,23 @@ def missed_by_m(row: UnitRow, fix: Fix) -> float:
     return float(missed_m(row, fix.position_m, fix.behind_m, fix.ahead_m))
 
 
-def take(row: UnitRow, fix: Fix) -> Taken | Refused:
-    """Cut the present interval with the fix's, or rest on a tag's; the row is left alone where the fix is refused."""
+def within(row: UnitRow, low_m: float, high_m: float) -> None:
+    """The front lies in this interval, m, for reasons the row knows nothing of: the estimate only moves into it."""
+    estimate_m = min(max(row.position_m, low_m), high_m)
+    row.fix_correction_m += estimate_m - row.position_m
+    row.position_m = estimate_m
+    row.bound_behind_m, row.bound_ahead_m = estimate_m - low_m, high_m - estimate_m
+
+
+def take(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> Taken | Refused:
+    """Cut the present interval with the fix's; `span_m`: or let the bounds be that, which holds the fix's whole.
+
+    The row is left alone where the fix is refused.
+    """
     known, before_m = row.position_known, float(row.position_m)
     away_m = cut(row, fix.position_m, fix.behind_m, fix.ahead_m)
     if not away_m <= 0.0:
         return Refused(f"{fix.source} misses the bounds by {away_m:.3f} m")
-    if fix.source is FixSource.TAG:
-        row.bound_behind_m = row.position_m - (fix.position_m - fix.behind_m)
-        row.bound_ahead_m = fix.position_m + fix.ahead_m - row.position_m
+    if span_m is not None:
+        within(row, *span_m)
     return Taken(float(row.position_m) - before_m if known else 0.0)

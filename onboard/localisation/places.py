@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
 from onboard.localisation.fix import FIX_CUT, FIX_MISSED
-from onboard.localisation.tachometer import calibrated_scale
+from onboard.localisation.wheel_scale import Held, WheelScale, carried, held
 from onboard.records import EVENT_CONTRADICTED, EVENT_PLACE, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.compiled import compiled
@@ -29,7 +29,6 @@ MISSED_MAX: Final = 3  # in a row: one reading may be wrong, three say that the 
 AGREES_OVER_M: Final = (
     200.0  # assumed: a way over which two fixes tell a sound tachometer from one out of order
 )
-MEASURES_SHARE: Final = 0.002  # fixes nearer to each other than what they leave open allows measure no wheel
 ASKS_AHEAD: Final = (TagPurpose.APPROACH, TagPurpose.POSITION)
 
 
@@ -51,24 +50,17 @@ def told(unit: UnitRow, reader: int) -> int:
     return 0
 
 
-class _Anchor(NamedTuple):
-    """A fix that others are measured by: about where, within what either way, and what the tachometer showed; m."""
-
-    position_m: float
-    within_m: float
-    odometer_m: float
-
-
 class Places:
     """What one unit without a reader of tags makes of fixes; reads and sets localisation in its row."""
 
     def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
         self._row: Final = row
         self._parameters: Final = parameters
+        self._wheel: Final = WheelScale(row, parameters)
+        self._before: Held | None = None  # a fix in doubt, with which the next must agree
         self._tags: tuple[PathTag, ...] = ()
         self._proved = 0  # of the tags, how many by fixes
         self._asked = 0  # and how many by the estimate
-        self._anchor: _Anchor | None = None
         self.forget()
 
     def forget(self) -> None:
@@ -77,7 +69,8 @@ class Places:
         row.sure_m = row.fix_at_m = -math.inf
         row.place_trigger_m = math.inf
         row.missed_fixes = 0
-        self._tags, self._anchor = (), None
+        self._tags, self._before = (), None
+        self._wheel.forget_places()
 
     def take_up(self, tags: tuple[PathTag, ...]) -> None:
         """Another mission, from where the train stands: what lies behind it there is of no interest any more."""
@@ -110,7 +103,8 @@ class Places:
 
     def doubt(self) -> None:
         """A position fault: no way is measured over it."""
-        self._anchor = None
+        self._before = None
+        self._wheel.forget()
         self._row.missed_fixes = 0
 
     def eye(self, front_m: float, within_m: float) -> None:
@@ -124,31 +118,32 @@ class Places:
         """Have the tick report the next place; while the tachometer is in doubt, a fix that may clear it too."""
         row = self._row
         following = self._tags[self._proved].position_m if self._proved < len(self._tags) else math.inf
-        if self._anchor is not None and row.bound_growth > self._parameters.wheel_error_share:
-            following = min(following, self._anchor.position_m + AGREES_OVER_M)
-        elif row.bound_growth > self._parameters.wheel_error_share and math.isfinite(row.sure_m):
-            following = min(following, row.sure_m)
+        if self._in_doubt:
+            begun_m = row.sure_m if self._before is None else self._before.high_m + AGREES_OVER_M
+            following = min(following, begun_m) if math.isfinite(begun_m) else following
         row.place_trigger_m = following
 
+    @property
+    def _in_doubt(self) -> bool:
+        """Whether bounds grow as after a position fault."""
+        return bool(self._row.bound_growth > self._parameters.wheel_error_share)
+
     def _measure(self) -> None:
-        """Two fixes with a way between them: whether the tachometer agrees with them, and how its wheels count."""
-        row, parameters, before = self._row, self._parameters, self._anchor
+        """What the last fix and those before it say of the wheels: what they are worth, whether they can be trusted."""
+        row, before = self._row, self._before
         if not math.isfinite(row.fix_at_m):
             return
-        within_m = (row.fix_high_m - row.fix_low_m) / 2.0
-        now = _Anchor((row.fix_high_m + row.fix_low_m) / 2.0, within_m, row.fix_odometer_m)
-        if before is None:
-            self._anchor = now
-            return
-        way_m, run_m = now.position_m - before.position_m, now.odometer_m - before.odometer_m
-        open_m = now.within_m + before.within_m
-        if way_m < AGREES_OVER_M or run_m <= 0.0:
-            return
-        if abs(run_m * row.odometer_scale - way_m) > parameters.wheel_error_share * way_m + open_m:
-            self._anchor = now
-            return
-        row.bound_growth = parameters.wheel_error_share
-        if open_m <= MEASURES_SHARE * way_m:
-            limit, scale = parameters.wheel_scale_limit, row.odometer_scale
-            row.odometer_scale = calibrated_scale(scale, way_m, run_m, limit, open_m / 2.0)
-            self._anchor = now
+        here = held(row, float(row.fix_low_m), float(row.fix_high_m))
+        if self._in_doubt:
+            if before is None:
+                self._before = here
+                return
+            if here.low_m - before.high_m < AGREES_OVER_M:
+                return
+            self._before = here
+            low_m, high_m = carried(row, before, self._wheel.scales)
+            if low_m > here.high_m or high_m < here.low_m:
+                return
+            self._wheel.learn(before)
+        self._wheel.learn(here)
+        self._wheel.apply(row.odometer_scale)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
 from onboard.localisation.fix import NOTHING, TAKEN
+from onboard.localisation.gnss import GnssReading, GnssRow, gnss
 from onboard.localisation.places import told
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
@@ -38,7 +39,10 @@ class Reader:
         return self.function.__name__
 
 
-READERS: Final = (Reader(sign, SignReading, SignRow),)
+READERS: Final = (
+    Reader(sign, SignReading, SignRow),
+    Reader(gnss, GnssReading, GnssRow, absolute=True),
+)
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 
 

@@ -36,12 +36,17 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
     unit.bound_behind_m += growth_m
     share = min(train.wheel_slide_share_max, LOST_SHARE)
     unseen_m = unseen_run_m(unit, train, run_m * unit.odometer_scale, speed_mps, step_s)
+    slid_m = slipped_m = 0.0
     if unit.wheel_slide < 0:
-        unit.bound_ahead_m += max(abs(run_m) * share / (1.0 - share), unseen_m)
+        slid_m = max(abs(run_m) * share / (1.0 - share), unseen_m)
     elif unseen_m > 0.0:
-        unit.bound_ahead_m += unseen_m
+        slid_m = unseen_m
     elif unit.wheel_slide > 0:
-        unit.bound_behind_m += abs(run_m)
+        slipped_m = abs(run_m)
+    unit.bound_ahead_m += slid_m
+    unit.bound_behind_m += slipped_m
+    unit.slid_ahead_m += slid_m
+    unit.slipped_behind_m += slipped_m
     events = doubt_tachometer(unit, train, speed_mps, step_s)
     smoothing = step_s / (ACCELERATION_SMOOTHING_S + step_s)
     unit.acceleration_mps2 += smoothing * ((speed_mps - unit.speed_mps) / step_s - unit.acceleration_mps2)

@@ -1,21 +1,35 @@
-"""How far tags and tachometer are to be believed: calibration while they agree, doubt after a position fault.
+"""How far tags and tachometer are to be believed: what bounds rest on, calibration, doubt after a position fault.
 
-Invariant: after a position fault a tag fixes the position again only if no other tag can be meant, counting all
-that the tachometer may be wrong, or if it agrees with the tag read before it. Tags that were swapped, or lie about
-themselves, would else give a false position to a unit that has none (地上子位置との照合, Sugiyama, table 5).
-The bounds stay wide until the way between two tags is as the tachometer says.
+Invariant: of the tags read one after another at most `tags_wrong_together` say where the train is not (a wrong id, one
+of another track, one that was moved), or those that do lie on both sides of it (two that were swapped). So the bounds
+span as many and one more: the newest tag whole, and of what those before it say by now, by the wheels, what the bounds
+before it leave. None of them can move the bounds off the truth. A tag that no earlier one agrees with, as far as the
+wheels are known, is doubted: it may widen the bounds, but neither moves the estimate nor counts as passed, until a
+later one tells which was wrong. Three in a row, and nobody knows where the train is.
+
+After a position fault a tag fixes the position again only if no other tag can be meant, counting all that the
+tachometer may be wrong, or if it agrees with the tag read before it (地上子位置との照合, Sugiyama, table 5). Where tags
+alone spoke for the fault, the bounds that there were may be true and the tags false: they are spanned too. They stay
+wide until the way between two tags is as the tachometer says.
 """
 
 from __future__ import annotations
 
+import math
+from collections import deque
+from collections.abc import Sequence
+from enum import Enum
 from typing import Final
 
 from onboard.duty.mission import PathTag
-from onboard.localisation.fix import Fix, FixSource
+from onboard.localisation.fix import Fix, FixSource, Taken, missed_by_m, take, within
 from onboard.localisation.tachometer import calibrated_scale
+from onboard.localisation.wheel_scale import Held, Scales, WheelScale, carried, held
 from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.compiled import compiled
+
+CONTRADICTIONS: Final = 3  # tags in a row that agree with none before them
 
 
 @compiled
@@ -33,33 +47,86 @@ def tag_fix(row: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: fl
     return Fix(float(position_m), float(bound_m), float(bound_m), FixSource.TAG)
 
 
+def bounds_of(row: UnitRow) -> tuple[float, float]:
+    """The stated interval of the front, m."""
+    return float(row.position_m - row.bound_behind_m), float(row.position_m + row.bound_ahead_m)
+
+
+class Heard(Enum):
+    """What came of a tag that was read."""
+
+    OUT = "out"  # it misses the bounds
+    DOUBTED = "doubted"  # it is not believed yet
+    CONTRADICTED = "contradicted"  # the last of too many that agree with none before them
+    BELIEVED = "believed"
+
+
 class TagDoubt:
     """What one unit remembers of the tags it has read; reads and sets localisation in its row."""
 
-    def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
+    def __init__(self, row: UnitRow, parameters: UnitParameters, record: UnitRow | None = None) -> None:
         self._row: Final = row
+        self._record: Final = row if record is None else record  # the same memory, as compiled code takes it
         self._parameters: Final = parameters
         self._tags: tuple[PathTag, ...] = ()
         self._last: tuple[PathTag, float] | None = None  # the last tag believed, and the tachometer there, m
         self._suspect: tuple[PathTag, float] | None = None  # one read in doubt
         self._doubting = False
         self._anchor_m = 0.0  # path coordinate where the tachometer was last known to be right
+        self._wheel: Final = WheelScale(row, parameters)
+        self._wide = False  # the tachometer may be out of order
+        together = parameters.tags_wrong_together
+        self._read: Final[deque[Held]] = deque(maxlen=2 * together + 2)  # what tags said, the newest last
+        self._before: Held | None = None  # the bounds before a position fault for which tags alone spoke
+        self._contradictions = 0
 
-    def new_path(self, tags: tuple[PathTag, ...]) -> None:
+    def placed(self) -> None:
+        """The crew has told where the train stands."""
+        self._read.clear()
+        self._before = None
+        self._end_doubt()
+        self._wheel.forget_places()
+        self._wheel.apply(self._row.odometer_scale)
+
+    def leave_path(self, *, turned: bool) -> list[Held]:
+        """What tags said, as intervals about the front, or about the rear where the train has `turned`; m."""
+        row = self._row
+        kept: list[Held] = []
+        for low_m, high_m in (self._now(one) for one in self._read):
+            behind_m, ahead_m = row.position_m - low_m, high_m - row.position_m
+            kept.append(held(row, -ahead_m, behind_m) if turned else held(row, -behind_m, ahead_m))
+        return kept
+
+    def new_path(self, tags: tuple[PathTag, ...], kept: Sequence[Held] = ()) -> None:
         """Another mission, from where the train stands: coordinates are those of its path."""
+        here_m = self._row.position_m
         self._tags = tags
-        self._anchor_m = self._row.position_m
+        self._anchor_m = here_m
         self._last = self._suspect = None
+        self._read.clear()
+        self._read.extend(one._replace(low_m=one.low_m + here_m, high_m=one.high_m + here_m) for one in kept)
+        self._before = None
+        self._wheel.forget_places()
 
-    def begin(self) -> None:
-        """A position fault: what was run since the last tag, or since the mission began, may be false."""
+    def begin(self, *, wheels_lie: bool = False) -> None:
+        """A position fault: what was run since the last tag, or since the mission began, may be false.
+
+        `wheels_lie`: the tachometer itself shows what cannot be, so that the bounds before it are worth nothing.
+        """
         row, share = self._row, self._parameters.doubt_error_share
+        if wheels_lie:
+            self._before = None
+        elif row.position_known and self._parameters.tags_wrong_together:
+            self._before = held(row, *bounds_of(row))
         if row.position_known:
             since_m = max(row.position_m - self._right_at_m, 0.0)
             row.bound_ahead_m += share * since_m
             row.bound_behind_m += share * since_m
             self._doubting = True
+        self._wide, self._contradictions = True, 0
+        self._wheel.forget()
         row.bound_growth = share
+        self._read.clear()
         self._last = self._suspect = None
 
     def release_margin_m(self, *, standing: bool) -> float:
@@ -85,7 +152,9 @@ class TagDoubt:
     def believes(self, tag: PathTag, odometer_m: float) -> bool:
         """Whether a tag read at this tachometer reading (m) may fix the position; if not, it is remembered."""
         row, accuracy_m = self._row, self._parameters.tag_accuracy_m
-        if not self._doubting or row.position_known:
+        if row.position_known:
+            return self._fits(tag, odometer_m)
+        if not self._doubting:
             return True
         estimate_m = row.position_m - (row.odometer_m - odometer_m) * row.odometer_scale
         low_m = estimate_m - row.bound_behind_m - accuracy_m
@@ -96,21 +165,94 @@ class TagDoubt:
         self._suspect = (tag, odometer_m) if self._doubting else None
         return not self._doubting
 
+    def hear(self, tag: PathTag, odometer_m: float) -> tuple[Heard, float]:
+        """A tag was read when the tachometer stood at `odometer_m`: position, bounds and wheels by it.
+
+        Returns what came of it, and by how much it moved the estimate, m.
+        """
+        row, record = self._row, self._record
+        fix = tag_fix(record, tag.position_m, odometer_m, self._parameters.tag_accuracy_m)
+        if missed_by_m(record, fix) > 0.0:
+            return Heard.OUT, 0.0
+        believed, span_m = self.believes(tag, odometer_m), self.span_m(fix)
+        if not believed and not row.position_known:
+            return Heard.DOUBTED, 0.0
+        if not believed:
+            within(row, *span_m)
+            self.remember(fix)
+            wrong = self._contradictions >= CONTRADICTIONS
+            return Heard.CONTRADICTED if wrong else Heard.DOUBTED, 0.0
+        self.take(tag, odometer_m)
+        taken = take(record, fix, span_m)
+        self.remember(fix)
+        return Heard.BELIEVED, taken.correction_m if isinstance(taken, Taken) else 0.0
+
+    def span_m(self, fix: Fix) -> tuple[float, float]:
+        """What the bounds are to span after this tag's fix, which meets them, m: see above."""
+        row, together = self._row, self._parameters.tags_wrong_together
+        low_m, high_m = fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m
+        if not together:
+            return low_m, high_m
+        earlier = [self._now(one) for one in self._read]
+        if self._before is not None:
+            earlier.insert(0, carried(row, self._before, self._wheel.scales))
+        least_m, most_m = bounds_of(row) if row.position_known else (-math.inf, math.inf)
+        if row.position_known and len(earlier) < together:
+            earlier.append((least_m, most_m))
+        for lower_m, upper_m in earlier[-together:]:
+            if lower_m <= most_m and upper_m >= least_m:
+                low_m, high_m = min(low_m, max(lower_m, least_m)), max(high_m, min(upper_m, most_m))
+        return low_m, high_m
+
     def take(self, tag: PathTag, odometer_m: float) -> None:
         """A tag is believed: calibrate the tachometer over the way since the last one."""
         row, parameters = self._row, self._parameters
+        scale = row.odometer_scale
         if self._last is not None and row.position_known:
-            row.odometer_scale = calibrated_scale(
-                row.odometer_scale,
+            scale = calibrated_scale(
+                scale,
                 tag.position_m - self._last[0].position_m,
                 odometer_m - self._last[1],
                 parameters.wheel_scale_limit,
                 parameters.tag_accuracy_m,
             )
         if self._last is not None and self._agree(self._last, tag, odometer_m):
-            row.bound_growth = parameters.wheel_error_share
+            self._end_doubt()
+        row.odometer_scale = scale
+        if not self._wide:
+            self._wheel.apply(scale)
         self._last = (tag, odometer_m)
         self._anchor_m = tag.position_m
+
+    def remember(self, fix: Fix) -> None:
+        """A tag was read, believed or not, and the bounds have taken it up."""
+        row = self._row
+        self._read.append(held(row, fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m))
+        if self._before is not None and len(self._read) >= self._parameters.tags_wrong_together:
+            self._before = None
+        if row.position_known and not self._wide:
+            self._wheel.learn(held(row, *bounds_of(row)))
+            self._wheel.apply(row.odometer_scale)
+
+    def _now(self, one: Held) -> tuple[float, float]:
+        """Where the front is by what a tag said then, m."""
+        share = self._parameters.doubt_error_share
+        scale = self._row.odometer_scale
+        scales = Scales(scale - share, scale + share) if self._wide else self._wheel.scales
+        return carried(self._row, one, scales)
+
+    def _fits(self, tag: PathTag, odometer_m: float) -> bool:
+        """Whether any tag read before agrees with this one, as far as the wheels are known."""
+        if not self._parameters.tags_wrong_together or not self._read:
+            return True
+        fix = tag_fix(self._record, tag.position_m, odometer_m, self._parameters.tag_accuracy_m)
+        low_m, high_m = fix.position_m - fix.behind_m, fix.position_m + fix.ahead_m
+        fits = any(lower_m <= high_m and upper_m >= low_m for lower_m, upper_m in map(self._now, self._read))
+        self._contradictions = 0 if fits else self._contradictions + 1
+        return fits
+
+    def _end_doubt(self) -> None:
+        self._wide, self._contradictions = False, 0
 
     def _agree(self, before: tuple[PathTag, float], tag: PathTag, odometer_m: float) -> bool:
         """Whether the way between two tags is as the tachometer says, within what wheels wear."""

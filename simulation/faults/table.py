@@ -13,6 +13,7 @@ from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.vehicle import Brake, Doors, Motors
+from simulation.sensors.gnss import GnssAntenna, GnssJammed, GnssJump, GnssReflections, GnssTimeTag
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 
@@ -40,5 +41,10 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     NoDetection,
     Slow,
     ChargerDead,
+    GnssAntenna,
+    GnssJammed,
+    GnssReflections,
+    GnssJump,
+    GnssTimeTag,
 )
 FAULTS: Final[Mapping[str, type[Fault[Any]]]] = {kind.kind: kind for kind in KINDS}

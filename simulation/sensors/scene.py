@@ -30,6 +30,10 @@ class SceneRow(Protocol):
     ]
     curvature_per_m: Annotated[float, "mean |curvature| of the alignment under the train"]
     sky: Annotated[float, "what the leading car sees of it: network.profile.NO_SKY to OPEN_SKY"]
+    front_m: Annotated[float, "path coordinate of the front"]
+    run_m: Annotated[float, "the way that the train has run in this step"]
+    kilometrage_m: Annotated[float, "of the metre that the front is on"]
+    down: Annotated[float, "1 where kilometrages grow ahead, else -1"]
     beacon_beyond_m: Annotated[
         float, "how far the front is past the beacon that it passed in this step; -1: none"
     ]

@@ -186,7 +186,11 @@ def look_around(row: StockRow, track: Track, before_m: float, curvature_per_m: f
     scene.curvature_per_m = curvature_per_m
     scene.turned_rad = heading_rad(track.profile, truth, now_m) - heading_rad(track.profile, truth, before_m)
     here = min(max(int(now_m), 0), truth.profile_rows - 1)
-    scene.sky = track.profile[truth.profile_offset + here].sky
+    underneath = track.profile[truth.profile_offset + here]
+    scene.sky, scene.kilometrage_m = underneath.sky, underneath.kilometrage_m
+    scene.front_m, scene.run_m = now_m, now_m - before_m
+    last = truth.profile_offset + max(here - 1, 0)
+    scene.down = 1.0 if track.profile[last + 1].kilometrage_m >= track.profile[last].kilometrage_m else -1.0
     scene.beacon_beyond_m = NO_TAG_M
     if truth.beacon_next < truth.beacon_end and now_m >= track.places[truth.beacon_next].position_m:
         beacon = track.places[truth.beacon_next]

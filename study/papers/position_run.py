@@ -31,6 +31,7 @@ from simulation.world.trains import Trains
 SLOT: Final = 0
 STANDS_S: Final = 2.0  # how long the train stands at each stop: nothing of this is about passengers
 HOURS_MAX: Final = 6.0
+STOPPED_WITHIN_M: Final = 5.0
 Rows = NDArray[np.void]
 
 
@@ -197,9 +198,13 @@ class PositionRun:
             self._obey()
 
     def _arrived(self) -> None:
-        """The train stands: at its next stop, or short of it by what it believes."""
-        beyond_m = self.trains.units[SLOT].position_m - self.mission.targets[self._target + 1].mark_m
-        if beyond_m > -5.0:
+        """The train stands: at its next stop, or short of it by what it believes.
+
+        A train whose bounds reach the end of its track goes no further: its driver sees that it is there.
+        """
+        unit = self.trains.units[SLOT]
+        beyond_m = unit.position_m - self.mission.targets[self._target + 1].mark_m
+        if beyond_m > -STOPPED_WITHIN_M - unit.bound_ahead_m:
             self._target += 1
         if self._target + 1 == len(self.mission.targets):
             self.result.arrived = True

@@ -128,6 +128,11 @@ SINGLES: Final[Mapping[str, Single]] = {
     "no_detection": Single(60.0, {}),
     "slow": Single(60.0, {"factor": 3.0}),
     "charger_dead": Single(600.0, {}),
+    "gnss_antenna": Single(60.0, {}),
+    "gnss_jammed": Single(60.0, {}),
+    "gnss_reflections": Single(60.0, {"bias_m": 30.0}),
+    "gnss_jump": Single(60.0, {"bias_m": 30.0}),
+    "gnss_time_tag": Single(60.0, {"late_s": 1.0}),
 }
 # A person looks at the restored picture, and again, until the trains out of coverage have answered, too.
 REENTRY_AFTER_S: Final = (30.0, 120.0, 300.0, 600.0, 1200.0)

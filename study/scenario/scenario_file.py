@@ -18,6 +18,7 @@ from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
+from simulation.gnss_settings import Gnss
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
@@ -76,6 +77,7 @@ class PatchTable(Record):
     law: Annotated[TableWords | None, about("on [law]")] = None
     planning: Annotated[TableWords | None, about("on [planning]")] = None
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
+    gnss: Annotated[TableWords | None, about("on [gnss]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
     limits: Annotated[TableWords | None, about("on [limits]")] = None
@@ -112,6 +114,7 @@ class ScenarioFile(Record):
     law: LawTables = Field(default_factory=LawTables)
     planning: Planning = PLAIN
     sensors: Sensors = Field(default_factory=Sensors)
+    gnss: Gnss = Field(default_factory=Gnss)
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     vision: Vision = NO_VISION

@@ -20,6 +20,7 @@ from onboard.driving.tuning import DEAD_TIMES, OFFSETS
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
+from simulation.gnss_settings import Gnss
 from simulation.settings import Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
@@ -125,6 +126,8 @@ SCRIPT: Final[Data] = {
         {"kind": "scale", "target": "K1", "start": "09:59", "factor": 1.0, "duration_s": 5.0},
         {"kind": "slippery", "target": "K1", "start": "train T1 departs A", "factor": 0.9, "duration_s": 5.0},
         {"kind": "brake", "target": "K1", "start": "10:00", "reserve": 0.9, "duration_s": 5.0},
+        {"kind": "gnss_reflections", "target": "K1", "start": "10:00", "bias_m": 30.0, "over_m": 50.0},
+        {"kind": "gnss_time_tag", "target": "K1", "start": "10:00", "late_s": 0.5, "duration_s": 5.0},
         {"kind": "wrong_id", "target": "603", "start": "09:00", "id": 602, "after_s": 1.0, "duration_s": 5.0},
     ],
     "act": [
@@ -161,6 +164,7 @@ def _scenario() -> Data:
                 "law": LawTables(),
                 "planning": Planning(),
                 "sensors": Sensors(),
+                "gnss": Gnss(),
                 "limits": Limits(),
                 "operation": Operation(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),

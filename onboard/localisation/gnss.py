@@ -1,0 +1,199 @@
+"""The satellite receiver (GNSS): what its fixes, put onto the path, say of the train's front.
+
+Invariant: as long as the receiver errs as stated below, the interval made here holds the front.
+
+What may be wrong, and what comes of it (P is the protection level that the receiver states):
+- A fix under an open sky errs by no more than P / 4, and with part of the sky hidden by no more than P, unless a
+  fault makes it err by more than it says.
+- A fix with part of the sky hidden only leans the estimate, inside the bounds: reflections are likeliest there, and
+  few satellites tell them. So does one that has not been borne out by `BORNE_OUT` fixes before it.
+- A fault that comes up moves the fixes against the wheels. Within a window they may move by P / 4, by what wheels may
+  be wrong by (`DRIFT_SHARE`; a window ends where that comes to P / 8), and by what slid or slipped. What moves by more
+  is a lie of the receiver, now or before: it is added to the interval from then on, until it moves back or until
+  bounds that others have made narrow confirm the receiver. So a fault that comes up by more than 3 % of the way run is
+  held: up to 3 P / 8 of it may hide at the edges of two windows each, beside the P / 4.
+- Not held: a fault that is there from the first fix on; one that comes up by less than 3 % of the way to more than P;
+  two small ones, one after the other. What leaves the bounds altogether is refused by the one rule of fixes.
+- A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
+
+A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have borne out.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Protocol
+
+import numpy as np
+
+from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m, taken
+from onboard.records import Chart, UnitRow
+from vehicle.compiled import compiled
+
+RING: Final = 64  # ticks of which it keeps the way run: more than the oldest fix needs
+OLDEST_S: Final = 6.0  # a fix that says it is older is of no use
+STEADY_SHARE: Final = 0.25  # of the protection level, by which fixes that err as stated move within a window
+WHEELS_SHARE: Final = 0.125  # of it, by which the wheels may be wrong within a window
+DRIFT_SHARE: Final = 0.01  # assumed: wheels known to three of their sigma; only suspicion rests on it
+WINDOW_S: Final = 60.0
+BORNE_OUT: Final = 5  # fixes in a row that agree, before one cuts the bounds
+FIRST_FIXES: Final = 10  # before one gives a unit its position
+LOST_S: Final = 10.0  # without a fix, and the receiver counts as lost
+CONFIRMED_SHARE: Final = (
+    0.25  # of the protection level: bounds that others made as narrow confirm a fix in them
+)
+
+
+class GnssReading(Protocol):
+    """What the receiver shows, put onto the path."""
+
+    taken: Annotated[int, "1: a fix has come in this step"]
+    position_m: Annotated[float, "path coordinate of the front when the fix was taken"]
+    age_s: Annotated[float, "how long that is ago, by its time tag"]
+    protection_m: Annotated[float, "its own statement of what it may err by along the track"]
+    open_sky: Annotated[int, "1: it saw all satellites that should be in sight"]
+
+
+class GnssRow(Protocol):
+    """What the unit keeps of its receiver."""
+
+    path: Annotated[int, "which path the coordinates are of"]
+    ticks: int
+    odometer_m: Annotated[float, "the tachometer a tick ago"]
+    way_m: Annotated[float, "run by the wheels, as calibrated, since the unit began"]
+    slid_m: Annotated[float, "how much of it may be false since then: wheels slid or slipped"]
+    way_then_m: Annotated[list[float], RING]
+    slid_then_m: Annotated[list[float], RING]
+    heard: Annotated[int, "1: it has had a fix"]
+    silent_s: Annotated[float, "since the last one"]
+    agreeing: Annotated[int, "fixes under an open sky that did not move against the wheels, in a row"]
+    offset_m: Annotated[float, "a fix less the way, at the window's beginning"]
+    window_way_m: Annotated[float, "the way there"]
+    window_slid_m: float
+    window_s: Annotated[float, "how long ago that is; negative: there is no window"]
+    lie_m: Annotated[float, "by how much the receiver has moved against the wheels where that was too much"]
+    lie_within_m: Annotated[float, "what of that the wheels may have been wrong by"]
+    slack_m: Annotated[float, "what the estimate may be wrong by if all that it leans on was true"]
+    bounds_m: Annotated[float, "half of what the bounds spanned at the last tick"]
+
+
+@compiled
+def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
+    """Count the way of this tick, and what widens the bounds; what cuts them has set the estimate anew."""
+    run_m = (unit.odometer_m - own.odometer_m) * unit.odometer_scale if own.ticks > 0 else 0.0
+    own.odometer_m = unit.odometer_m
+    own.way_m += run_m
+    unseen_mps = max(unit.may_run_mps - unit.speed_mps * unit.odometer_scale, 0.0)
+    own.slid_m += unseen_mps * step_s + (abs(run_m) if unit.wheel_slide != 0 else 0.0)
+    own.ticks += 1
+    own.way_then_m[own.ticks % RING], own.slid_then_m[own.ticks % RING] = own.way_m, own.slid_m
+    half_m = (unit.bound_ahead_m + unit.bound_behind_m) / 2.0
+    wider_m = half_m - own.bounds_m
+    own.slack_m = half_m if wider_m < 0.0 else min(own.slack_m + wider_m, half_m)
+    own.bounds_m = half_m
+    own.silent_s += step_s
+    if own.window_s >= 0.0:
+        own.window_s += step_s
+    if own.path != unit.paths_taken_up or own.ticks == 1:
+        own.path, own.window_s, own.agreeing = unit.paths_taken_up, -1.0, 0
+
+
+@compiled
+def front_by_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> tuple[float, float]:
+    """Where the front is now (m) by a fix and the way run since it was taken, and within what (m either way).
+
+    The protection level, what the receiver has been seen to lie by, and what the wheels may be wrong by since.
+    """
+    back = min(int(reading.age_s / step_s + 0.5), own.ticks - 1, RING - 1)
+    then = (own.ticks - back) % RING
+    since_m = own.way_m - own.way_then_m[then]
+    slid_m = own.slid_m - own.slid_then_m[then]
+    wheels_m = abs(since_m) * unit.bound_growth + slid_m + unit.pulse_m + 0.5 * step_s * abs(unit.speed_mps)
+    return reading.position_m + since_m, reading.protection_m + abs(own.lie_m) + own.lie_within_m + wheels_m
+
+
+@compiled
+def bears_out(own: GnssRow, at_m: float, protection_m: float) -> bool:
+    """Whether a fix under an open sky has moved against the wheels by no more than it may; keeps the window."""
+    offset_m = at_m - own.way_m
+    if own.window_s < 0.0:
+        begin_window(own, offset_m)
+        own.agreeing = 1
+        return True
+    moved_m = offset_m - own.offset_m
+    wheels_m = DRIFT_SHARE * abs(own.way_m - own.window_way_m)
+    slid_m = own.slid_m - own.window_slid_m
+    if abs(moved_m) > STEADY_SHARE * protection_m + wheels_m + slid_m:
+        own.lie_m += moved_m
+        own.lie_within_m += wheels_m + slid_m
+        own.agreeing = 0
+        begin_window(own, offset_m)
+        return False
+    own.agreeing += 1
+    if wheels_m > WHEELS_SHARE * protection_m or own.window_s > WINDOW_S:
+        begin_window(own, offset_m)
+    return True
+
+
+@compiled
+def begin_window(own: GnssRow, offset_m: float) -> None:
+    """From here on the next fixes are compared with this one."""
+    own.offset_m, own.window_s = offset_m, 0.0
+    own.window_way_m, own.window_slid_m = own.way_m, own.slid_m
+
+
+@compiled
+def confirmed(own: GnssRow, unit: UnitRow, at_m: float, protection_m: float) -> bool:
+    """Whether others have made the bounds so narrow that a fix near them shows the receiver to be right again."""
+    if unit.position_known == 0 or own.bounds_m > CONFIRMED_SHARE * protection_m:
+        return False
+    return bool(abs(at_m - unit.position_m) <= own.bounds_m + STEADY_SHARE * protection_m)
+
+
+@compiled
+def told(own: GnssRow, protection_m: float) -> int:
+    """What came of a fix that was used: nothing new while the receiver is under suspicion."""
+    return TAKEN if abs(own.lie_m) <= STEADY_SHARE * protection_m + own.lie_within_m else NOTHING
+
+
+@compiled
+def leans(own: GnssRow, unit: UnitRow, at_m: float, within_m: float, protection_m: float) -> int:
+    """Lean the estimate on a fix that may not cut; one that misses the bounds is passed over."""
+    if unit.position_known == 0 or not missed_m(unit, at_m, within_m, within_m) <= 0.0:
+        return NOTHING
+    if abs(at_m - unit.position_m) > own.slack_m + within_m:
+        return NOTHING
+    own.slack_m = leant(unit, own.slack_m, at_m, within_m)
+    return told(own, protection_m)
+
+
+@compiled
+def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> int:
+    """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
+    at_m, within_m = front_by_fix(own, reading, unit, step_s)
+    protection_m = reading.protection_m
+    if reading.open_sky == 0:
+        return leans(own, unit, at_m, within_m, protection_m)
+    if not bears_out(own, at_m, protection_m):
+        return REFUSED
+    if own.lie_m != 0.0 and confirmed(own, unit, at_m, protection_m):
+        within_m -= abs(own.lie_m) + own.lie_within_m
+        own.lie_m = own.lie_within_m = 0.0
+    if own.agreeing < (BORNE_OUT if unit.position_known == 1 else FIRST_FIXES):
+        return leans(own, unit, at_m, within_m, protection_m)
+    return told(own, protection_m) if taken(unit, at_m, within_m, within_m) == TAKEN else REFUSED
+
+
+@compiled
+def gnss(own: GnssRow, reading: GnssReading, unit: UnitRow, _chart: Chart, step_s: float) -> int:
+    """Use a fix that has come; without any for some time the receiver is missed."""
+    keep_way(own, unit, step_s)
+    if reading.taken == 0:
+        if own.heard == 0 or own.silent_s < LOST_S:
+            return NOTHING
+        own.agreeing = 0
+        return MISSED
+    own.heard, own.silent_s = 1, 0.0
+    sound = np.isfinite(reading.position_m) and reading.protection_m > 0.0
+    if not (sound and 0.0 <= reading.age_s <= OLDEST_S):
+        return REFUSED
+    return used(own, reading, unit, step_s)

@@ -1,0 +1,92 @@
+"""What the wheels may be worth: metres of way per metre counted, as an interval that readings at two places narrow.
+
+Invariant: the wheel's own scale lies within the interval as long as wheels are worn by no more than stated, what
+changes from place to place (creep, the tread's slope in curves) stays within its share of the stated error, and the
+intervals that it was learned from hold the front. What contradicts all that is not learned: it begins anew.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, NamedTuple
+
+from onboard.records import UnitRow
+from onboard.unit_records import UnitParameters
+
+PLACES_KEPT: Final = 6  # two stations' worth of tags
+LEARNED_OVER_M: Final = 100.0  # on less the accuracy of two readings says nothing
+
+
+class Held(NamedTuple):
+    """An interval of path coordinates (m) that the front was in when the tachometer stood at `odometer_m`.
+
+    `ahead_m` and `behind_m`: what slides and slips had widened bounds by until then, see `UnitRow`.
+    """
+
+    low_m: float
+    high_m: float
+    odometer_m: float
+    ahead_m: float
+    behind_m: float
+
+
+class Scales(NamedTuple):
+    """Metres of way per metre counted, at least and at most, anywhere on the way."""
+
+    low: float
+    high: float
+
+
+def held(row: UnitRow, low_m: float, high_m: float) -> Held:
+    """The front lies in this interval now."""
+    return Held(low_m, high_m, row.odometer_m, row.slid_ahead_m, row.slipped_behind_m)
+
+
+def carried(row: UnitRow, before: Held, scales: Scales) -> tuple[float, float]:
+    """The interval in which the front lies now, m, if it was in `before` then."""
+    run_m = max(row.odometer_m - before.odometer_m, 0.0)
+    low_m = before.low_m + run_m * scales.low - (row.slipped_behind_m - before.behind_m)
+    return low_m, before.high_m + run_m * scales.high + (row.slid_ahead_m - before.ahead_m)
+
+
+class WheelScale:
+    """What one unit knows of its wheels; sets `odometer_scale` and `bound_growth` of its row."""
+
+    def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
+        self._row: Final = row
+        self._worn: Final = parameters.wheel_scale_limit
+        self._varies: Final = max(parameters.wheel_error_share - parameters.wheel_scale_limit, 0.0)
+        self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
+        self._places: deque[Held] = deque(maxlen=PLACES_KEPT)
+
+    @property
+    def scales(self) -> Scales:
+        """What is stated or known now, with what changes from place to place."""
+        return Scales(self._low - self._varies, self._high + self._varies)
+
+    def forget_places(self) -> None:
+        """The path coordinates are others now; what the wheels are worth is kept."""
+        self._places.clear()
+
+    def forget(self) -> None:
+        """Something was false: nothing is known but what is stated."""
+        self._places.clear()
+        self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
+
+    def learn(self, here: Held) -> None:
+        """The front surely is in this interval now: what that says about the way since earlier ones."""
+        for before in self._places:
+            run_m = here.odometer_m - before.odometer_m
+            if run_m >= LEARNED_OVER_M:
+                slid_m, slipped_m = here.ahead_m - before.ahead_m, here.behind_m - before.behind_m
+                low = (here.low_m - before.high_m - slid_m) / run_m - self._varies
+                high = (here.high_m - before.low_m + slipped_m) / run_m + self._varies
+                self._low, self._high = max(self._low, low), min(self._high, high)
+        if not self._low <= self._high:
+            self.forget()
+        self._places.append(here)
+
+    def apply(self, scale: float) -> None:
+        """Count by this scale from now on, or by the nearest that can be; bounds grow by what it may be off."""
+        self._row.odometer_scale = within = min(max(scale, self._low), self._high)
+        self._row.bound_growth = self._varies + max(self._high - within, within - self._low)

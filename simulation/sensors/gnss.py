@@ -1,0 +1,255 @@
+"""The satellite receiver (GNSS): where the front is along the path, a little late, with errors that last.
+
+What it shows is already a place on the track: a unit knows its route, and puts the receiver's latitude and longitude
+onto it. Of the receiver's error only the part along the track is left, and a loop beside the main track has the same
+coordinate. Antenna and front are a known length apart.
+
+Its errors, along the track: a first-order Gauss-Markov process (`sigma_m`, `time_constant_s`: atmosphere, orbits,
+clocks), white noise, and where part of the sky is hidden what reflections add. That depends on the place and on where
+the satellites stand, which come back after a sidereal day: who passes again within minutes errs nearly alike, an hour
+later otherwise, and four minutes earlier on the next day as today. It states one protection level, and whether it sees
+all the satellites that should be in sight. In tunnels and for a time after them it has no fix.
+
+Its faults: a dead antenna, jamming (both: no fix), reflections beyond the protection level, a jump, a wrong time tag.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+
+from pydantic import Field
+
+from network.files.quantities import CorrelationWay, ReceiverBias, ReceiverLatency
+from network.profile import NO_SKY, OPEN_SKY
+from onboard.board import SensedRow
+from simulation.faults.fault import Fault, Names, World
+from simulation.sensors.noise import normal, source_of
+from simulation.sensors.scene import SceneRow
+from simulation.settings import Carried
+from vehicle.compiled import compiled
+
+if TYPE_CHECKING:
+    from simulation.setup import Setup
+
+RING: Final = 64  # fixes under way: more than the latest tag of the fastest receiver needs
+SIDEREAL_DAY_S: Final = 86_164.1  # after which the satellites stand as before
+DAY_S: Final = 86_400.0
+HOURS: Final = 96  # of a sidereal day: in 15 min reflections have become others
+SPREAD: Final = 1_000_003  # between the counters of neighbouring places, more than there are times
+LONG_AGO: Final = -(10**9)  # steps
+
+
+class GnssReceiverRow(Protocol):
+    """One train's receiver, what it errs by now, and its fixes on their way to the unit."""
+
+    every_steps: Annotated[int, "a fix each so many steps of the day; 0: no receiver"]
+    latency_steps: int
+    reacquire_steps: Annotated[int, "without a fix after it had no signals"]
+    source: Annotated[int, "of the error that lasts"]
+    noise_source: int
+    place_source: Annotated[int, "of reflections: the same for all trains"]
+    sigma_m: float
+    noise_sigma_m: float
+    time_constant_s: float
+    multipath_sigma_m: float
+    multipath_way_m: float
+    ahead_s: Annotated[float, "how far the satellites are ahead of where they stood at this time on day 1"]
+    protection_m: Annotated[float, "stated with each fix"]
+    step_s: float
+    lasting_m: Annotated[float, "error that lasts, along the line, at `lasting_step`"]
+    lasting_step: int
+    lost_step: Annotated[int, "the last in which it had no signals"]
+    run_m: Annotated[float, "the way run since the day began"]
+    no_signals: Annotated[int, "1: the antenna is dead or jammed"]
+    bias_m: Annotated[float, "what a fault adds, along the path"]
+    bias_due_m: Annotated[float, "what it comes to"]
+    bias_slope: Annotated[float, "m per m run; 0: at once"]
+    late_steps: Annotated[int, "fixes are older than they say by so many"]
+    taken_step: Annotated[list[int], RING]
+    taken_run_m: Annotated[list[float], RING]
+    taken_error_m: Annotated[list[float], RING]
+    taken_open: Annotated[list[int], RING]
+
+
+def fit(own: GnssReceiverRow, setup: Setup, stock_id: str) -> None:
+    """A receiver for stock that carries one; reflections are those of the place and the day."""
+    if Carried.GNSS not in setup.sensors.carried_by(stock_id):
+        return
+    gnss, receiver = setup.gnss, setup.gnss.receiver
+    own.every_steps = setup.steps_of(1.0 / gnss.rate_hz)
+    own.step_s = 1.0 / setup.steps_of(1.0)
+    own.latency_steps = round(gnss.latency_s / own.step_s)
+    own.reacquire_steps = round(gnss.reacquisition_s / own.step_s)
+    own.source = source_of(setup.seed, "gnss", stock_id, *setup.today)
+    own.noise_source = source_of(setup.seed, "gnss noise", stock_id, *setup.today)
+    own.place_source = source_of(setup.seed, "gnss reflections")
+    own.sigma_m, own.noise_sigma_m = receiver.sigma_m, receiver.noise_sigma_m
+    own.multipath_sigma_m, own.multipath_way_m = receiver.multipath_sigma_m, gnss.multipath_way_m
+    own.protection_m, own.time_constant_s = receiver.protection_m, gnss.time_constant_s
+    own.ahead_s = (setup.day - 1) * (DAY_S - SIDEREAL_DAY_S)
+    own.lasting_m = receiver.sigma_m * normal(own.source, -1)
+    own.lost_step = LONG_AGO
+    own.taken_step = [LONG_AGO] * RING
+
+
+@compiled
+def gnss_receiver(own: GnssReceiverRow, _sensors: Any, scene: SceneRow, sensed: SensedRow) -> None:  # noqa: ANN401
+    """Take a fix if one is due and there are signals; hand over the one that has become due."""
+    shown = sensed.readings.gnss
+    shown.taken = 0
+    if own.every_steps == 0:
+        return
+    own.run_m += scene.run_m
+    follow_bias(own, abs(scene.run_m))
+    if scene.sky == NO_SKY or own.no_signals != 0:
+        own.lost_step = scene.step
+    if scene.step % own.every_steps == 0 and scene.step - own.lost_step > own.reacquire_steps:
+        take(own, scene)
+    of_step = scene.step - own.latency_steps - own.late_steps
+    slot = of_step // own.every_steps % RING
+    if of_step % own.every_steps != 0 or own.taken_step[slot] != of_step:
+        return
+    shown.taken = 1
+    since_m = own.run_m - own.taken_run_m[slot]
+    shown.position_m = scene.front_m - since_m + own.taken_error_m[slot]
+    shown.age_s = own.latency_steps * own.step_s
+    shown.protection_m = own.protection_m
+    shown.open_sky = own.taken_open[slot]
+
+
+@compiled
+def take(own: GnssReceiverRow, scene: SceneRow) -> None:
+    """One fix: its error, and whether it was taken under an open sky."""
+    slot = scene.step // own.every_steps % RING
+    own.taken_step[slot], own.taken_run_m[slot] = scene.step, own.run_m
+    keeps = math.exp(-(scene.step - own.lasting_step) * own.step_s / own.time_constant_s)
+    fresh_m = own.sigma_m * normal(own.source, scene.step)
+    own.lasting_m = keeps * own.lasting_m + math.sqrt(1.0 - keeps * keeps) * fresh_m
+    own.lasting_step = scene.step
+    error_m = own.lasting_m + own.noise_sigma_m * normal(own.noise_source, scene.step)
+    own.taken_open[slot] = 1
+    if scene.sky < OPEN_SKY:
+        own.taken_open[slot] = 0
+        error_m += own.multipath_sigma_m * reflected(own, scene.kilometrage_m, scene.now_s)
+    own.taken_error_m[slot] = scene.down * error_m + own.bias_m
+
+
+@compiled
+def reflected(own: GnssReceiverRow, kilometrage_m: float, now_s: float) -> float:
+    """What reflections add at a place and a time, in standard deviations: smooth in both, the same for who comes again.
+
+    Standard normal numbers at knots of place and time, blended by the cosine so that the variance is 1 everywhere.
+    """
+    place = kilometrage_m / own.multipath_way_m
+    hour = (now_s + own.ahead_s) % SIDEREAL_DAY_S / SIDEREAL_DAY_S * HOURS
+    i, j = math.floor(place), math.floor(hour)
+    along, later = 0.5 * math.pi * (place - i), 0.5 * math.pi * (hour - j)
+    total = 0.0
+    for di in range(2):
+        for dj in range(2):
+            share = math.sin(along) if di == 1 else math.cos(along)
+            share *= math.sin(later) if dj == 1 else math.cos(later)
+            total += share * normal(own.place_source, (i + di) * SPREAD + (j + dj) % HOURS)
+    return total
+
+
+@compiled
+def follow_bias(own: GnssReceiverRow, run_m: float) -> None:
+    """Let what a fault adds come to what it is to be, as the train runs."""
+    missing_m = own.bias_due_m - own.bias_m
+    if own.bias_slope > 0.0:
+        most_m = own.bias_slope * run_m
+        missing_m = min(max(missing_m, -most_m), most_m)
+    own.bias_m += missing_m
+
+
+@dataclass(frozen=True, slots=True)
+class Reception:
+    """What is wrong with a receiver: no signals, what is added to its fixes (over how much way), older than stated."""
+
+    no_signals: bool = False
+    bias_m: float = 0.0
+    over_m: float = 0.0
+    late_s: float = 0.0
+
+
+class GnssFault(Fault[Reception]):
+    """What the receiver of a train shows; nothing where it has none."""
+
+    aims_at = "unit"
+    changes = "gnss"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> Reception:
+        return Reception()
+
+    def put(self, world: World, reception: Reception) -> None:
+        put_reception(world.trains.sensors["gnss_receiver"][world.slot(self.target)], reception)
+
+
+def put_reception(own: GnssReceiverRow, reception: Reception) -> None:
+    """Make a receiver so. A bias that went over some way goes over the same way, if it came over any."""
+    if own.every_steps == 0:
+        return
+    own.no_signals = int(reception.no_signals)
+    if reception.over_m > 0.0:
+        own.bias_slope = abs(reception.bias_m - own.bias_due_m) / reception.over_m
+    elif reception.bias_m != 0.0:
+        own.bias_slope = 0.0
+    own.bias_due_m = reception.bias_m
+    own.late_steps = round(reception.late_s / own.step_s)
+
+
+class GnssAntenna(GnssFault):
+    """The antenna is dead: no fix."""
+
+    kind = "gnss_antenna"
+
+    def over(self, reception: Reception) -> Reception:
+        return replace(reception, no_signals=True)
+
+
+class GnssJammed(GnssFault):
+    """Somebody's transmitter drowns the satellites: no fix, and none for a time after."""
+
+    kind = "gnss_jammed"
+
+    def over(self, reception: Reception) -> Reception:
+        return replace(reception, no_signals=True)
+
+
+class GnssReflections(GnssFault):
+    """Reflections beyond the protection level, under what the receiver takes for an open sky: it states wrongly."""
+
+    kind = "gnss_reflections"
+    bias_m: ReceiverBias = Field(description="what they come to, along the train's way")
+    over_m: CorrelationWay = Field(default=80.0, description="the way over which they come, and go")
+
+    def over(self, reception: Reception) -> Reception:
+        return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=self.over_m)
+
+
+class GnssJump(GnssFault):
+    """The receiver's position jumps, and its statement is wrong."""
+
+    kind = "gnss_jump"
+    bias_m: ReceiverBias = Field(description="by so much, along the train's way")
+
+    def over(self, reception: Reception) -> Reception:
+        return replace(reception, bias_m=reception.bias_m + self.bias_m, over_m=0.0)
+
+
+class GnssTimeTag(GnssFault):
+    """Fixes are older than their time tags say."""
+
+    kind = "gnss_time_tag"
+    late_s: ReceiverLatency = Field(description="by so much")
+
+    def over(self, reception: Reception) -> Reception:
+        return replace(reception, late_s=reception.late_s + self.late_s)
