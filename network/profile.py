@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.alignment import bearing_rad
-from network.model import Alignment, Curve, Leg, Line
+from network.model import Alignment, Curve, Leg, Line, Piece
 from network.offsets import turned_rad
 from network.path import Path, PathStep
 
@@ -68,7 +68,7 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
         rows["turn_rad"][here] = turn_rad + bend_rad[2:]
         elevation_m += float(height_m[1] - height_m[0])
         turn_rad += float(bend_rad[1])
-        points_rad = step.direction * _heading_rad(line, step, kilometrages_m)
+        points_rad = bearing_of_piece_rad(line, line.pieces[step.piece_id], kilometrages_m)
         rows["heading_rad"][here] = heading_rad + points_rad[2:] - points_rad[0]
         heading_rad += float(points_rad[1] - points_rad[0])
         for sky, covers in ((PART_OF_SKY, alignment.obstructed), (NO_SKY, alignment.tunnels)):
@@ -78,6 +78,15 @@ def profile_of(line: Line, path: Path) -> NDArray[np.void]:
     _limit_on_points(rows, line, path)
     rows["turn_rad"] = np.maximum.accumulate(rows["turn_rad"])
     return rows
+
+
+def bearing_of_piece_rad(line: Line, piece: Piece, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where a piece points going DOWN, to the right positive, with the curves of a leg of points.
+
+    By what it differs from place to place a train going UP turns too: both its way and what is right are reversed.
+    """
+    alignment = line.alignments[piece.alignment_id]
+    return bearing_rad(alignment, kilometrage_m) + turned_rad(line, piece, kilometrage_m)
 
 
 def heights_of(line: Line) -> dict[str, tuple[tuple[float, float], ...]]:
@@ -126,12 +135,6 @@ def _elevation_m(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> ND
     for gradient in alignment.gradients:
         heights_m.append(heights_m[-1] + (gradient.to_m - gradient.from_m) * gradient.permille / 1000.0)
     return np.asarray(np.interp(kilometrage_m, breaks_m, heights_m), dtype=np.float64)
-
-
-def _heading_rad(line: Line, step: PathStep, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where a piece points going DOWN, to the right positive, with the curves of a leg of points."""
-    piece = line.pieces[step.piece_id]
-    return bearing_rad(_alignment(line, step), kilometrage_m) + turned_rad(line, piece, kilometrage_m)
 
 
 def _turn_rad(alignment: Alignment, kilometrage_m: NDArray[np.float64]) -> NDArray[np.float64]:

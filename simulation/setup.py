@@ -27,6 +27,7 @@ from simulation.gnss_settings import Gnss
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Curvature,
     Driving,
     Limits,
     Load,
@@ -76,6 +77,7 @@ class Setup:
     planning: Planning = PLAIN
     sensors: Sensors = field(default_factory=Sensors)
     gnss: Gnss = field(default_factory=Gnss)
+    curvature: Curvature = field(default_factory=Curvature)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     # What trains know of their brakes to begin with, by stock id.

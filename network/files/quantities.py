@@ -267,6 +267,33 @@ CORRELATION_TIME: Final = Quantity(
 CORRELATION_WAY: Final = Quantity(
     "way over which an error changes", "m", ((1.0, 10_000.0),), "assumed: as a distance to a place"
 )
+YAW_RATE: Final = Quantity(
+    "yaw rate",
+    "deg/s",
+    ((0.0, 125.0),),
+    "full scale of the ASM330LHH in its finest range; a train turns by 10 deg/s at the very most",
+)
+SAMPLE_RATE: Final = Quantity(
+    "rate of a sensor's samples", "Hz", ((10.0, 100_000.0),), "least: one a step; greatest assumed"
+)
+BODY_FREQUENCY: Final = Quantity(
+    "natural frequency of a car body", "Hz", ((0.3, 5.0),), "assumed: soft to stiff secondary springs"
+)
+BODY_DAMPING: Final = Quantity(
+    "damping of a car body", "", ((0.05, 2.0),), "assumed: as a share of the critical one"
+)
+MATCHED_WAY: Final = Quantity(
+    "way that is matched with a map", "m", ((5.0, 800.0),), "greatest: what units keep; least assumed"
+)
+CURVATURE_ERROR: Final = Quantity(
+    "error of a curvature", "1/m", ((1e-6, 0.01),), "greatest: a curve of 100 m; least assumed"
+)
+SIGMAS: Final = Quantity(
+    "number of standard deviations", "", ((1.0, 10.0),), "assumed: a third of all, or none in an age"
+)
+NOISE_FACTOR: Final = Quantity(
+    "factor of noise", "", ((0.0, 1000.0),), "assumed: none, or a sensor that is broken"
+)
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
@@ -386,6 +413,14 @@ ReceiverBias = Annotated[float, RECEIVER_BIAS]
 ReceiverLatency = Annotated[float, RECEIVER_LATENCY]
 CorrelationTime = Annotated[float, CORRELATION_TIME]
 CorrelationWay = Annotated[float, CORRELATION_WAY]
+YawRateDegps = Annotated[float, YAW_RATE]
+SampleRate = Annotated[float, SAMPLE_RATE]
+BodyFrequency = Annotated[float, BODY_FREQUENCY]
+BodyDamping = Annotated[float, BODY_DAMPING]
+MatchedWay = Annotated[float, MATCHED_WAY]
+CurvatureError = Annotated[float, CURVATURE_ERROR]
+Sigmas = Annotated[float, SIGMAS]
+NoiseFactor = Annotated[float, NOISE_FACTOR]
 Days = Annotated[int, DAYS]
 Seed = Annotated[int, SEED]
 Share = Annotated[float, SHARE]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
 from onboard.board import SensedRow
-from simulation.sensors import gnss, sign_camera, slide_protection, tag_reader
+from simulation.sensors import gnss, sign_camera, slide_protection, tag_reader, yaw_gyro
 from simulation.sensors import load_sensor as load
 from simulation.sensors import tachometer as tacho
 from simulation.sensors.scene import SceneRow
@@ -44,6 +44,7 @@ SENSORS: Final = (
     Sensor(tag_reader.tag_reader, tag_reader.TagReaderRow, tag_reader.fit),
     Sensor(sign_camera.sign_camera, sign_camera.SignCameraRow, sign_camera.fit),
     Sensor(gnss.gnss_receiver, gnss.GnssReceiverRow, gnss.fit),
+    Sensor(yaw_gyro.yaw_gyro, yaw_gyro.YawGyroRow, yaw_gyro.fit),
 )
 
 

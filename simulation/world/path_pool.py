@@ -13,6 +13,8 @@ from network.profile import PROFILE, profile_of
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.pattern import pattern_of
 from onboard.records import NO_PLACES, PATTERN, PLACE, PLACE_BEACON, PLACE_MARKERS, BehaviourRow
+from simulation.world.collation import Charted
+from simulation.world.irregularities import Irregularities
 from simulation.world.kernel import Track
 from vehicle.records import TrainRow
 
@@ -55,11 +57,20 @@ def markers_on(line: Line, path: Path) -> NDArray[np.void]:
 class PathPool:
     """Grows by one entry for each path and kind of train; entries never move.
 
-    Profile and tags are of the line as it is, patterns of the line as units believe it to be.
+    Profile and tags are of the line as it is, with the `rails` as laid; patterns are of the line as units believe it to
+    be, with the map that they have `charted`.
     """
 
-    def __init__(self, line: Line, believed: Line | None = None) -> None:
+    def __init__(
+        self,
+        line: Line,
+        believed: Line | None = None,
+        rails: Irregularities | None = None,
+        charted: Charted | None = None,
+    ) -> None:
         self._line = line
+        self._rails = rails
+        self._charted = charted
         self._believed = line if believed is None else believed
         self._known: dict[tuple[tuple[str, ...], Direction, str], PathRows] = {}
         self.profile: NDArray[np.void] = np.zeros(0, dtype=PROFILE)
@@ -88,6 +99,10 @@ class PathPool:
             train,
             behaviour,
         )
+        if self._rails is not None:
+            profile["irregularity_rad"] = self._rails.on_path_rad(path)
+        if self._charted is not None:
+            pattern["curvature_per_m"] = self._charted.along(path)
         tags = sorted(
             (path.to_path_m(tag.piece_id, tag.position_m), tag.id)
             for tag in self._line.tags.values()

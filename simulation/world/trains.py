@@ -17,6 +17,7 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAW_NAMES, LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
+from onboard.localisation.curvature_map import Mounting
 from onboard.localisation.table import READER_NAMES, ReadersRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
@@ -27,6 +28,9 @@ from simulation.sensors.tag_air import channel_at, read_bits
 from simulation.sensors.tag_reader import TagReaderRow
 from simulation.settings import Carried
 from simulation.setup import Setup, behaviour_rows
+from simulation.world.collation import charted
+from simulation.world.collation import fit as fit_collation
+from simulation.world.irregularities import Irregularities
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.premises import Premises
 from simulation.world.records import STOCK, TruthRow
@@ -43,6 +47,7 @@ AGREEMENT_M = (
 SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}  # of SUMO's edges
 LEAD_BOGIE_M: Final = 3.1  # assumed: of a car of 20 m with its bogies 13.8 m apart, as most of JR's are
 BOGIE_BASE_M: Final = 13.8
+MOUNTING: Final = Mounting(LEAD_BOGIE_M, BOGIE_BASE_M)
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
 
@@ -98,7 +103,10 @@ class Trains:
         self._position_m = self.stock["truth"]["position_m"]
         self._offset_m = self.stock["truth"]["offset_m"]
         self._travelled_m = self.stock["plant"]["travelled_m"]
-        self.pool = PathPool(setup.line, setup.believed_line)
+        rails = None
+        if setup.sensors.any_gyro:
+            rails = Irregularities(setup.line, setup.curvature.rails, setup.seed, setup.today)
+        self.pool = PathPool(setup.line, setup.believed_line, rails, charted(setup, MOUNTING))
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
         self.premises = Premises(self.tachometers, self.units)
@@ -127,6 +135,7 @@ class Trains:
         row["body"] = body[0]
         for sensor in SENSORS:
             sensor.fit(self.sensors[sensor.name][slot], setup, stock_id)
+        fit_collation(self.readers[slot].curvature, setup, stock_id, MOUNTING)
         truth = self.truths[slot]
         truth.powered = 1
         truth.sight_m = truth.sign_m = math.inf

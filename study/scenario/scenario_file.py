@@ -22,6 +22,7 @@ from simulation.gnss_settings import Gnss
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Curvature,
     Driving,
     Limits,
     Load,
@@ -78,6 +79,7 @@ class PatchTable(Record):
     planning: Annotated[TableWords | None, about("on [planning]")] = None
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
     gnss: Annotated[TableWords | None, about("on [gnss]")] = None
+    curvature: Annotated[TableWords | None, about("on [curvature]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
     limits: Annotated[TableWords | None, about("on [limits]")] = None
@@ -115,6 +117,7 @@ class ScenarioFile(Record):
     planning: Planning = PLAIN
     sensors: Sensors = Field(default_factory=Sensors)
     gnss: Gnss = Field(default_factory=Gnss)
+    curvature: Curvature = Field(default_factory=Curvature)
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     vision: Vision = NO_VISION
