@@ -102,9 +102,7 @@ def crossing(free: Floats, inside: int, outside: int, limit: float) -> float:
 
 
 @compiled
-def explained(
-    free: Floats, span: int, least: int, near: int, limit: float, far_limit: float
-) -> tuple[float, float]:
+def explained(free: Floats, span: int, least: int, near: int, limit: float, far_limit: float) -> tuple[float, float]:
     """The hull of all shifts whose sum noise can explain: at most `limit` within `near` of the least, `far_limit` beyond."""
     low = high = least
     for shift in range(span + 1):

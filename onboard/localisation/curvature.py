@@ -47,9 +47,7 @@ SAME_MAX: Final = 20  # readings in a row that are equal to the last bit: the gy
 TRANSITION_PER_M2: Final = 1.0e-5  # filtered curvature that changes faster than this is a transition
 FLOOR_M: Final = 0.3  # of an interval: metres are whole, and pulses
 CALIBRATES_M: Final = 300.0  # wheels are compared over no less
-VARIES_OVER_M: Final = (
-    1000.0  # what they count over longer ways differs from their mean by less, in proportion
-)
+VARIES_OVER_M: Final = 1000.0  # what they count over longer ways differs from their mean by less, in proportion
 SURE_OF_BLOCK: Final = 4.0  # deviations of the root mean square of a block
 WHITE_PER_M: Final = 0.058  # variance that the filter leaves of white noise of 1 a metre
 
@@ -76,9 +74,7 @@ class CurvatureRow(Protocol):
     mismatch_per_m: float
     sure_sigmas: float
     worn_share: Annotated[float, "most that wheels are worn by"]
-    varies_share: Annotated[
-        float, "most that their count over a while differs from their mean: creep, the tread's slope"
-    ]
+    varies_share: Annotated[float, "most that their count over a while differs from their mean: creep, the tread's slope"]
     doubtful_share: Annotated[float, "bounds that grow faster are those of a unit in doubt of its wheels"]
     gain_share: Annotated[float, "the gyro's gain may be wrong by this"]
     bias_walk_radps: Annotated[float, "deviation of the bias in the long run"]
@@ -90,9 +86,7 @@ class CurvatureRow(Protocol):
     filter_mps: float
     map_error_m: float
     rail_level: Annotated[float, "variance of the rails' heading a metre, as of white noise"]
-    rail_peak: Annotated[
-        float, "greatest spectral density of their filtered curvature, as a variance a metre"
-    ]
+    rail_peak: Annotated[float, "greatest spectral density of their filtered curvature, as a variance a metre"]
     rail_variance_per_m2: Annotated[float, "of their filtered curvature"]
     rail_heading_rad: Annotated[float, "deviation of their filtered heading"]
     # now
@@ -131,9 +125,7 @@ class CurvatureRow(Protocol):
     why: Annotated[int, "dbg"]
     dbg: Annotated[list[float], 12, "dbg"]
     at: Annotated[int, "where the next metre goes"]
-    bent_per_m: Annotated[
-        list[float], 2 * WINDOW_MAX, "the ring, twice, so that every window lies in one piece"
-    ]
+    bent_per_m: Annotated[list[float], 2 * WINDOW_MAX, "the ring, twice, so that every window lies in one piece"]
     slow_s_per_m: Annotated[list[float], 2 * WINDOW_MAX, "one over the speed then"]
     then_ahead_m: Annotated[list[float], 2 * WINDOW_MAX, "ahead_m then"]
     then_behind_m: Annotated[list[float], 2 * WINDOW_MAX]
@@ -325,9 +317,7 @@ def best_count(own: CurvatureRow, shift: int, whole: int, most: int) -> int:
             left = slope2 - turned * turned / count
             if left <= 0.0:
                 continue
-            half_m = (
-                own.sure_sigmas * math.sqrt(noise_of(own, slope2, bend2, slow / count) / left) + pull / slope2
-            )
+            half_m = own.sure_sigmas * math.sqrt(noise_of(own, slope2, bend2, slow / count) / left) + pull / slope2
             if half_m < least_m:
                 best, least_m = count, half_m
     return best

@@ -24,11 +24,7 @@ from onboard.localisation.spatial_filter import pass_all
 
 Floats = NDArray[np.float64]
 
-SIMPSON: Final = (
-    (0.0, 1.0 / 6.0),
-    (0.5, 4.0 / 6.0),
-    (1.0, 1.0 / 6.0),
-)  # shares of the bogie base, and weights
+SIMPSON: Final = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # shares of the bogie base, and weights
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +75,9 @@ def design_map(line: Line) -> CurvatureMap:
         count = samples_of(piece.length_m)
         breaks_m = np.append(piece.from_m + np.arange(count, dtype=np.float64), piece.to_m)
         bearing_rad = bearing_of_piece_rad(line, piece, breaks_m)
-        pieces[piece.id] = PieceCurvature(piece.from_m, piece.to_m, np.diff(bearing_rad) / np.diff(breaks_m))
+        pieces[piece.id] = PieceCurvature(
+            piece.from_m, piece.to_m, np.diff(bearing_rad) / np.diff(breaks_m)
+        )
     return CurvatureMap(line.id, pieces)
 
 

@@ -12,14 +12,18 @@ Harada, Maki, Kazato and Ishiguri, section 3.3, name the body's motion in yaw as
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr
 from scipy.linalg import expm
 
+from network.files.quantities import ReadingFactor, YawRateDegps
 from onboard.board import SensedRow
 from radio.chance import generator
+from simulation.faults.fault import Fault, Names, World
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled

@@ -70,11 +70,7 @@ class Irregularities:
         low_m, high_m = end_offsets_m(self.line, piece)
         alignment = self.line.alignments[piece.alignment_id]
         at_m = kilometrage_m - alignment.from_m
-        low = np.interp(
-            at_m,
-            np.arange(0.0, self._track(piece.alignment_id, low_m).size),
-            self._track(piece.alignment_id, low_m),
-        )
+        low = np.interp(at_m, np.arange(0.0, self._track(piece.alignment_id, low_m).size), self._track(piece.alignment_id, low_m))
         if high_m == low_m:
             return np.asarray(low, dtype=np.float64)
         other = self._track(piece.alignment_id, high_m)
