@@ -176,7 +176,8 @@ class Tag:
 class Beacon:
     """A beacon of the train stop (ATS地上子): a passage is noticed, and its number only where `tells_id`.
 
-    `used`: one of those that an on-board database goes by (使用地上子).
+    `used`: one of those that an on-board database goes by (使用地上子). `window_m`: it is looked for this far either
+    way (検出範囲); None: by a rule.
     """
 
     id: int
@@ -185,6 +186,7 @@ class Beacon:
     directions: tuple[Direction, ...]
     tells_id: bool = False
     used: bool = True
+    window_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

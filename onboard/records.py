@@ -136,6 +136,7 @@ class PlaceRow(Protocol):
     number: Annotated[int, "of a beacon its id, of markers their pattern"]
     told: Annotated[int, "1: who passes it reads the number"]
     used: Annotated[int, "1: databases go by it"]
+    window_m: Annotated[float, "of a beacon: it is looked for this far either way; 0: by a rule"]
 
 
 PLACE: Final = dtype_of(PlaceRow)

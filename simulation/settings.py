@@ -25,6 +25,7 @@ from network.files.quantities import (
     Gain,
     MatchedWay,
     NoiseFactor,
+    PositionBound,
     Reaction,
     ReadError,
     RunLimit,
@@ -159,6 +160,47 @@ class Sensors(Record):
         BitErrorFactor,
         about("on the bit-error rates, where tags are read by bits", "Sugiyama, table 7, is factor 1"),
     ] = 1.0
+
+
+class BeaconTrust(StrEnum):
+    """What a beacon noticed in its window may do."""
+
+    BOUNDED = "bounded"  # move the estimate inside the bounds; one with a number cuts them
+    PAPER = "paper"  # set the position and bounds, as in Harada, 2.2
+
+
+class Beacons(Record):
+    """`[beacons]`: how trains that carry a receiver go by the beacons of the train stop."""
+
+    trust: Annotated[
+        BeaconTrust,
+        Field(strict=False),
+        about(
+            "what a beacon noticed in its window may do; `paper` alone lets one that is mistaken break the bounds"
+        ),
+    ] = BeaconTrust.BOUNDED
+    window_share: Annotated[
+        ShareAbove0,
+        about("of the interval: a beacon is looked for this far either way", "Harada, table 1: 40 m of 440"),
+    ] = 0.1
+    window_least_m: Annotated[
+        PositionBound, about("and at least this far", "Harada, 3.2: some windows can be no wider")
+    ] = 10.0
+    accuracy_m: Annotated[
+        PositionBound,
+        about("bound of the position where a beacon is noticed", "assumed: the receiver's field"),
+    ] = 1.0
+    placed_within_m: Annotated[
+        PositionBound,
+        about(
+            "one that tells its number lies this near to where the database has it",
+            "assumed: kilometrages to the metre; moved ones are told to the database",
+        ),
+    ] = 2.0
+    notice_sigma_m: Annotated[
+        ReadError, about("of where a beacon is noticed", "assumed: a loop of half a metre under the car")
+    ] = 0.15
+    notice_max_m: Annotated[ReadError, about("at most this far off", "assumed: the edge of its field")] = 0.5
 
 
 class Rails(StrEnum):

@@ -27,6 +27,7 @@ from simulation.gnss_settings import Gnss
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Beacons,
     Curvature,
     Driving,
     Limits,
@@ -77,6 +78,7 @@ class Setup:
     planning: Planning = PLAIN
     sensors: Sensors = field(default_factory=Sensors)
     gnss: Gnss = field(default_factory=Gnss)
+    beacons: Beacons = field(default_factory=Beacons)
     curvature: Curvature = field(default_factory=Curvature)
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING

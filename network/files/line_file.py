@@ -358,7 +358,13 @@ def _beacons(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[in
         piece = check.tag_piece(file, f"beacons[{i}]", beacon, pieces, kinds)
         directions = _directions(beacon.directions)
         beacons[beacon.id] = Beacon(
-            beacon.id, piece.id, metres(beacon.km), directions, beacon.tells_id, beacon.used
+            beacon.id,
+            piece.id,
+            metres(beacon.km),
+            directions,
+            beacon.tells_id,
+            beacon.used,
+            beacon.window_m,
         )
     return beacons
 

@@ -21,6 +21,7 @@ from network.files.quantities import (
     Height,
     Kilometrage,
     Offset,
+    PositionBound,
     Radius,
     SpeedKmh,
     TagId,
@@ -232,6 +233,10 @@ class BeaconTable(OnTrackTable):
     id: Annotated[TagId, about("its number")]
     tells_id: Annotated[bool, about("whether a train reads its number, as with ATS-P")] = False
     used: Annotated[bool, about("whether on-board databases go by it (使用地上子)")] = True
+    window_m: Annotated[
+        PositionBound | None,
+        about("it is looked for this far either way (検出範囲); left out: by the rule of [beacons]"),
+    ] = None
 
 
 class MarkersTable(OnTrackTable):

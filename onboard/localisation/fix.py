@@ -110,6 +110,16 @@ def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> i
 
 
 @compiled
+def trusted(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
+    """The position is what a reading says, whatever was believed: for methods that know no bounds."""
+    if row.position_known != 0:
+        row.fix_correction_m += position_m - row.position_m
+    row.position_known = 0
+    cut(row, position_m, behind_m, ahead_m)
+    return TAKEN
+
+
+@compiled
 def leant(row: UnitRow, slack_m: float, position_m: float, within_m: float) -> float:
     """Move the estimate towards a fix about `position_m` and leave both ends of the bounds where they are.
 

@@ -66,8 +66,15 @@ def front_by_frame(row: UnitRow, sign_m: float, distance_m: float) -> tuple[floa
     return front_m - middle_m, within_m - middle_m
 
 
+class LeaningRow(Protocol):
+    """What a reader keeps that moves the estimate alone."""
+
+    slack_m: float
+    bounds_m: float
+
+
 @compiled
-def carry_slack(own: SignRow, unit: UnitRow) -> None:
+def carry_slack(own: LeaningRow, unit: UnitRow) -> None:
     """What widens the bounds widens what sightings have come to; what cuts them has set the estimate anew."""
     half_m = (unit.bound_ahead_m + unit.bound_behind_m) / 2.0
     wider_m = half_m - own.bounds_m

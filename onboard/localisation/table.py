@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
+from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
 from onboard.localisation.curvature import CurvatureReading, CurvatureRow, curvature
 from onboard.localisation.fix import NOTHING, TAKEN
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
@@ -43,6 +44,7 @@ class Reader:
 READERS: Final = (
     Reader(sign, SignReading, SignRow),
     Reader(gnss, GnssReading, GnssRow, absolute=True),
+    Reader(beacons, BeaconReading, BeaconsRow, absolute=True),
     Reader(curvature, CurvatureReading, CurvatureRow, absolute=True),
 )
 READER_NAMES: Final = tuple(reader.name for reader in READERS)

@@ -13,6 +13,7 @@ from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.vehicle import Brake, Doors, Motors
+from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon
 from simulation.sensors.gnss import GnssAntenna, GnssJammed, GnssJump, GnssReflections, GnssTimeTag
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
@@ -37,6 +38,8 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Motors,
     Miss,
     WrongId,
+    DeafReceiver,
+    FalseBeacon,
     Stuck,
     NoDetection,
     Slow,

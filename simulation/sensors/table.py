@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
 from onboard.board import SensedRow
+from simulation.sensors import beacon_receiver as beacon
 from simulation.sensors import gnss, sign_camera, slide_protection, tag_reader, yaw_gyro
 from simulation.sensors import load_sensor as load
 from simulation.sensors import tachometer as tacho
@@ -23,13 +24,21 @@ if TYPE_CHECKING:
     from simulation.setup import Setup
 
 
+def no_reader(_readers: Any, _setup: Setup, _stock_id: str) -> None:  # noqa: ANN401 - rows of all readers
+    """What a sensor shows needs no settings on board."""
+
+
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """One sensor: its compiled function, the class of its own row, and what fills that row when a run begins."""
+    """One sensor: its compiled function, the class of its own row, and what fills that row when a run begins.
+
+    `fit_reader` gives its reader on board the settings that it goes by, in the readers' rows.
+    """
 
     function: Callable[..., None]
     row: type
     fit: Callable[[Any, Setup, str], None]  # own row, setup, stock id
+    fit_reader: Callable[[Any, Setup, str], None] = no_reader
 
     @property
     def name(self) -> str:
@@ -44,6 +53,7 @@ SENSORS: Final = (
     Sensor(tag_reader.tag_reader, tag_reader.TagReaderRow, tag_reader.fit),
     Sensor(sign_camera.sign_camera, sign_camera.SignCameraRow, sign_camera.fit),
     Sensor(gnss.gnss_receiver, gnss.GnssReceiverRow, gnss.fit),
+    Sensor(beacon.beacon_receiver, beacon.BeaconReceiverRow, beacon.fit, beacon.fit_reader),
     Sensor(yaw_gyro.yaw_gyro, yaw_gyro.YawGyroRow, yaw_gyro.fit),
 )
 

@@ -37,7 +37,7 @@ class PathRows:
 def beacons_on(line: Line, path: Path) -> NDArray[np.void]:
     """Rows of PLACE: the beacons that trains on a path pass, by position."""
     passed = [
-        (PLACE_BEACON, path.to_path_m(b.piece_id, b.position_m), b.id, b.tells_id, b.used)
+        (PLACE_BEACON, path.to_path_m(b.piece_id, b.position_m), b.id, b.tells_id, b.used, b.window_m or 0.0)
         for b in line.beacons.values()
         if b.piece_id in path and path.direction in b.directions
     ]
@@ -47,7 +47,7 @@ def beacons_on(line: Line, path: Path) -> NDArray[np.void]:
 def markers_on(line: Line, path: Path) -> NDArray[np.void]:
     """Rows of PLACE: the groups of markers that trains on a path see, by position."""
     seen = [
-        (PLACE_MARKERS, path.to_path_m(m.piece_id, m.position_m), m.pattern, True, True)
+        (PLACE_MARKERS, path.to_path_m(m.piece_id, m.position_m), m.pattern, True, True, 0.0)
         for m in line.markers.values()
         if m.piece_id in path and path.direction in m.directions
     ]

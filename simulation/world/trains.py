@@ -135,6 +135,7 @@ class Trains:
         row["body"] = body[0]
         for sensor in SENSORS:
             sensor.fit(self.sensors[sensor.name][slot], setup, stock_id)
+            sensor.fit_reader(self.readers[slot], setup, stock_id)
         fit_collation(self.readers[slot].curvature, setup, stock_id, MOUNTING)
         truth = self.truths[slot]
         truth.powered = 1

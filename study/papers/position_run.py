@@ -192,7 +192,7 @@ class PositionRun:
         if self._lost and stands:
             self._lost = False
             self._obey(Order.RELEASE, Order.RESUME)
-        elif stopped and not self._on_sight:
+        elif stopped and stands and not self._on_sight:  # wheels that are locked show a stand, too
             self._arrived()
         elif happened:
             self._obey()

@@ -124,6 +124,8 @@ SINGLES: Final[Mapping[str, Single]] = {
     # Half a second before each passage, and nowhere else.
     "miss": Single(1.0, {}),
     "wrong_id": Single(1.0, {}),
+    "no_beacon": Single(120.0, {}),
+    "false_beacon": Single(None, {}),
     "stuck": Single(60.0, {}),
     "no_detection": Single(60.0, {}),
     "slow": Single(60.0, {"factor": 3.0}),

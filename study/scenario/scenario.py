@@ -106,6 +106,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         belief=belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains),
         sensors=model.sensors,
         gnss=model.gnss,
+        beacons=model.beacons,
         curvature=model.curvature,
         scatter=model.scatter,
         tuning=model.tuning,

@@ -22,6 +22,7 @@ from simulation.gnss_settings import Gnss
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Beacons,
     Curvature,
     Driving,
     Limits,
@@ -79,6 +80,7 @@ class PatchTable(Record):
     planning: Annotated[TableWords | None, about("on [planning]")] = None
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
     gnss: Annotated[TableWords | None, about("on [gnss]")] = None
+    beacons: Annotated[TableWords | None, about("on [beacons]")] = None
     curvature: Annotated[TableWords | None, about("on [curvature]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
@@ -117,6 +119,7 @@ class ScenarioFile(Record):
     planning: Planning = PLAIN
     sensors: Sensors = Field(default_factory=Sensors)
     gnss: Gnss = Field(default_factory=Gnss)
+    beacons: Beacons = Field(default_factory=Beacons)
     curvature: Curvature = Field(default_factory=Curvature)
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING

@@ -21,7 +21,7 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
-from simulation.settings import Driving, Limits, Operation, Sensors
+from simulation.settings import Beacons, Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 
@@ -165,6 +165,7 @@ def _scenario() -> Data:
                 "planning": Planning(),
                 "sensors": Sensors(),
                 "gnss": Gnss(),
+                "beacons": Beacons(),
                 "limits": Limits(),
                 "operation": Operation(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),

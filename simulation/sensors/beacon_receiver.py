@@ -1,0 +1,118 @@
+"""The receiver of the train stop's beacons (ATS地上子): that one was passed, and where the tachometer stood then.
+
+Most beacons tell no more than that (ATS-Sx); some tell their number too (ATS-P). Its faults: it notices none, or
+notices one where none lies. Fitted to trains that carry `beacons`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
+
+from onboard.board import SensedRow
+from onboard.localisation.beacons import BeaconsRow
+from simulation.faults.fault import Fault, Names, World
+from simulation.sensors.noise import source_of
+from simulation.sensors.scene import SceneRow
+from simulation.sensors.tag_reader import WithTachometer, latch
+from simulation.settings import BeaconTrust, Carried
+from vehicle.compiled import compiled
+
+if TYPE_CHECKING:
+    from simulation.setup import Setup
+
+
+class BeaconReceiverRow(Protocol):
+    """One train's receiver."""
+
+    fitted: Annotated[int, "1: the train has one"]
+    source: Annotated[int, "of its noise"]
+    sigma_m: Annotated[float, "standard deviation of where it notices a beacon"]
+    most_m: Annotated[float, "at most this far off"]
+    latched_m: Annotated[float, "the tachometer when it noticed the last beacon"]
+    deaf: Annotated[int, "1: it notices none"]
+    deceived: Annotated[int, "1: it will notice one in the next step that is not there"]
+
+
+def fit(own: BeaconReceiverRow, setup: Setup, stock_id: str) -> None:
+    """A receiver with noise of its own, on trains that carry one."""
+    own.fitted = int(Carried.BEACONS in setup.sensors.carried_by(stock_id))
+    own.source = source_of(setup.seed, "beacon receiver", stock_id, *setup.today)
+    own.sigma_m, own.most_m = setup.beacons.notice_sigma_m, setup.beacons.notice_max_m
+
+
+def fit_reader(readers: Any, setup: Setup, stock_id: str) -> None:  # noqa: ANN401 - all readers' rows
+    """What its unit goes by."""
+    own: BeaconsRow = readers.beacons
+    settings = setup.beacons
+    own.fitted = int(Carried.BEACONS in setup.sensors.carried_by(stock_id))
+    own.trusts = int(settings.trust is BeaconTrust.PAPER)
+    own.window_share, own.window_least_m = settings.window_share, settings.window_least_m
+    own.accuracy_m, own.placed_within_m = settings.accuracy_m, settings.placed_within_m
+
+
+@compiled
+def beacon_receiver(
+    own: BeaconReceiverRow, sensors: WithTachometer, scene: SceneRow, sensed: SensedRow
+) -> None:
+    """Tell of the beacon that the front passed in this step, if it passed one."""
+    shown = sensed.readings.beacons
+    shown.noticed = 0
+    if own.fitted == 0 or scene.carries_more == 0:
+        return
+    if scene.beacon_beyond_m >= 0.0 and own.deaf == 0:
+        latch(own, sensors.tachometer, scene.beacon_beyond_m, scene.step)
+        shown.told = scene.beacon_told
+        shown.number = scene.beacon_number if scene.beacon_told != 0 else 0
+    elif own.deceived != 0:
+        latch(own, sensors.tachometer, 0.0, scene.step)
+        shown.told = shown.number = 0
+        own.deceived = 0
+    else:
+        return
+    shown.noticed, shown.odometer_m = 1, own.latched_m
+
+
+class DeafReceiver(Fault[bool]):
+    """The receiver notices no beacon."""
+
+    kind = "no_beacon"
+    aims_at = "unit"
+    changes = "beacon receiver"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> bool:
+        return False
+
+    def over(self, _deaf: bool) -> bool:
+        return True
+
+    def put(self, world: World, deaf: bool) -> None:
+        world.trains.sensors["beacon_receiver"][world.slot(self.target)].deaf = int(deaf)
+
+
+class FalseBeacon(Fault[bool]):
+    """The receiver notices a beacon, without a number, where none lies."""
+
+    kind = "false_beacon"
+    aims_at = "unit"
+    changes = "false beacon"
+    momentary: ClassVar[bool] = True
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+    def base(self, _world: World) -> bool:
+        return False
+
+    def over(self, _deceived: bool) -> bool:
+        return True
+
+    def put(self, world: World, deceived: bool) -> None:
+        if deceived:  # once; the receiver forgets it with the step
+            world.trains.sensors["beacon_receiver"][world.slot(self.target)].deceived = 1
