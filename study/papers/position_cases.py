@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Final
 
 LATER_S: Final = 60.0
-SOON_S: Final = 10.0
-BY_THE_DRIVER: Final = (
-    "where no fix comes between arrival tag and mark, the driver says within 20 s of the stand"
-)
-BY_FIXES: Final = "a fix a second, as soon as its whole interval lies beyond the tag's place"
+SOON_S: Final = 15.0
+BY_THE_DRIVER: Final = "where no fix comes between ① and the mark, the driver says so within 20 s of the stand"
+BY_FIXES: Final = "the first fix beyond ① whose whole interval is, at 5 to 10 m/s"
 UNITS: Final = ("V1", "V2", "V3", "V4")
+HOUR_FROM: Final = "08:00"
+HOUR_S: Final = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +40,53 @@ def carries(*names: str) -> str:
 def failing(kind: str, targets: tuple[str, ...] = UNITS, more: str = "") -> str:
     """A fault for an hour of the morning."""
     return "".join(
-        f'[[fault]]\nkind = "{kind}"\ntarget = "{target}"\nstart = "08:00"\nduration_s = 3600.0\n{more}'
+        f'[[fault]]\nkind = "{kind}"\ntarget = "{target}"\nstart = "{HOUR_FROM}"\nduration_s = {HOUR_S}\n{more}'
         for target in targets
     )
 
 
-WITHOUT_POSITION_TAGS: Final = '[patch.line]\nremove_tags = { purpose = "position", near_marks_m = 200.0 }\n'
+FEWER_TAGS: Final = '[patch.line]\nremove_tags = { purpose = "position", near_marks_m = 200.0 }\n'
+MOVED_TAG: Final = """[belief.line]
+remove = { tags = [404] }
+add = { tags = [{ id = 404, section = "HSK-OGN", km = 8.192, purpose = "position", directions = ["down"] }] }
+"""
+AIM: Final = '[gnss]\ncorrection = "aim"\n'
 CASES: Final = (
     Case("tags", "tags, as the line stands", carries("tags"), quick=True),
-    Case("fewer_tags", "tags, without those before the marks", WITHOUT_POSITION_TAGS + carries("tags")),
+    Case("fewer_tags", "tags, without those before the marks", carries("tags") + FEWER_TAGS),
+    Case(
+        "tags_curvature",
+        "fewer tags, and curvature",
+        carries("tags", "curvature") + FEWER_TAGS,
+        SOON_S,
+        "the arrival tags are there",
+    ),
+    Case("curvature", "curvature alone", carries("curvature"), LATER_S, BY_THE_DRIVER, quick=True),
+    Case("gnss_20", "satellites, fail-safe within 20 m", carries("gnss"), SOON_S, BY_FIXES, quick=True),
+    Case("gnss_aim", "satellites, the aim of 3 m", carries("gnss") + AIM, SOON_S, BY_FIXES),
+    Case(
+        "curvature_gnss",
+        "curvature and satellites within 20 m",
+        carries("curvature", "gnss"),
+        SOON_S,
+        BY_FIXES,
+    ),
+    Case("all", "all of them", carries("tags", "curvature", "gnss"), SOON_S, BY_FIXES, quick=True),
+    # an hour, or a morning, of something wrong
+    Case("tags_missed", "tags: an arrival tag is not read", carries("tags") + failing("miss", ("506",))),
+    Case("tags_moved", "tags: one lies 30 m from where units have it", carries("tags") + MOVED_TAG),
+    Case("curvature_dead", "curvature alone: no gyro works", carries("curvature") + failing("gyro_dead")),
+    Case("gnss_jammed", "satellites within 20 m: jammed", carries("gnss") + failing("gnss_jammed")),
+    Case(
+        "both_jammed",
+        "curvature and satellites: these jammed",
+        carries("curvature", "gnss") + failing("gnss_jammed"),
+        LATER_S,
+        BY_THE_DRIVER,
+    ),
+    Case(
+        "slippery",
+        "curvature and satellites on slippery rail",
+        carries("curvature", "gnss") + failing("slippery", more="factor = 0.4\n"),
+    ),
 )
