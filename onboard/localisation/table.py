@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 
 from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
-from onboard.localisation.curvature import CurvatureReading, CurvatureRow, curvature
+from onboard.localisation.curvature import curvature
+from onboard.localisation.curvature_row import CurvatureReading, CurvatureRow
 from onboard.localisation.fix import NOTHING, TAKEN
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
 from onboard.localisation.places import told

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.path import Path
-from onboard.localisation.curvature import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
+from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
 from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, sections
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
@@ -69,11 +69,11 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting, map_
         "search_m",
         "every_m",
         "transition_m",
-        "mismatch_per_m",
         "sure_sigmas",
         "bias_walk_s",
     ):
         setattr(own, name, getattr(given, name))
+    own.mismatch_most_per_m = given.mismatch_per_m
     own.varies_share = min(given.wheels_vary_share, setup.unit.wheel_error_share)
     own.worn_share = setup.unit.wheel_error_share - own.varies_share
     own.doubtful_share = setup.unit.wheel_error_share + 1e-9
