@@ -60,6 +60,8 @@ class UnitRow(Protocol):
     train_mps: Annotated[float, "the train's own speed: the wheel's, but while that slides"]
     may_run_mps: Annotated[float, "the train runs no faster than this, also while its wheels are locked"]
     acceleration_mps2: Annotated[float, "smoothed"]
+    seen_speed_mps: Annotated[float, "the train's own by a sensor that does not go by its wheels"]
+    seen_within_mps: Annotated[float, "by which that may be wrong; 0: none tells"]
     expected_tag_m: Annotated[float, "where the next tag should be read; +inf: none"]
     tag_window_m: Annotated[float, "beyond the bounds by this much without reading: overdue"]
     # fixes of absolute sensors, of which virtual tags are made (`onboard.localisation.places`)

@@ -26,6 +26,7 @@ from network.files.quantities import (
     MatchedWay,
     NoiseFactor,
     PositionBound,
+    MarkerError,
     Reaction,
     ReadError,
     RunLimit,
@@ -37,6 +38,7 @@ from network.files.quantities import (
     SpeedMarginMps,
     SpeedMps,
     SpreadShare,
+    VisibilityM,
     Wait,
     WheelError,
     YawRateDegps,
@@ -324,6 +326,20 @@ class Curvature(Record):
     def stated_sigma_radps(self, step_s: float) -> float:
         """The same as units count on it."""
         return math.radians(self.sample_sigma_degps) / math.sqrt(self.sample_rate_hz * step_s)
+class Lidar(Record):
+    """`[lidar]`: what the LiDARs of trains that carry one see of markers (`sensors.carries`)."""
+
+    visibility_m: Annotated[
+        VisibilityM,
+        about("in fog, rain and snow; by the sheeting of markers it sees about as far as people", "assumed: a clear day"),
+    ] = 20_000.0
+    dirt_share: Annotated[
+        Share, about("of the light that dirt on its window takes each way", "assumed: a day after cleaning")
+    ] = 0.05
+    laid_within_m: Annotated[
+        MarkerError,
+        about("markers lie within so much of where the line has them", "assumed: laid by tape from a peg"),
+    ] = 0.03
 
 
 class Load(Record):

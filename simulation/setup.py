@@ -30,6 +30,7 @@ from simulation.settings import (
     Beacons,
     Curvature,
     Driving,
+    Lidar,
     Limits,
     Load,
     Operation,
@@ -85,6 +86,7 @@ class Setup:
     # What trains know of their brakes to begin with, by stock id.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     vision: Vision = NO_VISION
+    lidar: Lidar = field(default_factory=Lidar)
     day: int = 1  # what passes is drawn anew each day; what belongs to a train is not
     load: Load = field(default_factory=Load)
     limits: Limits = field(default_factory=Limits)

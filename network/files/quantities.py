@@ -237,6 +237,12 @@ POSITION_BOUND: Final = Quantity(
 READ_ERROR: Final = Quantity(
     "error of a tag reader", "m", ((0.0, 10.0),), "assumed: far beyond the field of a reader"
 )
+MARKER_ERROR: Final = Quantity(
+    "place of a marker", "m", ((0.0, 0.05),), "greatest: what units reckon with; more is a fault of the map"
+)
+VISIBILITY: Final = Quantity(
+    "visibility", "m", ((1.0, 100_000.0),), "least: a whiteout; greatest assumed: air without dust"
+)
 WHEEL_ERROR: Final = Quantity(
     "error of a wheel", "", ((0.0, 0.1),), "assumed: wear from new to last, 860 to 780 mm is 9 %"
 )
@@ -406,6 +412,8 @@ OwnWay = Annotated[float, OWN_WAY]
 ChargeTime = Annotated[float, CHARGE_TIME]
 PositionBound = Annotated[float, POSITION_BOUND]
 ReadError = Annotated[float, READ_ERROR]
+MarkerError = Annotated[float, MARKER_ERROR]
+VisibilityM = Annotated[float, VISIBILITY]
 WheelError = Annotated[float, WHEEL_ERROR]
 FixRate = Annotated[float, FIX_RATE]
 ReceiverError = Annotated[float, RECEIVER_ERROR]

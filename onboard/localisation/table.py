@@ -16,6 +16,7 @@ from onboard.localisation.curvature import curvature
 from onboard.localisation.curvature_row import CurvatureReading, CurvatureRow
 from onboard.localisation.fix import NOTHING, TAKEN
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
+from onboard.localisation.lidar import LidarReading, LidarRow, lidar
 from onboard.localisation.places import told
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
@@ -47,6 +48,7 @@ READERS: Final = (
     Reader(gnss, GnssReading, GnssRow, absolute=True),
     Reader(beacons, BeaconReading, BeaconsRow, absolute=True),
     Reader(curvature, CurvatureReading, CurvatureRow, absolute=True),
+    Reader(lidar, LidarReading, LidarRow, absolute=True),
 )
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 

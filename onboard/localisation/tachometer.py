@@ -67,7 +67,8 @@ def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float,
     """How far the train may have run in this step beyond what its wheels counted, m; keeps `unit.may_run_mps`.
 
     Wheels that turn without sliding show its speed. Standing ones may be locked, and turning ones that slide may
-    turn at any speed, where the train has no protection that keeps them above a share of its own.
+    turn at any speed, where the train has no protection that keeps them above a share of its own. What sees the speed
+    otherwise (`unit.seen_speed_mps`) bounds it.
     """
     rolled_mps = speed_mps * unit.odometer_scale
     locks = train.wheel_slide_share_max > LOST_SHARE
@@ -76,7 +77,10 @@ def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float,
             rolled_mps / (1.0 - train.wheel_slide_share_max) if unit.wheel_slide < 0 else rolled_mps
         )
         return 0.0
-    before_mps = max(unit.may_run_mps, rolled_mps)
+    may_mps = unit.may_run_mps
+    if unit.seen_within_mps > 0.0:
+        may_mps = min(may_mps, unit.seen_speed_mps + unit.seen_within_mps)
+    before_mps = max(may_mps, rolled_mps)
     brakes = unit.notch < 0.0 or unit.emergency != 0
     unit.may_run_mps = max(before_mps - SURE_BRAKE_MPS2 * step_s, rolled_mps) if brakes else before_mps
     return max((before_mps + unit.may_run_mps) / 2.0 * step_s - run_m, 0.0)

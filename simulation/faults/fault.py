@@ -33,6 +33,7 @@ class Names:
     units: tuple[str, ...] = ()
     devices: tuple[str, ...] = ()  # the block manager and the terminals
     tags: tuple[str, ...] = ()
+    markers: tuple[str, ...] = ()  # groups of them
     points: tuple[str, ...] = ()
     sections: tuple[str, ...] = ()
     stations: tuple[str, ...] = ()

@@ -15,6 +15,7 @@ from simulation.faults.rail import Slippery
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon
 from simulation.sensors.gnss import GnssAntenna, GnssJammed, GnssJump, GnssReflections, GnssTimeTag
+from simulation.sensors.lidar import LidarBlind, LidarFog, MarkerMissing
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 
@@ -49,5 +50,8 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     GnssReflections,
     GnssJump,
     GnssTimeTag,
+    LidarBlind,
+    LidarFog,
+    MarkerMissing,
 )
 FAULTS: Final[Mapping[str, type[Fault[Any]]]] = {kind.kind: kind for kind in KINDS}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
 from onboard.board import SensedRow
 from simulation.sensors import beacon_receiver as beacon
-from simulation.sensors import gnss, sign_camera, slide_protection, tag_reader, yaw_gyro
+from simulation.sensors import gnss, lidar, sign_camera, slide_protection, tag_reader, yaw_gyro
 from simulation.sensors import load_sensor as load
 from simulation.sensors import tachometer as tacho
 from simulation.sensors.scene import SceneRow
@@ -55,6 +55,7 @@ SENSORS: Final = (
     Sensor(gnss.gnss_receiver, gnss.GnssReceiverRow, gnss.fit),
     Sensor(beacon.beacon_receiver, beacon.BeaconReceiverRow, beacon.fit, beacon.fit_reader),
     Sensor(yaw_gyro.yaw_gyro, yaw_gyro.YawGyroRow, yaw_gyro.fit),
+    Sensor(lidar.lidar, lidar.LidarSensorRow, lidar.fit),
 )
 
 
@@ -65,6 +66,7 @@ class SensorsRow(Protocol):
         tachometer: tacho.TachometerRow
         slide_protection: slide_protection.SlideProtectionRow
         tag_reader: tag_reader.TagReaderRow
+        lidar: lidar.LidarSensorRow
 
 
 SensorsRow.__annotations__.update({sensor.name: sensor.row for sensor in SENSORS})

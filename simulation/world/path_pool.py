@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from network.model import Direction, Line
-from network.path import Path
+from network.path import Path, path_of
 from network.profile import PROFILE, profile_of
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.pattern import pattern_of
@@ -44,10 +45,19 @@ def beacons_on(line: Line, path: Path) -> NDArray[np.void]:
     return np.array(sorted(passed, key=lambda row: row[1]), dtype=PLACE)
 
 
-def markers_on(line: Line, path: Path) -> NDArray[np.void]:
-    """Rows of PLACE: the groups of markers that trains on a path see, by position."""
+def markers_on(line: Line, path: Path, broken: Collection[int] = ()) -> NDArray[np.void]:
+    """Rows of PLACE: the groups of markers that trains on a path see, by position.
+
+    Of a `broken` group (id) the number is negative: it shows no pattern.
+    """
     seen = [
-        (PLACE_MARKERS, path.to_path_m(m.piece_id, m.position_m), m.pattern, True, True, 0.0)
+        (
+            PLACE_MARKERS,
+            path.to_path_m(m.piece_id, m.position_m),
+            -m.pattern if m.id in broken else m.pattern,
+            True,
+            True,
+        )
         for m in line.markers.values()
         if m.piece_id in path and path.direction in m.directions
     ]
@@ -83,6 +93,7 @@ class PathPool:
         self.tag_ids: list[int] = []
         self.places: NDArray[np.void] = NO_PLACES
         self.known_places: NDArray[np.void] = NO_PLACES
+        self._broken: set[int] = set()  # groups of markers that show no pattern
 
     def rows_for(self, path: Path, train_id: str, train: TrainRow, behaviour: BehaviourRow) -> PathRows:
         """The rows of a path for a kind of train; computed once."""
@@ -108,7 +119,7 @@ class PathPool:
             for tag in self._line.tags.values()
             if tag.piece_id in path and path.direction in tag.directions
         )
-        beacons, markers = beacons_on(self._line, path), markers_on(self._line, path)
+        beacons, markers = beacons_on(self._line, path), markers_on(self._line, path, self._broken)
         known = np.concatenate([beacons_on(self._believed, path), markers_on(self._believed, path)])
         known.sort(order="position_m", kind="stable")
         first = self.places.size
@@ -131,6 +142,13 @@ class PathPool:
         self.tag_ids.extend(tag_id for _, tag_id in tags)
         self._known[key] = rows
         return rows
+
+    def lay_markers(self, group: int, *, whole: bool) -> None:
+        """A group of markers (id) has lost one, or has them all again."""
+        self._broken = self._broken - {group} if whole else self._broken | {group}
+        for (pieces, direction, _train), rows in self._known.items():
+            laid = markers_on(self._line, path_of(self._line, pieces, direction), self._broken)
+            self.places[rows.markers_first : rows.markers_end] = laid
 
     def lay_plan(self, slot: int, path_rows: int, plan: NDArray[np.void]) -> int:
         """Lay a plan (rows of PLAN, one a metre of the unit's path) for one stock; no rows: it has none any more.

@@ -22,6 +22,7 @@ from onboard.localisation.table import READER_NAMES, ReadersRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
+from simulation.sensors.lidar import LidarSensorRow
 from simulation.sensors.table import SENSORS
 from simulation.sensors.tachometer import TachometerRow
 from simulation.sensors.tag_air import channel_at, read_bits
@@ -89,6 +90,7 @@ class Trains:
         self.sensors = {sensor.name: _rows(self.stock["sensors"][sensor.name]) for sensor in SENSORS}
         self.tachometers: Sequence[TachometerRow] = self.sensors["tachometer"]
         self.tag_readers: Sequence[TagReaderRow] = self.sensors["tag_reader"]
+        self.lidars: Sequence[LidarSensorRow] = self.sensors["lidar"]
         self.bodies: Sequence[TrainRow] = _rows(self.stock["body"])  # the trains as they are
         self.kinds: Sequence[TrainRow] = _rows(board["kind"])  # as their units believe them to be
         self.laws: Sequence[LawsRow] = _rows(board["laws"])

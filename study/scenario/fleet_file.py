@@ -18,7 +18,9 @@ from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
 from simulation.design import overrated
 from simulation.events import WORLD
-from simulation.settings import Driving, Tuning, Vision
+from onboard.localisation.marker_patterns import PATTERNS
+from simulation.settings import Carried, Driving, Tuning, Vision
+from simulation.setup import Setup
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
 from wayside.config import MANAGER_ID
@@ -53,6 +55,18 @@ def check_scatter(file: str, scatter: Scatter, stock_ids: Iterable[str]) -> None
             raise InputError(
                 file, f"scatter.stock.{stock_id}", None, f"a stock id, {one_of(known, stock_id)}"
             )
+
+
+def check_markers(file: str, setup: Setup) -> None:
+    """Markers lie in patterns of the catalogue, where trains carry a LiDAR that looks for them."""
+    if not any(Carried.LIDAR in setup.sensors.carried_by(stock_id) for stock_id in setup.trains):
+        return
+    for line in (setup.line, setup.believed_line):
+        for group in line.markers.values():
+            if group.pattern > PATTERNS:
+                raise InputError(
+                    file, f"markers.{group.id}.pattern", group.pattern, f"one of the catalogue, 1 to {PATTERNS}"
+                )
 
 
 def check_vision(file: str, vision: Vision, stations: Collection[str]) -> None:

@@ -31,6 +31,7 @@ from study.scenario.fleet_file import (
     check_margins,
     check_parties,
     check_scatter,
+    check_markers,
     check_vision,
     learned_of,
 )
@@ -112,11 +113,13 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         tuning=model.tuning,
         learned=learned_of(path, model.tuning, trains),
         vision=model.vision,
+        lidar=model.lidar,
         load=model.trains,
         limits=model.limits,
         operation=model.operation,
         battery=model.battery,
     )
+    check_markers(str(path), setup)
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))
     of_trains = (change for _, _, changes in loaded.values() for change in changes)

@@ -30,6 +30,7 @@ from simulation.settings import (
     Operation,
     Sensors,
     Tuning,
+    Lidar,
     Vision,
 )
 from simulation.world.scatter import Scatter
@@ -124,6 +125,7 @@ class ScenarioFile(Record):
     scatter: Scatter = Field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     vision: Vision = NO_VISION
+    lidar: Lidar = Field(default_factory=Lidar)
     limits: Limits = Field(default_factory=Limits)
     operation: Operation = Field(default_factory=Operation)
     battery: Annotated[

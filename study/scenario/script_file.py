@@ -89,6 +89,7 @@ def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
         units=tuple(diagram.stock_id for diagram in timetable.diagrams),
         devices=(MANAGER_ID, *terminals),
         tags=tuple(str(tag) for tag in line.tags),
+        markers=tuple(str(group) for group in line.markers),
         points=tuple(line.points),
         sections=tuple(line.sections),
         stations=tuple(line.stations),
