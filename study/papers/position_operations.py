@@ -1,8 +1,8 @@
 """What knowing where the train is means to operations: the Karasuyama weekday by sensor sets, whole and failing.
 
 Each case is a scenario of its own that extends the line's day, read through the same door as a planner's file. What is
-compared: bounds on the way, where a section could be given back (at its arrival tag) and at the mark; how long after the
-whole train has truly left a section it is free again; where trains stop; how late they are; who had to brake.
+compared: bounds on the way, where a section could be given back (at its arrival tag) and at the mark; how long after
+the whole train has truly left a section it is free again; where trains stop; how late they are; who had to brake.
 """
 
 from __future__ import annotations
