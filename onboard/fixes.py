@@ -122,7 +122,7 @@ class Fixes:
         if bits & EVENT_FOUND:
             happened += self._found(READER_NAMES[self._row.fix_reader], command, by_eye=False)
         if self._virtual and self._row.position_known and bits & (EVENT_PLACE | EVENT_FOUND):
-            happened += self._passed()
+            happened += self._passed(READER_NAMES[self._row.fix_reader])
         if self._virtual and self._row.position_known and bits & (EVENT_POSITION | EVENT_FOUND):
             happened += [TagReached(index) for index in self._places.reached()]
         return happened
@@ -141,13 +141,13 @@ class Fixes:
         moved_m = round(float(row.position_m) - before_m, 3) if known else 0.0
         self.notes.append(notes.FixTaken(reader=EYE, correction_m=moved_m, after=OUTCOMES[NOTHING]))
         happened = [] if known else self._found(EYE, command, by_eye=True)
-        return [*happened, *self._passed()] if row.position_known else happened
+        return [*happened, *self._passed(EYE)] if row.position_known else happened
 
-    def _passed(self) -> list[Sensed]:
+    def _passed(self, reader: str) -> list[Sensed]:
+        """The virtual tags that fixes prove to be behind the front; `reader` gave the last of them."""
         passed: list[Sensed] = []
-        name = READER_NAMES[self._row.fix_reader]
         for index, tag in self._places.proved():
-            self.notes.append(notes.PlacePassed(tag_id=tag.tag_id, purpose=tag.purpose, reader=name))
+            self.notes.append(notes.PlacePassed(tag_id=tag.tag_id, purpose=tag.purpose, reader=reader))
             passed.append(TagPassed(index, found=False))
         return passed
 

@@ -186,7 +186,7 @@ def _passed(run: Run) -> pl.DataFrame:
 
 def _half_at(half: pl.DataFrame, at: pl.DataFrame) -> Floats:
     """Half-widths at times of units, m: of the last second before each in which the position was known and it moved."""
-    joined = at.sort("t_s").join_asof(half, on="t_s", by="unit", tolerance=5.0)
+    joined = at.sort("t_s").join_asof(half, on="t_s", by="unit", tolerance=5.0, check_sortedness=False)
     return joined["half_m"].drop_nulls().to_numpy()
 
 

@@ -16,9 +16,9 @@ from network.files.toml_input import one_of
 from network.model import Line
 from network.timetable import Timetable
 from onboard.driving.tuning import Learned, learned_from
+from onboard.localisation.marker_patterns import PATTERNS
 from simulation.design import overrated
 from simulation.events import WORLD
-from onboard.localisation.marker_patterns import PATTERNS
 from simulation.settings import Carried, Driving, Tuning, Vision
 from simulation.setup import Setup
 from simulation.world.scatter import Scatter

@@ -29,9 +29,9 @@ from study.scenario.belief import belief_of
 from study.scenario.fleet_file import (
     check_grip,
     check_margins,
+    check_markers,
     check_parties,
     check_scatter,
-    check_markers,
     check_vision,
     learned_of,
 )

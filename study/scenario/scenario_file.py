@@ -25,12 +25,12 @@ from simulation.settings import (
     Beacons,
     Curvature,
     Driving,
+    Lidar,
     Limits,
     Load,
     Operation,
     Sensors,
     Tuning,
-    Lidar,
     Vision,
 )
 from simulation.world.scatter import Scatter
