@@ -57,6 +57,7 @@ def markers_on(line: Line, path: Path, broken: Collection[int] = ()) -> NDArray[
             -m.pattern if m.id in broken else m.pattern,
             True,
             True,
+            0.0,
         )
         for m in line.markers.values()
         if m.piece_id in path and path.direction in m.directions
