@@ -15,39 +15,16 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-import numpy as np
-
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
-from onboard.localisation.fix import FIX_CUT, FIX_MISSED
 from onboard.localisation.wheel_scale import Held, WheelScale, carried, held
-from onboard.records import EVENT_CONTRADICTED, EVENT_PLACE, UnitRow
+from onboard.records import UnitRow
 from onboard.unit_records import UnitParameters
-from vehicle.compiled import compiled
 
-MISSED_MAX: Final = 3  # in a row: one reading may be wrong, three say that the bounds are
 AGREES_OVER_M: Final = (
     200.0  # assumed: a way over which two fixes tell a sound tachometer from one out of order
 )
 ASKS_AHEAD: Final = (TagPurpose.APPROACH, TagPurpose.POSITION)
-
-
-@compiled
-def told(unit: UnitRow, reader: int) -> int:
-    """What a reading of an absolute sensor means for virtual tags; event bits."""
-    if unit.fix_came == FIX_CUT:
-        unit.missed_fixes = 0
-        unit.fix_at_m, unit.fix_odometer_m = unit.position_m, unit.odometer_m
-        unit.fix_reader = reader
-        unit.sure_m = max(unit.sure_m, unit.fix_low_m)
-        if unit.sure_m >= unit.place_trigger_m:
-            unit.place_trigger_m = np.inf
-            return EVENT_PLACE
-    elif unit.fix_came == FIX_MISSED:
-        unit.missed_fixes += 1
-        if unit.missed_fixes == MISSED_MAX:
-            return EVENT_CONTRADICTED
-    return 0
 
 
 class Places:

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
 from onboard.localisation.curvature import curvature
 from onboard.localisation.curvature_row import CurvatureReading, CurvatureRow
-from onboard.localisation.fix import NOTHING, TAKEN
+from onboard.localisation.fix import NOTHING, TAKEN, told
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
 from onboard.localisation.lidar import LidarReading, LidarRow, lidar
-from onboard.localisation.places import told
 from onboard.localisation.sighting import SignReading, SignRow, sign
 from onboard.records import EVENT_FIX, Chart, UnitRow
 from vehicle.compiled import compiled, compiled_lines

@@ -277,6 +277,16 @@ class Trains:
         self.carrier.remove(self.stock_ids[slot])
         self.truths[slot].active = 0
         self.paths[slot] = None
+        if (self.stock["plant"]["command_notch"][slot] > 0.0).any():
+            self._shut_off(slot)
+
+    def _shut_off(self, slot: int) -> None:
+        """Its driver shuts off the power that it had as it left, and brakes: so it stands when it comes back."""
+        plant, body = self.plants[slot], self.bodies[slot]
+        notch = float(self.behaviours[slot].standing_brake_notch)
+        self.stock["plant"]["command_notch"][slot] = -notch
+        plant.traction_built_n = plant.traction_force_n = 0.0
+        plant.service_deceleration_mps2 = float(body.brake_deceleration_mps2[int(notch)])
 
     def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
         self.duties[slot] = duty

@@ -19,7 +19,7 @@ from study.run.localisation import FIX_KINDS, FOUND, HALF_M, LOST, lost_between
 BAND: Final = "#c9d6e4"
 UNKNOWN: Final = "#f3d9d6"
 MARKS: Final = {  # kind of event: marker, colour, its words
-    "fix": ("^", REGENERATED, "first fix after something else"),
+    "fix": ("^", REGENERATED, "fixes again, or by the driver's eye"),
     "fix refused": ("x", RED, "fix refused"),
     "fix missed": ("v", PALE, "fix missed"),
     "foreign track": ("s", "#8c6d1f", "foreign track: not what the map has"),
@@ -61,15 +61,9 @@ def draw_position(run: Seen) -> Figure | None:
         axes.fill_between(
             at_m, least_m, most_m, where=list(known), color=BAND, lw=0, label="within its bounds"
         )
-        axes.fill_between(
-            at_m,
-            -reach_m,
-            reach_m,
-            where=list(~known),
-            color=UNKNOWN,
-            lw=0,
-            label="position unknown, on sight",
-        )
+        if not known.all():
+            words = "position unknown, on sight"
+            axes.fill_between(at_m, -reach_m, reach_m, where=list(~known), color=UNKNOWN, lw=0, label=words)
         shown_m = np.where(known, error_m, np.nan)
         axes.plot(at_m, shown_m, color=DIRECTION_COLOUR[direction], lw=1.2, label="believed less true")
         axes.axhline(0.0, color=INK, lw=0.5)

@@ -48,7 +48,7 @@ JAPANESE: Final[Mapping[str, str]] = {
     "within its bounds": "位置の範囲",
     "position unknown, on sight": "位置不明（最徐行）",
     "believed less true": "誤差（推定−真値）",
-    "first fix after something else": "位置補正（再開）",
+    "fixes again, or by the driver's eye": "位置補正（再開・運転士）",
     "fix refused": "補正を棄却",
     "fix missed": "検知なし",
     "foreign track: not what the map has": "異曲率区間",

@@ -28,8 +28,7 @@ from onboard.duty.records import (
     TagReached,
 )
 from onboard.fixes import EYE_WITHIN_M
-from onboard.localisation.fix import REFUSED, TAKEN, taken
-from onboard.localisation.places import MISSED_MAX, told
+from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, taken, told
 from onboard.motion import Motion, PathData
 from onboard.records import (
     EVENT_CONTRADICTED,
