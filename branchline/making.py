@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from branchline.making_files import new_drill, new_scenario, new_timetable, new_train
+from branchline.making_files import new_curvature_map, new_drill, new_scenario, new_timetable, new_train
 from branchline.progress import tell
 
 makers = typer.Typer(help="Make a new file from little: it can be run, and says what it assumes.")
@@ -15,6 +15,7 @@ makers.command("scenario")(new_scenario)
 makers.command("timetable")(new_timetable)
 makers.command("train")(new_train)
 makers.command("drill")(new_drill)
+makers.command("curvature-map")(new_curvature_map)
 
 
 @makers.callback()

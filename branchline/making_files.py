@@ -1,4 +1,4 @@
-"""`branchline new scenario|timetable|train|drill`: files to begin with, which run as they stand."""
+"""`branchline new scenario|timetable|train|drill|curvature-map`: files to begin with, which run as they stand."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from branchline.options import ScenarioName, Seed
 from branchline.progress import tell
 
 NewFile = Annotated[Path, typer.Argument(help="File to write, NAME.toml; NAME is its id.")]
@@ -19,6 +20,26 @@ def new_scenario(out: NewFile, extends: OnScenario = "karasuyama_weekday") -> No
 
     made(extends, out)
     tell(f"wrote {out}: `branchline run {out}`")
+
+
+def new_curvature_map(
+    scenario: ScenarioName,
+    out: Annotated[Path, typer.Argument(help="Map (JSON) to write, for `curvature.map` of a scenario.")],
+    train: Annotated[
+        str | None,
+        typer.Option(
+            "--train", help="Number of the train that runs first; without it the line's own design."
+        ),
+    ] = None,
+    seed: Seed = None,
+) -> None:
+    """Make a map of curvature: what a train's gyro and wheels show on a first run, between the tags."""
+    from study.making.curvature_map import new_curvature_map as made
+
+    of = made(scenario, out, train, seed)
+    tell(
+        f"wrote {out}: {len(of.pieces)} pieces of {of.line_id} by {of.made}; `[curvature] map = {out.name!r}`"
+    )
 
 
 def new_drill(out: NewFile, scenario: OnScenario = "rtri_test_line") -> None:

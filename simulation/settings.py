@@ -23,14 +23,15 @@ from network.files.quantities import (
     Distance,
     FrameRate,
     Gain,
+    MarkerError,
     MatchedWay,
     NoiseFactor,
     PositionBound,
-    MarkerError,
     Reaction,
     ReadError,
     RunLimit,
     SampleRate,
+    SearchedWay,
     Share,
     ShareAbove0,
     Sigma,
@@ -222,7 +223,7 @@ class Filter(StrEnum):
 
 
 class Curvature(Record):
-    """`[curvature]`: yaw gyro, rails as laid, and the comparison with the map, where `sensors.carries` has curvature."""
+    """`[curvature]`: yaw gyro, rails as laid, comparison with the map, where `sensors.carries` has curvature."""
 
     map: Annotated[
         str,
@@ -288,6 +289,7 @@ class Curvature(Record):
     ] = 100.0
     search_m: Annotated[
         MatchedWay,
+        SearchedWay,
         about(
             "furthest that is searched either way, N_s; never beyond the bounds", "Harada, figure 2: 200 m"
         ),

@@ -17,6 +17,7 @@ from network.timetable import Timetable
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import PLAIN, Planning
 from onboard.driving.tuning import Learned
+from onboard.localisation.curvature_map import CurvatureMap
 from onboard.records import BEHAVIOUR
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
@@ -81,6 +82,7 @@ class Setup:
     gnss: Gnss = field(default_factory=Gnss)
     beacons: Beacons = field(default_factory=Beacons)
     curvature: Curvature = field(default_factory=Curvature)
+    curvature_map: CurvatureMap | None = None  # None: the one that the believed line makes
     scatter: Scatter = field(default_factory=Scatter)
     tuning: Tuning = NO_TUNING
     # What trains know of their brakes to begin with, by stock id.

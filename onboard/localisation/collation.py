@@ -1,7 +1,7 @@
 """Curvature collation (曲率照合) on contiguous metres: the sums of equations (2) and (3), and what they can mean.
 
-Harada, Maki, Kazato and Ishiguri, 3.1 and 3.5. `seen` are the last metres of the run, the oldest first, `known` those of
-the map that they may lie on, `count + span` of them for `span + 1` shifts. Nothing here knows of trains.
+Harada, Maki, Kazato and Ishiguri, 3.1 and 3.5. `seen` are the last metres of the run, the oldest first, `known` those
+of the map that they may lie on, `count + span` of them for `span + 1` shifts. Nothing here knows of trains.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
 
-Floats = NDArray[np.float64]
+Samples = NDArray[np.float64] | list[float]  # a part of a record is an array, and said to be a list
 
 
 @compiled
-def apart(known: Floats, first: int, seen: Floats, begin: int, count: int, away: float) -> float:
+def apart(known: Samples, first: int, seen: Samples, begin: int, count: int, away: float) -> float:
     """Equation (2) for one shift: the sum of |map - run - away| over `count` metres from `known[first]`, `seen[begin]`.
 
     Four sums side by side: the order of adding stays the same, and the processor has something to do meanwhile.
@@ -33,7 +33,7 @@ def apart(known: Floats, first: int, seen: Floats, begin: int, count: int, away:
 
 
 @compiled
-def squares(known: Floats, first: int, seen: Floats, begin: int, count: int) -> tuple[float, float]:
+def squares(known: Samples, first: int, seen: Samples, begin: int, count: int) -> tuple[float, float]:
     """Equation (3) for one shift: the sum of the squares of map - run, and beside it the plain sum."""
     a = b = c = d = 0.0
     p = q = r = s = 0.0
@@ -60,7 +60,7 @@ def squares(known: Floats, first: int, seen: Floats, begin: int, count: int) -> 
 
 @compiled
 def all_squares(
-    known: Floats, seen: Floats, begin: int, count: int, span: int, energy: Floats, free: Floats
+    known: Samples, seen: Samples, begin: int, count: int, span: int, energy: Samples, free: Samples
 ) -> int:
     """Fill for each of `span + 1` shifts equation (3), and what is left of it without a constant difference.
 
@@ -78,7 +78,7 @@ def all_squares(
 
 @compiled
 def nearest(
-    known: Floats, seen: Floats, begin: int, count: int, low: int, high: int, away: float, sums: Floats
+    known: Samples, seen: Samples, begin: int, count: int, low: int, high: int, away: float, sums: Samples
 ) -> float:
     """The shift from `low` to `high` at which equation (2) is least, between metres by the parabola through three."""
     best = low
@@ -86,7 +86,7 @@ def nearest(
         sums[shift] = apart(known, shift, seen, begin, count, away)
         if sums[shift] < sums[best]:
             best = shift
-    if best == low or best == high:
+    if best in (low, high):
         return float(best)
     before, here, after = sums[best - 1], sums[best], sums[best + 1]
     bend = before - 2.0 * here + after
@@ -94,7 +94,7 @@ def nearest(
 
 
 @compiled
-def crossing(free: Floats, inside: int, outside: int, limit: float) -> float:
+def crossing(free: Samples, inside: int, outside: int, limit: float) -> float:
     """Where between two neighbouring shifts the sum passes a limit."""
     rise = free[outside] - free[inside]
     share = (limit - free[inside]) / rise if rise > 0.0 else 1.0
@@ -102,8 +102,10 @@ def crossing(free: Floats, inside: int, outside: int, limit: float) -> float:
 
 
 @compiled
-def explained(free: Floats, span: int, least: int, near: int, limit: float, far_limit: float) -> tuple[float, float]:
-    """The hull of all shifts whose sum noise can explain: at most `limit` within `near` of the least, `far_limit` beyond."""
+def explained(
+    free: Samples, span: int, least: int, near: int, limit: float, far_limit: float
+) -> tuple[float, float]:
+    """The hull of all shifts that noise explains: at most `limit` within `near` of the least, `far_limit` beyond."""
     low = high = least
     for shift in range(span + 1):
         most = limit if abs(shift - least) <= near else far_limit

@@ -21,7 +21,7 @@ from typing import Final
 
 import numpy as np
 
-from onboard.localisation.collation import Floats, all_squares, explained, nearest
+from onboard.localisation.collation import Samples, all_squares, explained, nearest
 from onboard.localisation.curvature_bounds import (
     BLOCK_M,
     WHITE_PER_M,
@@ -41,6 +41,7 @@ from onboard.localisation.curvature_row import (
     CurvatureRow,
 )
 from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, TAKEN, taken
+from onboard.localisation.spatial_filter import SETTLES_M
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -75,7 +76,10 @@ def lay_map(own: CurvatureRow, unit: UnitRow, chart: Chart, from_m: float, count
 
 @compiled
 def comparable(own: CurvatureRow, longest: int) -> tuple[int, int]:
-    """Metres of the ring that the wheels' scale stretches by little, and of these those since the last slide or slip."""
+    """Metres of the ring that the wheels' scale stretches by little, and those of them since the last slide or slip.
+
+    Of the latter the first are what the filter makes of those before: no fix goes by them.
+    """
     end = own.at + WINDOW_MAX
     jolts_m = own.slid_ahead_m + own.slipped_behind_m
     doubts_m = own.ahead_m + own.behind_m - jolts_m
@@ -91,7 +95,7 @@ def comparable(own: CurvatureRow, longest: int) -> tuple[int, int]:
 
 
 @compiled
-def transitions_m(seen: Floats, begin: int, count: int) -> float:
+def transitions_m(seen: Samples, begin: int, count: int) -> float:
     """Way of transition curve in the run (section 3.4): where its curvature changes fast."""
     found = 0.0
     for k in range(begin + 1, begin + count):
@@ -111,8 +115,8 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     if max(unit.bound_ahead_m, unit.bound_behind_m) > own.search_m:
         return 0
     longest, since = comparable(own, min(own.metres, int(own.window_m)))
-    own.low = -int(math.ceil(unit.bound_behind_m)) - MARGIN_M
-    own.span = int(math.ceil(unit.bound_ahead_m)) + MARGIN_M - own.low
+    own.low = -math.ceil(unit.bound_behind_m) - MARGIN_M
+    own.span = math.ceil(unit.bound_ahead_m) + MARGIN_M - own.low
     newest_m = unit.position_m - (own.along_m - own.metre)
     missing = lay_map(own, unit, chart, newest_m - (longest - 1) + own.low, longest + own.span)
     if longest - missing < own.window_least_m:
@@ -121,7 +125,7 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     if missing > 0:
         for k in range(own.whole + own.span):
             own.known_per_m[k] = own.known_per_m[k + missing]
-    return min(own.whole, since)
+    return min(own.whole, since - int(SETTLES_M))
 
 
 @compiled
@@ -148,7 +152,8 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
     begin = own.at + WINDOW_MAX - count
     known = own.known_per_m[own.whole - count :]
     least = all_squares(known, own.bent_per_m, begin, count, own.span, own.energy, own.free)
-    own.mean_per_m = np.mean(known[least : least + count]) - np.mean(own.bent_per_m[begin : begin + count])
+    known_mean = np.mean(known[least : least + count])
+    own.mean_per_m = float(known_mean - np.mean(own.bent_per_m[begin : begin + count]))
     weigh(own, least, count)
     # what is left beyond what is stated counts as white noise: a gyro that has gone worse
     beyond = own.free[least] / count - WORSE * own.rail_variance_per_m2 - own.misfit / count
@@ -160,7 +165,7 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
     limit = own.free[least] + own.sure_sigmas * own.sure_sigmas * noise
     far = own.sure_sigmas * math.sqrt(own.rail_peak + noise) + math.sqrt(own.misfit)
     from_m, to_m = explained(own.free, own.span, least, NEAR_M, limit, own.free[least] + far * far)
-    first, last = int(math.floor(from_m)), min(int(math.ceil(to_m)), own.span)
+    first, last = math.floor(from_m), min(math.ceil(to_m), own.span)
     shift_m = nearest(known, own.bent_per_m, begin, count, first, last, own.mean_per_m, own.energy)
     shift_m = min(max(shift_m, from_m), to_m)
     if own.metre >= own.bias_metre + count and count > 2 * BLOCK_M:

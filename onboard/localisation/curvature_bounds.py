@@ -1,10 +1,10 @@
 """How wrong a fix by curvature may be: what noise can do, what pulls it aside, and whether noise explains what is left.
 
-A fix is a least sum of squares, so to first order whatever adds to the difference pulls it by the sum of that times the
-map's change from metre to metre, over the sum of the squares of this change. A constant difference (bias) pulls nothing:
-sums are taken without their mean. Noise of the rails' heading that is white and the gyro's own have a known variance
-under such a sum. What a difference could hide is taken from the tests that it has passed, metre by metre backwards from
-the front: blocks of `BLOCK_M` by their mean square, and all from the front on by what they turn in sum.
+A fix is a least sum of squares, so to first order whatever adds to the difference pulls it by the sum of that times
+the map's change from metre to metre, over the sum of the squares of this change. A constant difference (bias) pulls
+nothing: sums are taken without their mean. Noise of the rails' heading that is white and the gyro's own have a known
+variance under such a sum. What a difference could hide is taken from the tests that it has passed, metre by metre
+backwards from the front: blocks of `BLOCK_M` by their mean square, and all from the front on by what they turn in sum.
 """
 
 from __future__ import annotations
@@ -22,8 +22,12 @@ BLOCK_M: Final = 25  # what is judged by itself: a wave that the filter damps
 SURE_OF_BLOCK: Final = 4.0  # deviations of the root mean square of a block
 WHITE_PER_M: Final = 0.058  # variance that the filter leaves of white noise of 1 a metre
 CALIBRATES_M: Final = 300.0  # wheels are compared over no less
-VARIES_OVER_M: Final = 1000.0  # what they count over longer ways differs from their mean by less, in proportion
-WORSE: Final = 2.0  # what is left may be so many times the rails' stated variance, before the gyro counts as worse
+VARIES_OVER_M: Final = (
+    1000.0  # what they count over longer ways differs from their mean by less, in proportion
+)
+WORSE: Final = (
+    2.0  # what is left may be so many times the rails' stated variance, before the gyro counts as worse
+)
 
 
 @compiled
@@ -53,12 +57,14 @@ def best_count(own: CurvatureRow, shift: int, most: int) -> int:
         slope2 += slope * slope
         bend2 += bend * bend
         slow += own.slow_s_per_m[i]
-        pull += slope * slope * (own.ahead_m - own.then_ahead_m[i] + own.behind_m - own.then_behind_m[i]) / 2.0
+        pull += (
+            slope * slope * (own.ahead_m - own.then_ahead_m[i] + own.behind_m - own.then_behind_m[i]) / 2.0
+        )
         count = k + 2
         if count < own.window_least_m or (count % BLOCK_M != 0 and count != most):
             continue
         turned = known[newest] - known[t - 1]
-        left = slope2 - turned * turned / count
+        left = slope2 - turned * turned / count - own.map_slope2_per_m * count
         if left > 0.0:
             noise = noise_of(own, slope2, bend2, slow / count)
             half_m = own.sure_sigmas * math.sqrt(noise / left) + pull / slope2
@@ -79,14 +85,14 @@ def late_m(own: CurvatureRow, slow_s_per_m: float) -> float:
 
 @compiled
 def weigh(own: CurvatureRow, shift: int, count: int) -> None:
-    """What the map holds at a shift of the last `count` metres, and what pulls a fix by it: the wheels' run since, gain,
-    a bias over changing speed, delay. Fills `slope2` to `pull_behind_m`.
+    """What the map holds at a shift of the last `count` metres, and what pulls a fix by it: the wheels' run since,
+    gain, a bias over changing speed, delay. Fills `slope2` to `pull_behind_m`.
     """
     end, newest = own.at + WINDOW_MAX, own.whole - 1 + shift
     known = own.known_per_m
     steady = (known[newest] - known[newest - count + 1]) / (count - 1.0)
     gain, bias_radps = gain_doubt(own), own.sure_sigmas * math.sqrt(own.bias_radps2)
-    own.slow_mean_s_per_m = np.mean(own.slow_s_per_m[end - count : end])
+    own.slow_mean_s_per_m = float(np.mean(own.slow_s_per_m[end - count : end]))
     own.slope2 = own.bend2 = own.left = own.misfit = 0.0
     ahead = behind = by_gain = by_bias = by_delay = 0.0
     for k in range(count - 1):
@@ -106,6 +112,7 @@ def weigh(own: CurvatureRow, shift: int, count: int) -> None:
         by_delay += abs(lean * slope) * late_m(own, slow)
         off = misfit_of(own, slope, known[t], i, gain, bias_radps)
         own.misfit += off * off
+    own.left = max(own.left - own.map_slope2_per_m * count, 0.0)
     pull = gain * abs(by_gain) + bias_radps * abs(by_bias) + by_delay
     own.pull_ahead_m = (ahead + pull) / own.left if own.left > 0.0 else np.inf
     own.pull_behind_m = (behind + pull) / own.left if own.left > 0.0 else np.inf
@@ -144,10 +151,11 @@ def explains(own: CurvatureRow, shift: int, count: int, white: float) -> bool:
         block2 += away * away
         block_most = max(block_most, most + off + abs(slope))
         total += away
-        allowed += off + 0.5 * abs(slope) + abs(own.mean_per_m)
+        allowed += off
         lean += slope - steady
-        unseen = max(unseen, min(most, turns_most / (k + 1.0)) * abs(lean))
-        if abs(total) > turns_most + allowed:
+        turns_most += allowed + 0.5 * abs(known[newest] - known[t - 1])
+        unseen = max(unseen, min(most + off, turns_most / (k + 1.0)) * abs(lean))
+        if abs(total) > turns_most:
             return False
         if (k + 1) % BLOCK_M == 0:
             if block2 > BLOCK_M * block_most * block_most:
@@ -162,7 +170,7 @@ def learn_bias(own: CurvatureRow, count: int) -> None:
     """What map and run differ by over all that was compared is bias: what both turn in all is known well."""
     first = own.at + WINDOW_MAX - count
     slow = own.slow_mean_s_per_m
-    bent = np.mean(own.bent_per_m[first : first + count])
+    bent = float(np.mean(own.bent_per_m[first : first + count]))
     rails = 2.0 * own.rail_heading_rad * own.rail_heading_rad / count / count
     change = (own.bent_per_m[first + count - 1] - own.bent_per_m[first]) / count
     doubt2 = rails + own.yaw_density * slow / count + (gain_doubt(own) * bent) ** 2 + change * change

@@ -47,8 +47,13 @@ class CurvatureRow(Protocol):
     filter_delay_m: Annotated[float, "of the filter, where it is not the map's; 0: it is"]
     filter_mps: float
     map_error_m: float
+    map_slope2_per_m: Annotated[
+        float, "what a metre of rails, and no curve, adds to slope2 of a measured map"
+    ]
     rail_level: Annotated[float, "variance of the rails' heading a metre, as of white noise"]
-    rail_peak: Annotated[float, "greatest spectral density of their filtered curvature, as a variance a metre"]
+    rail_peak: Annotated[
+        float, "greatest spectral density of their filtered curvature, as a variance a metre"
+    ]
     rail_variance_per_m2: Annotated[float, "of their filtered curvature"]
     rail_heading_rad: Annotated[float, "deviation of their filtered heading"]
     # the wheels
@@ -85,7 +90,9 @@ class CurvatureRow(Protocol):
     kept: Annotated[list[float], 4, "of the filter"]
     next_m: Annotated[float, "along, of the next comparison"]
     at: Annotated[int, "where the next metre goes"]
-    bent_per_m: Annotated[list[float], 2 * WINDOW_MAX, "the ring, twice, so that every window lies in one piece"]
+    bent_per_m: Annotated[
+        list[float], 2 * WINDOW_MAX, "the ring, twice, so that every window lies in one piece"
+    ]
     slow_s_per_m: Annotated[list[float], 2 * WINDOW_MAX, "one over the speed then"]
     then_ahead_m: Annotated[list[float], 2 * WINDOW_MAX, "ahead_m then"]
     then_behind_m: Annotated[list[float], 2 * WINDOW_MAX]
@@ -100,7 +107,7 @@ class CurvatureRow(Protocol):
     mean_per_m: Annotated[float, "mean difference at the best shift: bias"]
     slope2: Annotated[float, "of the map at the best shift: sum of squares of its change from metre to metre"]
     bend2: Annotated[float, "and of the change of that"]
-    left: Annotated[float, "of slope2 without its mean"]
+    left: Annotated[float, "of slope2 without its mean, and without what rails make of it"]
     slow_mean_s_per_m: float
     misfit: Annotated[float, "sum of squares that scale, gain and bias may leave"]
     pull_ahead_m: Annotated[float, "by which the front may be further than a fix says, for all but noise"]

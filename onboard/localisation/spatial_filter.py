@@ -26,6 +26,7 @@ SECTION: Final = 5  # numbers of a section
 DELAY_RAD: Final = sum(1.0 / quality for quality in QUALITIES)  # 2.613: delay of long waves times the corner
 
 Floats = NDArray[np.float64]
+Numbers = NDArray[np.float64] | list[float]  # a part of a record is an array, and said to be a list
 
 
 def sections(corner_samples: float) -> tuple[float, ...]:
@@ -55,7 +56,7 @@ def gain(wave_m: Floats, corner_m: float = CORNER_M) -> Floats:
 
 
 @compiled
-def settle(numbers: Floats, kept: Floats, value: float) -> None:
+def settle(numbers: Numbers, kept: Numbers, value: float) -> None:
     """As if `value` had come in for ever."""
     for i in range(2):
         b1, b2 = numbers[SECTION * i + 1], numbers[SECTION * i + 2]
@@ -65,7 +66,7 @@ def settle(numbers: Floats, kept: Floats, value: float) -> None:
 
 
 @compiled
-def passed(numbers: Floats, kept: Floats, value: float) -> float:
+def passed(numbers: Numbers, kept: Numbers, value: float) -> float:
     """One sample through both sections (direct form II, transposed); what comes out."""
     for i in range(2):
         b0, b1, b2 = numbers[SECTION * i], numbers[SECTION * i + 1], numbers[SECTION * i + 2]

@@ -18,6 +18,7 @@ from simulation.sensors.gnss import GnssAntenna, GnssJammed, GnssJump, GnssRefle
 from simulation.sensors.lidar import LidarBlind, LidarFog, MarkerMissing
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
+from simulation.sensors.yaw_gyro import GyroBias, GyroDead, GyroNoise, GyroStuck
 
 KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,
@@ -41,6 +42,10 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     WrongId,
     DeafReceiver,
     FalseBeacon,
+    GyroDead,
+    GyroStuck,
+    GyroBias,
+    GyroNoise,
     Stuck,
     NoDetection,
     Slow,

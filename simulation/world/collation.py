@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from network.path import Path
-from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
+from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
 from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, sections
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
 from simulation.settings import Curvature, Filter
@@ -50,11 +50,15 @@ def charted(setup: Setup, mounting: Mounting) -> Charted | None:
     """The map of a run; None where no stock carries a gyro."""
     if not setup.sensors.any_gyro:
         return None
-    known = design_map(setup.believed_line)
-    return Charted(known, mounting, setup.curvature.filter)
+    return Charted(map_of(setup), mounting, setup.curvature.filter)
 
 
-def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting, map_error_m: float = 0.0) -> None:
+def map_of(setup: Setup) -> CurvatureMap:
+    """The map that units of a run have."""
+    return design_map(setup.believed_line) if setup.curvature_map is None else setup.curvature_map
+
+
+def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> None:
     """Fill what a unit knows beforehand, where its stock carries a gyro."""
     if not setup.sensors.carries_gyro(stock_id):
         return
@@ -86,12 +90,12 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting, map_
     own.delay_share = (1.0 + given.body_spread) / (1.0 - given.body_spread) - 1.0
     own.filter_mps = given.filter_speed_mps
     own.filter_delay_m = delay_m() if given.filter is Filter.TIME else 0.0
-    own.map_error_m = map_error_m
-    _state_rails(own, given, mounting)
+    own.map_error_m = 0.0 if setup.curvature_map is None else setup.curvature_map.error_m
+    _state_rails(own, given, mounting, measured=setup.curvature_map is not None)
 
 
-def _state_rails(own: CurvatureRow, given: Curvature, mounting: Mounting) -> None:
-    """What rails as stated leave in the run's curvature behind bogies and filter."""
+def _state_rails(own: CurvatureRow, given: Curvature, mounting: Mounting, *, measured: bool) -> None:
+    """What rails as stated leave in the run's curvature behind bogies and filter, and in a map that was measured."""
     waves_radpm = np.linspace(2.0 * math.pi / LONGEST_M, 2.0 * math.pi / SHORTEST_M, WAVES)
     body = np.zeros(WAVES, dtype=np.complex128)
     for share, weight in SIMPSON:
@@ -99,9 +103,12 @@ def _state_rails(own: CurvatureRow, given: Curvature, mounting: Mounting) -> Non
     left = np.abs(body)
     if given.filter is not Filter.OFF:
         left = left * gain(2.0 * math.pi / waves_radpm)
-    heading = heading_density(waves_radpm, given.rails) * left**2
+    both = 2.0 if measured else 1.0
+    heading = both * heading_density(waves_radpm, given.rails) * left**2
     curvature = heading * waves_radpm**2
-    own.rail_level = math.pi * float(np.max(heading_density(waves_radpm, given.rails)))
+    own.rail_level = both * math.pi * float(np.max(heading_density(waves_radpm, given.rails)))
     own.rail_peak = math.pi * float(np.max(curvature))
     own.rail_variance_per_m2 = float(np.trapezoid(curvature, waves_radpm))
+    slopes = float(np.trapezoid(curvature * waves_radpm**2, waves_radpm))
+    own.map_slope2_per_m = slopes / both if measured else 0.0
     own.rail_heading_rad = math.sqrt(float(np.trapezoid(heading, waves_radpm)))

@@ -70,7 +70,11 @@ class Irregularities:
         low_m, high_m = end_offsets_m(self.line, piece)
         alignment = self.line.alignments[piece.alignment_id]
         at_m = kilometrage_m - alignment.from_m
-        low = np.interp(at_m, np.arange(0.0, self._track(piece.alignment_id, low_m).size), self._track(piece.alignment_id, low_m))
+        low = np.interp(
+            at_m,
+            np.arange(0.0, self._track(piece.alignment_id, low_m).size),
+            self._track(piece.alignment_id, low_m),
+        )
         if high_m == low_m:
             return np.asarray(low, dtype=np.float64)
         other = self._track(piece.alignment_id, high_m)
@@ -102,7 +106,7 @@ def _drawn_rad(
 ) -> Floats:
     """Headings (rad) a metre apart with the spectrum between two wavelengths (m): white noise, coloured."""
     count = 1 << (metres - 1).bit_length()
-    waves_radpm = 2.0 * math.pi * np.fft.rfftfreq(count)
+    waves_radpm = np.arange(count // 2 + 1, dtype=np.float64) * (2.0 * math.pi / count)
     white = np.fft.rfft(rng.standard_normal(count))
     # one-sided over rad/m; white noise of variance 1 a metre has 1 / pi
     shape = np.sqrt(math.pi * heading_density(waves_radpm, rails))

@@ -106,6 +106,7 @@ CASES: Final = (
     # an hour, or a morning, of something wrong
     Case("tags_missed", "tags: an arrival tag is not read", carries("tags") + failing("miss", ("506",))),
     Case("tags_moved", "tags: one lies 30 m from where units have it", carries("tags") + MOVED_TAG),
+    Case("gyro_dead", "curvature alone: no gyro works", carries("curvature") + failing("gyro_dead")),
     Case("gnss_jammed", "satellites within 20 m: jammed", carries("gnss") + failing("gnss_jammed")),
     Case(
         "both_jammed",

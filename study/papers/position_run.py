@@ -72,16 +72,29 @@ class PositionResult:
 
 
 class PositionRun:
-    """One run in progress; `result` fills as it goes. `moments` are by true path coordinate."""
+    """One run in progress; `result` fills as it goes. `moments` are by true path coordinate.
 
-    def __init__(self, setup: Setup, moments: Sequence[Moment] = ()) -> None:
+    `number`: of the first stock's trains the one that runs, its first by default.
+    """
+
+    def __init__(
+        self,
+        setup: Setup,
+        moments: Sequence[Moment] = (),
+        *,
+        number: str | None = None,
+        steps_max: int = MOVING_STEPS_MAX,
+    ) -> None:
         self.setup: Final = setup
+        self.steps_max: Final = steps_max  # that the kernel runs ahead
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
         self.carrier: Final = PlainTrack(lengths_m, STEP_S)
         self.trains: Final = Trains(setup, self.carrier)
         stock_id = self.trains.stock_ids[SLOT]
-        self.duty: Final[Duty] = drawn_up(setup, setup.line)[stock_id][0]
-        believed = drawn_up(setup, setup.believed_line)[stock_id][0].mission
+        duties = drawn_up(setup, setup.line)[stock_id]
+        at = next((i for i, duty in enumerate(duties) if duty.mission.number == number), 0)
+        self.duty: Final[Duty] = duties[at]
+        believed = drawn_up(setup, setup.believed_line)[stock_id][at].mission
         self.mission: Final = believed
         self.now_s = float(self.duty.enter_s)
         self._moments = sorted(moments, key=lambda moment: moment.at_m)
@@ -136,7 +149,7 @@ class PositionRun:
         trains, sheet, result = self.trains, self._sheet, self.result
         step = round(self.now_s / STEP_S)
         done, rows, moved = advance(
-            trains.stock, trains.pool.track, sheet, self._trace, 0, step, MOVING_STEPS_MAX
+            trains.stock, trains.pool.track, sheet, self._trace, 0, step, self.steps_max
         )
         self.now_s = (step + done) * STEP_S
         stock_id = trains.stock_ids[SLOT]

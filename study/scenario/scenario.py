@@ -26,6 +26,7 @@ from onboard.unit_records import UnitParameters
 from simulation.setup import Setup
 from study.scenario.battery_choice import check_battery, heated
 from study.scenario.belief import belief_of
+from study.scenario.curvature_choice import curvature_map_of
 from study.scenario.fleet_file import (
     check_grip,
     check_margins,
@@ -92,6 +93,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     check_battery(str(path), model.battery, timetable, trains)
     check_sensors(str(path), model.sensors, sorted(trains))
     check_grip(str(path), model.driving, trains, line.max_speed_mps)
+    belief = belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains)
     setup = Setup(
         name=model.id,
         line=line,
@@ -104,11 +106,14 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         laws=laws_of(str(path), model.driving, sorted(trains)),
         law_settings=model.law,
         planning=model.planning,
-        belief=belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains),
+        belief=belief,
         sensors=model.sensors,
         gnss=model.gnss,
         beacons=model.beacons,
         curvature=model.curvature,
+        curvature_map=curvature_map_of(
+            _folders(path, "curvature", pile), model, line if belief is None else belief.line
+        ),
         scatter=model.scatter,
         tuning=model.tuning,
         learned=learned_of(path, model.tuning, trains),
@@ -151,6 +156,12 @@ def _named(path: Path, key: str, name: str, shipped: Callable[[str], Path], pile
         return shipped(name)
     except InputError as error:
         raise InputError(str(path), key, name, error.expected) from error
+
+
+def _folders(path: Path, key: str, pile: Pile) -> tuple[Path, ...]:
+    """Where a file that is named under a key may lie: beside the scenario that names it, or beside this one."""
+    said_in = pile.said_in.get(key, path)
+    return tuple(dict.fromkeys((said_in.parent, path.parent)))
 
 
 def _trains(

@@ -21,7 +21,7 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
-from simulation.settings import Beacons, Driving, Limits, Operation, Sensors
+from simulation.settings import Beacons, Curvature, Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 
@@ -128,6 +128,8 @@ SCRIPT: Final[Data] = {
         {"kind": "brake", "target": "K1", "start": "10:00", "reserve": 0.9, "duration_s": 5.0},
         {"kind": "gnss_reflections", "target": "K1", "start": "10:00", "bias_m": 30.0, "over_m": 50.0},
         {"kind": "gnss_time_tag", "target": "K1", "start": "10:00", "late_s": 0.5, "duration_s": 5.0},
+        {"kind": "gyro_bias", "target": "K1", "start": "10:00", "jump_degps": 0.1, "duration_s": 5.0},
+        {"kind": "gyro_noise", "target": "K1", "start": "10:00", "factor": 2.0, "duration_s": 5.0},
         {"kind": "wrong_id", "target": "603", "start": "09:00", "id": 602, "after_s": 1.0, "duration_s": 5.0},
     ],
     "act": [
@@ -166,6 +168,7 @@ def _scenario() -> Data:
                 "sensors": Sensors(),
                 "gnss": Gnss(),
                 "beacons": Beacons(),
+                "curvature": Curvature(),
                 "limits": Limits(),
                 "operation": Operation(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),
