@@ -277,11 +277,10 @@ class Trains:
         self.carrier.remove(self.stock_ids[slot])
         self.truths[slot].active = 0
         self.paths[slot] = None
-        if (self.stock["plant"]["command_notch"][slot] > 0.0).any():
-            self._shut_off(slot)
+        self._shut_off(slot)
 
     def _shut_off(self, slot: int) -> None:
-        """Its driver shuts off the power that it had as it left, and brakes: so it stands when it comes back."""
+        """Its driver leaves it braked, whatever it was about to do: so it stands when it comes back."""
         plant, body = self.plants[slot], self.bodies[slot]
         notch = float(self.behaviours[slot].standing_brake_notch)
         self.stock["plant"]["command_notch"][slot] = -notch
