@@ -391,7 +391,10 @@ def stand(turn: Turn) -> None:
         return
     if state.may_ask and state.unable is None:  # it would hold what it cannot use
         turn.ask(turn.plan.leg_at(turn.stop(state.at).span))
-    if state.may_leave and state.unable is None and way_is_free(turn):
+    perhaps_upon = turn.state.limit.why == NOT_PROVEN and state.place.perhaps > turn.state.limit.joint
+    if state.may_leave and perhaps_upon and not state.halted:
+        on_sight.give_up_position(turn)  # it would wait for points that nobody throws under it
+    elif state.may_leave and state.unable is None and way_is_free(turn):
         turn.set(phase=Phase.RUNNING)
         turn.note(notes.Departs(station=turn.stop(state.at).place))
         turn.actions.append(Order.DEPART)

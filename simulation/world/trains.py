@@ -49,6 +49,7 @@ SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}  # of SUMO's edges
 LEAD_BOGIE_M: Final = 3.1  # assumed: of a car of 20 m with its bogies 13.8 m apart, as most of JR's are
 BOGIE_BASE_M: Final = 13.8
 MOUNTING: Final = Mounting(LEAD_BOGIE_M, BOGIE_BASE_M)
+HELD_SHARE: Final = 0.2  # of the standing brake, built up: a train with less has let go of it
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
 
@@ -277,15 +278,26 @@ class Trains:
         self.carrier.remove(self.stock_ids[slot])
         self.truths[slot].active = 0
         self.paths[slot] = None
-        self._shut_off(slot)
+        if not self._is_braked(slot):
+            self._shut_off(slot)
+
+    def _is_braked(self, slot: int) -> bool:
+        """Whether a train that stands has brakes applied, or has let go of them to start."""
+        plant = self.plants[slot]
+        built_mps2 = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
+        return bool(built_mps2 > HELD_SHARE * self._standing_mps2(slot))
+
+    def _standing_mps2(self, slot: int) -> float:
+        notch = int(self.behaviours[slot].standing_brake_notch)
+        return float(self.bodies[slot].brake_deceleration_mps2[notch])
 
     def _shut_off(self, slot: int) -> None:
         """Its driver leaves it braked, whatever it was about to do: so it stands when it comes back."""
-        plant, body = self.plants[slot], self.bodies[slot]
+        plant = self.plants[slot]
         notch = float(self.behaviours[slot].standing_brake_notch)
         self.stock["plant"]["command_notch"][slot] = -notch
         plant.traction_built_n = plant.traction_force_n = 0.0
-        plant.service_deceleration_mps2 = float(body.brake_deceleration_mps2[int(notch)])
+        plant.service_deceleration_mps2 = self._standing_mps2(slot)
 
     def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
         self.duties[slot] = duty

@@ -17,7 +17,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from host.scratch import scratch
-from network.model import TagPurpose
+from network.model import SectionKind, TagPurpose
 from onboard import notes
 from onboard.fixes import EYE
 from simulation.events import TagPassed
@@ -163,7 +163,7 @@ def measured(case: Case, run: Run) -> Day:
         Spread.of(half["half_m"].to_numpy()),
         Spread.of(_half_at(half, _passed(run))),
         Spread.of(_half_at(half, stops.select("unit", t_s="arrival_s"))),
-        _releases(tables.blocks),
+        _releases(run),
         Spread.of(np.abs(stops["stop_error_m"].drop_nulls().to_numpy())),
         float(summary["late_s_max"] or 0.0),
         float(np.maximum(late, 0.0).mean()) if late.size else 0.0,
@@ -190,8 +190,11 @@ def _half_at(half: pl.DataFrame, at: pl.DataFrame) -> Floats:
     return joined["half_m"].drop_nulls().to_numpy()
 
 
-def _releases(blocks: pl.DataFrame) -> dict[tuple[str, str], float]:
-    """By train and section: seconds from the true clearing to the release."""
+def _releases(run: Run) -> dict[tuple[str, str], float]:
+    """By train and section: seconds from the true clearing to the release; a portal is given back by the sign-off."""
+    sections = run.scenario.setup.line.sections.values()
+    portals = [section.id for section in sections if section.kind is SectionKind.PORTAL]
+    blocks = run.tables.blocks.filter(~pl.col("section").is_in(portals))
     done = blocks.drop_nulls(["released_s", "cleared_s"])
     return {
         (train, section): float(released_s - cleared_s)

@@ -8,20 +8,24 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.authority.records import Ask, Authority, Command, Commit, Renew, Write
-from onboard.duty.records import AtMark, Found, Order, Phase, TagReached
+from onboard.duty.records import AtMark, Found, Limit, Looked, Order, Phase, TagReached
 from tests.onboard.duty.stage import (
     APPROACH,
+    AT_A,
     AT_B,
     FINISHED,
     HOLDS_8,
+    HOLDS_ALL,
     HOLDS_REST,
     ON_6,
     ON_SIGHT,
     ON_THE_LINE,
     P7,
     POSITION,
+    RELEASE_LATER,
     REPORT_OPEN,
     RUNNING,
+    STANDING,
     STATES,
     Case,
     commanded,
@@ -36,6 +40,13 @@ THROWING: Final = replace(
 )
 UNTOLD: Final = moved(ON_6, untold=True)
 ELSEWHERE: Final = replace(ON_SIGHT, authority=Authority(held=("3", "5"), commandable=("5",), on_line=True))
+UPON_5: Final = replace(
+    STANDING,
+    authority=HOLDS_ALL,
+    limit=Limit(1, "5", "points not proven"),
+    may_ask=True,
+    may_leave=True,
+)
 BEHIND: Final = Authority(held=("7", "8"), commandable=("7",), on_line=True)
 
 FIXES: Final[dict[str, Case]] = {
@@ -86,6 +97,19 @@ FIXES: Final[dict[str, Case]] = {
         UNTOLD,
         replace(ELSEWHERE, place=moved(UNTOLD, known=False, emergency=True)),
         (Write(notes.PositionFound()), Order.LOSE),
+    ),
+    "at a stop, its bounds reaching onto points not proven: the position is given up, its crew looks at them": (
+        UPON_5,
+        Looked(),
+        moved(AT_A, perhaps=2),
+        replace(
+            UPON_5,
+            phase=Phase.ON_SIGHT,
+            stands_at=0,
+            released=False,
+            place=moved(AT_A, perhaps=2, known=False, emergency=True),
+        ),
+        (Order.LOSE, RELEASE_LATER),
     ),
     "at its mark, unsure where it stands, it waits for the driver's word": (
         replace(FINISHED, phase=Phase.STANDING, may_leave=False),
