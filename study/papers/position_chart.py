@@ -59,6 +59,9 @@ def _spreads(
         axes.set_xscale("log")
         axes.set_xticks([0.1, 1.0, 10.0, 100.0], ["0.1", "1", "10", "100"])
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1)
+    else:
+        axes.set_xscale("symlog", linthresh=10.0)
+        axes.set_xticks([0.0, 10.0, 100.0, 1000.0], ["0", "10", "100", "1000"])
     axes.set_xlabel(title)
     axes.grid(axis="x")
 
