@@ -282,8 +282,10 @@ class Trains:
             self._shut_off(slot)
 
     def _is_braked(self, slot: int) -> bool:
-        """Whether a train that stands has brakes applied, or has let go of them to start."""
+        """Whether a train stands with its brakes applied, or has let go of them to start."""
         plant = self.plants[slot]
+        if plant.speed_mps > 0.0:
+            return False
         built_mps2 = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
         return bool(built_mps2 > HELD_SHARE * self._standing_mps2(slot))
 
@@ -298,6 +300,7 @@ class Trains:
         self.stock["plant"]["command_notch"][slot] = -notch
         plant.traction_built_n = plant.traction_force_n = 0.0
         plant.service_deceleration_mps2 = self._standing_mps2(slot)
+        plant.speed_mps = plant.acceleration_mps2 = plant.wheel_speed_mps = plant.last_wheel_speed_mps = 0.0
 
     def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
         self.duties[slot] = duty
