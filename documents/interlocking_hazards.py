@@ -85,7 +85,8 @@ HAZARDS: Final = (
         "A section is given back with the rear still in it",
         "the unit goes by its front, by its estimate, or by a tachometer that shows too much",
         "released at the arrival tag, or where no tags are read by a fix that lies wholly beyond its place, or by the"
-        " driver; and by the safe rear besides: estimate less bound less length; dropped on board before it is reported",
+        " driver; and by the safe rear besides: estimate less bound less length; dropped on board before it is"
+        " reported",
         (
             "onboard.duty.arrival",
             "onboard.localisation.places",
