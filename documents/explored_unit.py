@@ -38,6 +38,7 @@ from onboard.duty.records import (
     DutyState,
     EndOfHeld,
     Event,
+    Found,
     Heard,
     How,
     Leave,
@@ -54,6 +55,7 @@ from onboard.duty.records import (
     Stopped,
     SwitchedOn,
     TagPassed,
+    TagReached,
     TimerDue,
 )
 from onboard.duty.shown import command_of
@@ -102,6 +104,7 @@ class Run(NamedTuple):
     emergency: bool = False
     read: int = -1  # the last tag
     unable: bool = False  # to reach the next stop, where it stands at one
+    untold: bool = False  # found by what does not tell tracks apart
 
     @property
     def place(self) -> Place:
@@ -124,6 +127,7 @@ class Run(NamedTuple):
             near={0: 0, END: 1}.get(self.spot, -1),
             passed=int(self.spot == END and not self.moves),
             unable=TOO_STEEP if self.unable and self.spot == 0 and not self.moves else None,
+            untold=self.untold,
         )
 
     @property
@@ -239,7 +243,11 @@ def _movement(run: Run) -> Iterator[_Happening]:
                 yield Stopped(how, 0.0), run._replace(moves=False)
         yield Stopped(How.SHORT, -1.0), run._replace(moves=False, emergency=True)
     if run.moves and tag > run.read:
-        yield TagPassed(tag, not run.known), run._replace(known=True, read=tag)
+        yield TagPassed(tag, not run.known), run._replace(known=True, read=tag, untold=False)
+        if run.known:
+            yield TagReached(tag), run
+    if on_line and not run.known:
+        yield Found(), run._replace(known=True, untold=True)
     if run.known and run.spot == 0 and run.state.phase is Phase.STANDING:
         yield Looked(), run._replace(unable=not run.unable)  # motors fail, or are there again
     if run.known and on_line:

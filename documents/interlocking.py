@@ -46,6 +46,7 @@ INVARIANTS: Final = (
     ("onboard.duty.fitness", "on-board unit: vehicle and brakes"),
     ("onboard.authority.letters", "on-board unit: tokens and correlations"),
     ("onboard.localisation.tachometer", "on-board unit: position"),
+    ("onboard.localisation.places", "on-board unit: virtual tags"),
     ("onboard.driving.supervision", "on-board unit: speed"),
     ("onboard.localisation.reader", "tag reader (車上子)"),
 )

@@ -118,6 +118,16 @@ CAUGHT: Final = (
         "onboard/test_unit.py::test_after_the_tag_sections_are_given_back_by_the_safe_rear",
     ),
     Caught(
+        "a virtual tag waits for a fix beyond it",
+        "onboard.localisation.places",
+        "onboard/test_fixes.py::test_no_place_is_passed_before_a_fix_proves_it",
+    ),
+    Caught(
+        "a position is found only where the register has the train",
+        "onboard.fixes",
+        "onboard/test_fixes.py::test_and_nowhere_else",
+    ),
+    Caught(
         "a barred boot is challenged",
         "wayside.block_manager",
         "wayside/test_acts.py::test_what_a_boot_says_that_persons_spoke_for_is_challenged",

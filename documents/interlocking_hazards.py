@@ -84,11 +84,24 @@ HAZARDS: Final = (
     Hazard(
         "A section is given back with the rear still in it",
         "the unit goes by its front, by its estimate, or by a tachometer that shows too much",
-        "released at the arrival tag, and by the safe rear besides: estimate less bound less length; dropped on board"
-        " before it is reported",
-        ("onboard.duty.arrival", "onboard.authority.stop_limit", "onboard.authority.machine"),
+        "released at the arrival tag, or where no tags are read by a fix that lies wholly beyond its place, or by the"
+        " driver; and by the safe rear besides: estimate less bound less length; dropped on board before it is"
+        " reported",
+        (
+            "onboard.duty.arrival",
+            "onboard.localisation.places",
+            "onboard.authority.stop_limit",
+            "onboard.authority.machine",
+        ),
         (Checker.RELEASE_BEHIND_REAR, Checker.INSIDE_HOLDING),
-        ("rtri/01_normal", "rtri/20_route_given_back", "rtri/54_tachometer_over_reads"),
+        (
+            "rtri/01_normal",
+            "rtri/20_route_given_back",
+            "rtri/54_tachometer_over_reads",
+            "rtri/70_no_fix_before_the_mark",
+            "rtri/71_fix_beyond_the_arrival_tag",
+            "rtri/72_jammed_at_the_terminus",
+        ),
         ("sections given back by the front instead of the safe rear",),
     ),
     Hazard(
@@ -222,7 +235,7 @@ HAZARDS: Final = (
     Hazard(
         "A unit that has restarted runs as if it knew",
         "its power failed on the way",
-        "it is stopped, then runs on sight until a tag gives the position and the manager what it holds",
+        "it is stopped, then runs on sight until a tag or fix gives the position and the manager what it holds",
         ("onboard.unit",),
         (Checker.INSIDE_HOLDING, Checker.PROVEN_BEFORE_ENTRY),
         (
@@ -230,6 +243,7 @@ HAZARDS: Final = (
             "rtri/05b_extra_tag",
             "rtri/28_unit_restart_at_departure",
             "karasuyama/28_unit_restart_out_of_coverage",
+            "rtri/73_restart_without_tags",
         ),
         ("full speed after a restart",),
     ),

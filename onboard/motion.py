@@ -30,7 +30,9 @@ from onboard.driving.stopping import aim_within, limit_is_short
 from onboard.driving.tasc import WEAK_TOLERANCE_M, Verdict, judge
 from onboard.duty.mission import Mission, PathTag, Target
 from onboard.duty.records import (
+    AtMark,
     Command,
+    Found,
     How,
     Looked,
     Order,
@@ -43,20 +45,13 @@ from onboard.duty.records import (
     VehicleChecked,
 )
 from onboard.duty.unable import Unable
-from onboard.localisation.fix import (
-    FOREIGN,
-    MISSED,
-    NOTHING,
-    OUTCOMES,
-    REFUSED,
-    TAKEN,
-)
-from onboard.localisation.sighting import sign
-from onboard.localisation.table import READER_NAMES, READERS_ROW, ReadersRow
+from onboard.fixes import Fixes
+from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import Heard, TagDoubt
 from onboard.localisation.wheel_scale import Held
 from onboard.records import (
     EMERGENCY_INTERVENTION,
+    EVENT_CONTRADICTED,
     EVENT_FIX,
     EVENT_INTERVENTION,
     EVENT_MOVING,
@@ -79,7 +74,6 @@ from vehicle.record import cells_of
 from vehicle.records import TrainRow
 from vehicle.wheel import pulse_m
 
-SIGN: Final = sign.__name__
 STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
 
@@ -120,7 +114,7 @@ class Motion:
         self.vehicle = IN_ORDER
         self.charge: ChargeWatch | None = None  # of a set that runs on a battery
         self.reads_tags = True  # a train without a reader expects none
-        self.notes: list[notes.Note] = []
+        self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
         self._line: Final = line
@@ -134,7 +128,7 @@ class Motion:
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
         self._doubt: Final = TagDoubt(self.row, parameters, row)
         self._ability: Final = Ability()
-        self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
+        self._fixes: Final = Fixes(self.row, row, self.readers, parameters, self._length_m, self.notes)
         self._found = False
         self._off_plan = False
         self._laws: Final = laws
@@ -199,6 +193,7 @@ class Motion:
         row.path_offset, row.path_rows = path.offset, len(path.rows)
         row.places_offset, row.places_rows = path.places_offset, path.places_rows
         row.paths_taken_up += 1
+        self._fixes.take_up(mission, virtual=not self.reads_tags)
         self._pace.take_up(path.rows)
         row.mode = MODE_HOLD
         row.target_stop_m = row.mark_m = row.position_m
@@ -244,6 +239,8 @@ class Motion:
             passed=max((i for i, mark_m in enumerate(marks_m) if mark_m <= position_m + within_m), default=0),
             unfit=self.vehicle.unfit,
             unable=self._unable(mission, near) if stands and near >= 0 else None,
+            unsure=stands and near >= 0 and self._fixes.unsure,
+            untold=self._fixes.untold,
         )
 
     def _unable(self, mission: Mission, at: int) -> Unable | None:
@@ -262,8 +259,20 @@ class Motion:
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""
-        taken, self.notes = self.notes, []
+        taken = self.notes.copy()
+        self.notes.clear()
         return taken
+
+    def at_mark(self, event: AtMark) -> list[Sensed]:
+        """The driver's eye has told where the train stands, which a unit that reads tags does not go by."""
+        return self._taken_up(self._fixes.at_mark(event, self.command))
+
+    def _taken_up(self, of_fixes: list[Sensed]) -> list[Sensed]:
+        """What fixes mean to the duty; who has found its position runs on from there."""
+        if any(isinstance(each, Found) for each in of_fixes):
+            self._found = True
+            self._expect_tag()
+        return of_fixes
 
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
@@ -282,10 +291,10 @@ class Motion:
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             self._expect_tag()
             return []
-        self.notes.append(
-            notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=round(correction_m, 3))
-        )
+        moved_m = round(correction_m, 3)
+        self.notes.append(notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=moved_m))
         self._expect_tag(tag.position_m)
+        self._fixes.tag_believed()
         self._found = self._found or found
         return [TagPassed(index, found)]
 
@@ -296,8 +305,11 @@ class Motion:
         if bits & EVENT_TACHOMETER:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
             happened += self._lose("the tachometer shows what cannot be", wheels_lie=row.wheel_slide == 0)
-        if bits & EVENT_FIX:
-            self._fixes()
+        if bits & EVENT_FIX and self._fixes.sign_missed(self._next_target()):
+            self._impossible(Verdict.TARGET_NOT_SEEN)
+        if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
+            happened += self._lose("fixes miss the bounds of the position")
+        happened += self._taken_up(self._fixes.ticked(bits, self.command))
         if bits & EVENT_VERDICT:
             self._note_impossible()
         if bits & EVENT_TAG_OVERDUE:
@@ -318,42 +330,12 @@ class Motion:
             happened.append(Looked())
         return happened
 
-    def _fixes(self) -> None:
-        """What came of a reading is another than before: taken, refused, or missed."""
-        for number, name in enumerate(READER_NAMES):
-            before, outcome = self._outcomes[number], int(self.readers.outcome[number])
-            self._outcomes[number] = outcome
-            if outcome in (before, NOTHING):
-                continue
-            if outcome == REFUSED:
-                self.notes.append(notes.FixRefused(reader=name))
-            if name != SIGN:
-                self._explain(number, name, before, outcome)
-                continue
-            target = self._next_target()
-            if outcome == TAKEN and target is not None:
-                moved_m = round(float(self.readers.moved_m[number]), 3)
-                self.notes.append(notes.SignSeen(station=target.station_id, correction_m=moved_m))
-            elif outcome == MISSED:
-                self._impossible(Verdict.TARGET_NOT_SEEN)
-
-    def _explain(self, number: int, name: str, before: int, outcome: int) -> None:
-        """What came of a reading that is no sign's: the first fix taken, and where the map begins and ceases to fit."""
-        if outcome == TAKEN:
-            moved_m = round(float(self.readers.moved_m[number]), 3)
-            self.notes.append(notes.FixTaken(reader=name, correction_m=moved_m, after=OUTCOMES[before]))
-        elif outcome == FOREIGN:
-            self.notes.append(notes.ForeignTrack(reader=name))
-        elif outcome == MISSED:
-            self.notes.append(notes.FixMissed(reader=name))
-
     def _look_for_sign(self, target: Target | None) -> None:
         """Go by the sign of this mark from now on."""
         mark_m = math.inf if target is None else target.mark_m
         if mark_m != self.readers.sign.mark_m:
             self.readers.sign.mark_m, self.readers.sign.seen = mark_m, 0
-            number = READER_NAMES.index(SIGN)
-            self._outcomes[number] = self.readers.outcome[number] = NOTHING
+            self._fixes.forget_sign()
 
     def _stopped(self) -> list[Sensed]:
         row, target = self.row, self._next_target()
@@ -414,6 +396,7 @@ class Motion:
         row = self.row
         self.notes.append(notes.PositionFault(why=why))
         self._doubt.begin(wheels_lie=wheels_lie)
+        self._fixes.doubt()
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known = 0
         row.restricted_mps = self._parameters.restricted_mps
@@ -442,6 +425,7 @@ class Motion:
             self._run(command, now_s)
         self._found = False
         row.position_trigger_m = math.inf if self._pace.timed is None else self._pace.timed.position_m
+        row.position_trigger_m = min(row.position_trigger_m, self._fixes.ask_m)
         if command.await_radio and row.position_known and self._mission is not None:
             covered_m = next_coverage_m(self._line, self._mission.path, row.position_m)
             row.position_trigger_m = min(row.position_trigger_m, covered_m)

@@ -166,6 +166,20 @@ class TagRead(Noted, frozen=True, kw_only=True, tag="tag_read"):
     correction_m: float
 
 
+class PlacePassed(Noted, frozen=True, kw_only=True, tag="place_passed"):
+    """Fixes alone prove that the front is beyond a tag's place (仮想地上子); `reader` gave the one that did."""
+
+    tag_id: int
+    purpose: TagPurpose
+    reader: str
+
+
+class FoundElsewhere(Noted, frozen=True, kw_only=True, tag="found_elsewhere"):
+    """A fix finds the train where its unit does not hold all that it may stand in: it is not believed."""
+
+    reader: str
+
+
 class TagDoubted(Noted, frozen=True, kw_only=True, tag="tag_doubted"):
     """A tag was read but is not believed yet."""
 
@@ -212,7 +226,7 @@ class PositionFault(Noted, frozen=True, kw_only=True, tag="position_fault"):
 
 
 class PositionFound(Noted, frozen=True, kw_only=True, tag="position_found"):
-    """A tag has told where the train is."""
+    """A tag, another sensor or the driver's eye has told where the train is."""
 
 
 class TachometerFault(Noted, frozen=True, kw_only=True, tag="tachometer_fault"):
@@ -372,6 +386,8 @@ Note = (
     | AbleToLeave
     | EmergencyReleased
     | TagRead
+    | PlacePassed
+    | FoundElsewhere
     | TagDoubted
     | SignSeen
     | FixRefused

@@ -24,6 +24,9 @@ EVENT_TACHOMETER: Final = 64  # the tachometer shows what cannot be
 EVENT_VERDICT: Final = 128  # the stop at the mark has turned out impossible: `stop_verdict`
 EVENT_OFF_PLAN: Final = 512  # the train is off its plan by more than `replan_s`
 EVENT_FIX: Final = 256  # what came of a sensor's reading is another than before: `readers.outcome`
+EVENT_PLACE: Final = 1024  # a fix makes certain that the front is beyond `place_trigger_m`
+EVENT_FOUND: Final = 2048  # a fix has told the position, which was not known
+EVENT_CONTRADICTED: Final = 4096  # fixes of absolute sensors miss the bounds, one after the other
 
 # unit.mode
 MODE_HOLD: Final = 0  # stand with the brakes applied
@@ -61,6 +64,16 @@ class UnitRow(Protocol):
     seen_within_mps: Annotated[float, "by which that may be wrong; 0: none tells"]
     expected_tag_m: Annotated[float, "where the next tag should be read; +inf: none"]
     tag_window_m: Annotated[float, "beyond the bounds by this much without reading: overdue"]
+    # fixes of absolute sensors, of which virtual tags are made (`onboard.localisation.places`)
+    fix_came: Annotated[int, "of the reading looked at: 0 it gave none, else FIX_CUT or FIX_MISSED of `fix`"]
+    fix_low_m: Annotated[float, "where the last fix taken had the front at least"]
+    fix_high_m: Annotated[float, "and at most"]
+    fix_at_m: Annotated[float, "position when an absolute sensor last told it; -inf: not on this path"]
+    fix_odometer_m: Annotated[float, "what the tachometer showed then"]
+    fix_reader: Annotated[int, "whose it was: its place in READERS"]
+    sure_m: Annotated[float, "by such fixes alone the front is beyond this; -inf: by none"]
+    place_trigger_m: Annotated[float, "the next virtual tag; +inf: none"]
+    missed_fixes: Annotated[int, "of absolute sensors, one after the other"]
     # authority and supervision
     stop_limit_m: Annotated[float, "停止限界: never passed by the front"]
     restricted_mps: Annotated[float, "speed ceiling of the operating mode (非常運転); +inf: none"]

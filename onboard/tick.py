@@ -14,6 +14,7 @@ from onboard.localisation.table import read_all
 from onboard.localisation.tachometer import locate
 from onboard.records import (
     EMERGENCY_INTERVENTION,
+    EVENT_FOUND,
     EVENT_MOVING,
     EVENT_OFF_PLAN,
     EVENT_POSITION,
@@ -40,7 +41,10 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
         unit.intervention = (
             EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when
         )
+    known = unit.position_known
     events |= read_all(board.readers, sensed.readings, unit, chart, step_s)
+    if known == 0 and unit.position_known != 0:
+        events |= EVENT_FOUND
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0
     ride_over_slide(unit, train, tasc, own_mps2, run_m, step_s)

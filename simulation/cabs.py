@@ -211,5 +211,6 @@ class Cabs:
         duty = self._trains.duties[slot]
         if duty is not None and self._trains.truths[slot].active:
             stands_at = self._books.stands_at(slot)
-            self.tell(slot, step, self._on_board.switch_on(slot, duty, stands_at))
+            beyond_m = 0.0 if stands_at is None else self._crew.beyond_m(slot, stands_at)
+            self.tell(slot, step, self._on_board.switch_on(slot, duty, stands_at, beyond_m))
         return True

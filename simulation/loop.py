@@ -14,7 +14,7 @@ import numpy as np
 from host.parties import Parties
 from host.units import Units
 from network.model import Leg
-from onboard.duty.records import Looked
+from onboard.duty.records import Found, Looked
 from onboard.duty.records import TagPassed as TagBelieved
 from onboard.records import EVENT_STOPPED
 from radio.air import Air
@@ -361,7 +361,10 @@ class Simulation:
                 if any(isinstance(what, TagBelieved) for what in sensed):
                     trains.position_fixed(slot)
         if events:
-            cabs.tell(slot, step, self.on_board.ticked(slot, events))
+            sensed = self.on_board.ticked(slot, events)
+            cabs.tell(slot, step, sensed)
+            if any(isinstance(what, TagBelieved | Found) for what in sensed):
+                trains.position_fixed(slot)
             if events & EVENT_STOPPED:
                 cabs.crew_stands(slot, step)
 
@@ -447,5 +450,6 @@ class Simulation:
             courses=self.injector.courses,
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
+            fixes=self.trains.fixes(),
             battery=() if self._charging is None else tuple(self._charging.records),
         )

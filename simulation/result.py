@@ -211,6 +211,8 @@ class RunResult:
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])
     learned_from: Mapping[str, StopWaves] = field(default_factory=dict[str, StopWaves])
     battery: tuple[BatteryRecord, ...] = ()  # of sets that run on one, in order of time
+    # How many fixes each reader of a stock took, by stock id and reader; tags are not among them.
+    fixes: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
 
     @property
     def digest(self) -> str:

@@ -367,6 +367,8 @@ class Curvature(Record):
     def stated_sigma_radps(self, step_s: float) -> float:
         """The same as units count on it."""
         return math.radians(self.sample_sigma_degps) / math.sqrt(self.sample_rate_hz * step_s)
+
+
 class Lidar(Record):
     """`[lidar]`: what the LiDARs of trains that carry one see of markers (`sensors.carries`)."""
 

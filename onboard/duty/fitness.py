@@ -42,7 +42,8 @@ def acknowledged(turn: Turn) -> bool:
 def unable_now(turn: Turn) -> Unable | None:
     """What keeps a train from reaching its next stop, whose time to get ready at its stop has come."""
     state = turn.state
-    ready = state.phase is Phase.STANDING and state.may_ask and state.at + 1 < len(turn.plan.stops)
+    due = state.may_ask or state.may_leave
+    ready = state.phase is Phase.STANDING and due and state.at + 1 < len(turn.plan.stops)
     return state.place.unable if ready else None
 
 

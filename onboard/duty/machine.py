@@ -37,7 +37,7 @@ from onboard.authority.stop_limit import (
 )
 from onboard.duty import fitness, on_sight
 from onboard.duty.arrival import clear_behind, confirm
-from onboard.duty.plan import Plan, Span
+from onboard.duty.plan import Plan, Span, Tag
 from onboard.duty.records import (
     ABLE,
     ASK,
@@ -51,6 +51,7 @@ from onboard.duty.records import (
     EndOfHeld,
     Event,
     Finished,
+    Found,
     Heard,
     How,
     Leave,
@@ -68,6 +69,7 @@ from onboard.duty.records import (
     Stopped,
     SwitchedOn,
     TagPassed,
+    TagReached,
     TimerDue,
     VehicleChecked,
 )
@@ -155,12 +157,27 @@ def tag_passed(turn: Turn, event: TagPassed) -> None:
     """At the arrival tag (①) gives back what it proves to be behind; at ④, or the next, throws the arrival points."""
     if event.found:
         turn.note(notes.PositionFound())
-    plan = turn.plan
-    passed = plan.tags[: event.tag + 1]
+    passed = turn.plan.tags[: event.tag + 1]
     proved = max(turn.state.proved, passed[-1].clear)
     turn.set(proved=proved)
     if passed[-1].purpose is TagPurpose.ARRIVAL:
         turn.set(freed=proved)
+    look_ahead(turn, passed)
+
+
+def tag_reached(turn: Turn, event: TagReached) -> None:
+    """Throws and asks for what lies ahead as at the tag; gives nothing back, since no fix proves that it is passed."""
+    look_ahead(turn, turn.plan.tags[: event.tag + 1])
+
+
+def found(turn: Turn, _event: Found) -> None:
+    """Another sensor, or the driver's eye, has told the position: as for one that a tag has told."""
+    turn.note(notes.PositionFound())
+
+
+def look_ahead(turn: Turn, passed: tuple[Tag, ...]) -> None:
+    """What a train that has come to the last of these tags wants of what lies ahead."""
+    plan = turn.plan
     last = max((i for i, tag in enumerate(passed) if tag.purpose is TagPurpose.APPROACH), default=None)
     if last is not None and not any(tag.purpose is TagPurpose.ARRIVAL for tag in passed[last:]):
         turn.want(plan.arrival_points(passed[last]))
@@ -374,7 +391,10 @@ def stand(turn: Turn) -> None:
         return
     if state.may_ask and state.unable is None:  # it would hold what it cannot use
         turn.ask(turn.plan.leg_at(turn.stop(state.at).span))
-    if state.may_leave and state.unable is None and way_is_free(turn):
+    perhaps_upon = turn.state.limit.why == NOT_PROVEN and state.place.perhaps > turn.state.limit.joint
+    if state.may_leave and perhaps_upon and not state.halted:
+        on_sight.give_up_position(turn)  # it would wait for points that nobody throws under it
+    elif state.may_leave and state.unable is None and way_is_free(turn):
         turn.set(phase=Phase.RUNNING)
         turn.note(notes.Departs(station=turn.stop(state.at).place))
         turn.actions.append(Order.DEPART)
@@ -417,6 +437,8 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         **dict.fromkeys(((p, AtMark) for p in AT_A_MARK), confirm),
         **dict.fromkeys(((p, NotAtMark) for p in (Phase.STANDING, Phase.FINISHED)), on_sight.not_at_mark),
         **dict.fromkeys(((p, TagPassed) for p in _ON_THE_LINE), tag_passed),
+        **dict.fromkeys(((p, TagReached) for p in _ON_THE_LINE), tag_reached),
+        **dict.fromkeys(((p, Found) for p in _ON_THE_LINE), found),
         **dict.fromkeys(((p, PositionLost) for p in on_sight.MAY_LOSE), on_sight.lose),
         **dict.fromkeys(
             ((p, PositionLost) for p in _ON_THE_LINE if p not in on_sight.MAY_LOSE), on_sight.lose_elsewhere

@@ -1,7 +1,8 @@
 """Running on sight (非常運転): a unit that was switched on again or lost its position, until all is known again.
 
 Invariant: without a position nothing is freed and nothing thrown but by the crew's eye; normal running begins again
-only when a tag has told the position and the manager what is held (4.4 (3), table 3).
+only when a tag has told the position and the manager what is held (4.4 (3), table 3); where another sensor or the
+driver's eye has told it, which do not tell tracks apart, only where that is what the manager has.
 """
 
 from __future__ import annotations
@@ -108,6 +109,9 @@ def recovered(turn: Turn) -> bool:
     """On sight: whether normal running goes on, a tag having told the position and the manager the holdings."""
     state = turn.state
     on_line = state.authority.on_line
+    if state.place.known and on_line and contradicts_register(turn):
+        give_up_position(turn)
+        return False
     if state.place.known and on_line:
         resume(turn)
         return True
@@ -120,6 +124,13 @@ def recovered(turn: Turn) -> bool:
     if state.stands_at is not None and on_line:
         turn.ask(turn.plan.leg_at(turn.stop(state.stands_at).span))
     return False
+
+
+def contradicts_register(turn: Turn) -> bool:
+    """Found by what does not tell tracks apart, it may stand where the register does not have it: on another track."""
+    place = turn.state.place
+    under = turn.plan.spans[place.clear : place.perhaps]
+    return place.untold and not all(turn.state.authority.holds(span.section_id) for span in under)
 
 
 def claim_place(turn: Turn) -> None:

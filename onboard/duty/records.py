@@ -45,7 +45,8 @@ class Place(msgspec.Struct, frozen=True):
     `here` is the span of the estimate, `reach` the first joint that lies far enough ahead to start for it. `near` is
     the stop whose mark is near (-1: none), `passed` the last one whose mark has been passed. `unfit`: what
     is wrong with the vehicle, wherever it is; empty: nothing. `unable`: at a stop, why the train could not reach the
-    next one if it left now.
+    next one if it left now. Of a train without a reader of tags: `unsure`, its bounds leave open whether it stands at
+    its mark; `untold`, it was found by what does not tell tracks apart, so that the register must have it there, too.
     """
 
     known: bool = False
@@ -62,6 +63,8 @@ class Place(msgspec.Struct, frozen=True):
     passed: int = 0
     unfit: str = ""
     unable: Unable | None = None
+    unsure: bool = False
+    untold: bool = False
 
 
 class Limit(msgspec.Struct, frozen=True):
@@ -144,9 +147,13 @@ class PointsWrong(msgspec.Struct, frozen=True, tag=True):
 
 
 class AtMark(msgspec.Struct, frozen=True, tag=True):
-    """The driver has brought the whole train to a stand at a stop, and sees so (到着確認)."""
+    """The driver has brought the whole train to a stand at a stop, and sees so (到着確認).
+
+    `beyond_m`: how far beyond the mark it stands by his eye, to the nearest ten metres.
+    """
 
     stop: int
+    beyond_m: float = 0.0
 
 
 class EndOfHeld(msgspec.Struct, frozen=True, tag=True):
@@ -163,10 +170,23 @@ class NotAtMark(msgspec.Struct, frozen=True, tag=True):
 
 
 class TagPassed(msgspec.Struct, frozen=True, tag=True):
-    """A tag was read and believed; `tag` is its index on the plan. `found`: before it the position was unknown."""
+    """A tag was read and believed; `tag` is its index on the plan. `found`: before it the position was unknown.
+
+    On a train without a reader of tags, fixes prove that its front is beyond the tag's place (仮想地上子).
+    """
 
     tag: int
     found: bool
+
+
+class TagReached(msgspec.Struct, frozen=True, tag=True):
+    """On a train without a reader of tags: by its estimate the front is at a tag's place, and nothing proves it."""
+
+    tag: int
+
+
+class Found(msgspec.Struct, frozen=True, tag=True):
+    """Another sensor than the reader of tags, or the driver's eye, has told the position, which was unknown."""
 
 
 class PositionLost(msgspec.Struct, frozen=True, tag=True):
@@ -227,7 +247,7 @@ Person = (
     | NotAtMark
     | EndOfHeld
 )
-Sensed = TagPassed | PositionLost | Started | Stopped | Looked | VehicleChecked
+Sensed = TagPassed | TagReached | Found | PositionLost | Started | Stopped | Looked | VehicleChecked
 Event = Person | Sensed | TimerDue | Heard
 
 

@@ -50,7 +50,9 @@ def command_of(plan: Plan, state: DutyState) -> Command:
 
 
 def to_confirm(plan: Plan, state: DutyState) -> bool:
-    """Whether sections are held that must be behind a train at this mark, and only the driver's eye can tell."""
+    """Whether only the driver's eye can tell where a train at a mark stands, or that what it holds is behind it."""
+    if state.phase in AT_A_MARK and state.place.unsure:
+        return True
     stands = state.phase in AT_A_MARK and state.authority.open(Ask.REPORT) is None
     return stands and bool(cleared_sections(plan, state.authority, plan.stops[state.at].clear))
 
@@ -79,6 +81,8 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
         yield "release of the emergency brake"
     if state.unable is not None:
         yield f"what takes it to {plan.stops[state.at + 1].place}: {state.unable.words}"
+    if state.phase in AT_A_MARK and state.place.unsure:
+        yield "the driver's word that it stands at its mark: its bounds leave that open"
     if to_confirm(plan, state):
         yield "the driver's confirmation that the whole train has arrived"
     if authority.open(Ask.REPORT) is not None and state.place.stands:
@@ -89,4 +93,6 @@ def _reasons(plan: Plan, state: DutyState) -> Iterator[str]:
     may_go_on = state.limit.before is None or state.limit.joint >= state.place.reach
     if state.phase is Phase.RUNNING and (may_go_on or not state.place.stands):
         yield f"its run to {plan.stops[ahead].place}"
-    yield _IDLE.get(state.phase, "nothing" if state.place.known else "a tag: its position is unknown")
+    yield _IDLE.get(
+        state.phase, "nothing" if state.place.known else "a tag or another fix: its position is unknown"
+    )

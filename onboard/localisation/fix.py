@@ -18,7 +18,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final, NamedTuple
 
-from onboard.records import UnitRow
+import numpy as np
+
+from onboard.records import EVENT_CONTRADICTED, EVENT_PLACE, UnitRow
 from vehicle.compiled import compiled
 
 # what came of a reading, as a reader of the table tells
@@ -29,6 +31,9 @@ MISSED: Final = 3  # what should have shown itself by now has not
 FOREIGN: Final = 4  # what it sees is not what the map has here
 OUTCOMES: Final = ("nothing", "taken", "refused", "missed", "foreign")  # the words for them
 
+FIX_CUT: Final = 1  # unit.fix_came
+FIX_MISSED: Final = 2
+MISSED_MAX: Final = 3  # in a row: one reading may be wrong, three say that the bounds are
 STRONGEST_WEIGHT: Final = 1.0  # of a fix that meets an estimate which says nothing
 
 
@@ -99,7 +104,12 @@ def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> flo
 @compiled
 def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
     """A fix from a reader of the table, by the rule; what came of it."""
-    return TAKEN if cut(row, position_m, behind_m, ahead_m) <= 0.0 else REFUSED
+    if not cut(row, position_m, behind_m, ahead_m) <= 0.0:
+        row.fix_came = FIX_MISSED
+        return REFUSED
+    row.fix_came = FIX_CUT
+    row.fix_low_m, row.fix_high_m = position_m - behind_m, position_m + ahead_m
+    return TAKEN
 
 
 @compiled
@@ -110,6 +120,24 @@ def trusted(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) ->
     row.position_known = 0
     cut(row, position_m, behind_m, ahead_m)
     return TAKEN
+
+
+@compiled
+def told(unit: UnitRow, reader: int) -> int:
+    """What a reading of an absolute sensor means for virtual tags; event bits."""
+    if unit.fix_came == FIX_CUT:
+        unit.missed_fixes = 0
+        unit.fix_at_m, unit.fix_odometer_m = unit.position_m, unit.odometer_m
+        unit.fix_reader = reader
+        unit.sure_m = max(unit.sure_m, unit.fix_low_m)
+        if unit.sure_m >= unit.place_trigger_m:
+            unit.place_trigger_m = np.inf
+            return EVENT_PLACE
+    elif unit.fix_came == FIX_MISSED:
+        unit.missed_fixes += 1
+        if unit.missed_fixes == MISSED_MAX:
+            return EVENT_CONTRADICTED
+    return 0
 
 
 @compiled

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol, cast
 from onboard.localisation.beacons import BeaconReading, BeaconsRow, beacons
 from onboard.localisation.curvature import curvature
 from onboard.localisation.curvature_row import CurvatureReading, CurvatureRow
-from onboard.localisation.fix import NOTHING
+from onboard.localisation.fix import NOTHING, TAKEN, told
 from onboard.localisation.gnss import GnssReading, GnssRow, gnss
 from onboard.localisation.lidar import LidarReading, LidarRow, lidar
 from onboard.localisation.sighting import SignReading, SignRow, sign
@@ -25,11 +25,16 @@ from vehicle.record import dtype_of
 
 @dataclass(frozen=True, slots=True)
 class Reader:
-    """One reader: its compiled function, the class of what its sensor shows, and that of its own row."""
+    """One reader: its compiled function, the class of what its sensor shows, and that of its own row.
+
+    `absolute`: its fixes rest on what lies beside or above the track, and on the tachometer for no more than the
+    stretch that it compares. Only these prove what lies behind (decision 037).
+    """
 
     function: Callable[..., int]
     reading: type
     row: type
+    absolute: bool = False
 
     @property
     def name(self) -> str:
@@ -39,10 +44,10 @@ class Reader:
 
 READERS: Final = (
     Reader(sign, SignReading, SignRow),
-    Reader(gnss, GnssReading, GnssRow),
-    Reader(beacons, BeaconReading, BeaconsRow),
-    Reader(curvature, CurvatureReading, CurvatureRow),
-    Reader(lidar, LidarReading, LidarRow),
+    Reader(gnss, GnssReading, GnssRow, absolute=True),
+    Reader(beacons, BeaconReading, BeaconsRow, absolute=True),
+    Reader(curvature, CurvatureReading, CurvatureRow, absolute=True),
+    Reader(lidar, LidarReading, LidarRow, absolute=True),
 )
 READER_NAMES: Final = tuple(reader.name for reader in READERS)
 
@@ -60,6 +65,7 @@ class ReadersRow(Protocol):
 
     outcome: Annotated[list[int], len(READERS), "the last that was not nothing"]
     moved_m: Annotated[list[float], len(READERS), "by which the last fix taken moved the position"]
+    taken: Annotated[list[int], len(READERS), "how many fixes were taken"]
 
     if TYPE_CHECKING:
 
@@ -79,6 +85,7 @@ def noted(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int
     """Keep what came of a reading; an event where it is another than before."""
     if outcome == NOTHING:
         return 0
+    readers.taken[number] += 1 if outcome == TAKEN else 0
     before = readers.outcome[number]
     readers.outcome[number], readers.moved_m[number] = outcome, moved_m
     return 0 if outcome == before else EVENT_FIX
@@ -86,15 +93,17 @@ def noted(readers: ReadersRow, number: int, outcome: int, moved_m: float) -> int
 
 def _read_all() -> ReadAll:
     lines = ["def read_all(readers, readings, unit, chart, step_s):", "    events = 0"]
-    for number, name in enumerate(READER_NAMES):
+    for number, (name, reader) in enumerate(zip(READER_NAMES, READERS, strict=True)):
         lines += [
-            "    before_m = unit.position_m",
+            "    before_m, unit.fix_came = unit.position_m, 0",
             f"    outcome = {name}(readers.{name}, readings.{name}, unit, chart, step_s)",
             f"    events |= noted(readers, {number}, outcome, unit.position_m - before_m)",
         ]
+        if reader.absolute:
+            lines += [f"    events |= told(unit, {number})"]
     lines += ["    return events"]
     names = {reader.name: reader.function for reader in READERS}
-    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted}, __name__))
+    return cast("ReadAll", compiled_lines(lines, {**names, "noted": noted, "told": told}, __name__))
 
 
 read_all: Final = _read_all()

@@ -116,7 +116,7 @@ class TagDoubt:
         elif row.position_known and self._parameters.tags_wrong_together:
             self._before = held(row, *bounds_of(row))
         if row.position_known:
-            since_m = max(row.position_m - self._anchor_m, 0.0)
+            since_m = max(row.position_m - self._right_at_m, 0.0)
             row.bound_ahead_m += share * since_m
             row.bound_behind_m += share * since_m
             self._doubting = True
@@ -131,14 +131,19 @@ class TagDoubt:
 
         None for a train that `standing` at a mark: its driver sees where it is.
         """
-        since_m = 0.0 if standing else max(self._row.position_m - self._anchor_m, 0.0)
+        since_m = 0.0 if standing else max(self._row.position_m - self._right_at_m, 0.0)
         return self._parameters.doubt_error_share * since_m
+
+    @property
+    def _right_at_m(self) -> float:
+        """Path coordinate where a tag, or a fix of an absolute sensor, last told the position."""
+        return max(self._anchor_m, float(self._row.fix_at_m))
 
     def release_trigger_m(self, end_m: float, length_m: float) -> float:
         """Where the safe rear (m) must be for a section that ends at `end_m` to be freed, by `release_margin_m`."""
         row, share = self._row, self._parameters.doubt_error_share
         front_m = end_m + length_m + row.bound_behind_m
-        beyond_m = max(front_m - self._anchor_m, 0.0)
+        beyond_m = max(front_m - self._right_at_m, 0.0)
         return end_m + share * beyond_m / (1.0 - share)
 
     def believes(self, tag: PathTag, odometer_m: float) -> bool:

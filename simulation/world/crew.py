@@ -35,6 +35,7 @@ SEES_TRAIN_M: Final = (
 )
 STOPS_SHORT_OF_TRAIN_M: Final = 20.0
 WATCHES_M: Final = 600.0  # nearer than this, drivers look out in every short stretch
+SAYS_TO_M: Final = 10.0  # half a coach
 SEES_MARK_BEYOND_M: Final = 2.0  # a driver on sight stops with the mark under the cab
 
 
@@ -130,15 +131,26 @@ class Crew:
         if (
             at_end and not on_sight and shown.target is not None
         ):  # the unit would go on to a mark that it has passed
-            return [AtMark(shown.target)]
+            return [self._at_mark(slot, shown.target)]
         if not on_sight:
             there = front_m >= duty.mission.targets[shown.at].mark_m - ARRIVED_ON_SIGHT_WITHIN_M
-            return [AtMark(shown.at) if there else NotAtMark()]
+            return [self._at_mark(slot, shown.at) if there else NotAtMark()]
         reached = self._mark_reached(duty.mission, shown, front_m)
         if reached is not None:
-            return [AtMark(reached)]
+            return [self._at_mark(slot, reached)]
         looked = self._look_at_points(slot, plan, duty.mission, now_s)
         return looked or self._at_end_of_held(slot, duty.mission, shown)
+
+    def _at_mark(self, slot: int, stop: int) -> AtMark:
+        return AtMark(stop, self.beyond_m(slot, stop))
+
+    def beyond_m(self, slot: int, stop: int) -> float:
+        """How far beyond a mark the front stands by the driver's eye, to the nearest `SAYS_TO_M`."""
+        duty = self._trains.duties[slot]
+        if duty is None:
+            return 0.0
+        away_m = float(self._trains.truths[slot].position_m) - duty.mission.targets[stop].mark_m
+        return SAYS_TO_M * round(away_m / SAYS_TO_M)
 
     def _at_end_of_held(self, slot: int, mission: Mission, shown: Command) -> list[Person]:
         """The span where it stands, if it cannot go on because the unit does not hold what is ahead."""

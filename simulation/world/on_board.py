@@ -17,7 +17,7 @@ from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopRecord as StopWaves
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, plan_of
-from onboard.duty.records import Begin, ChangeEnds, Command, Person, Sensed, SwitchedOn
+from onboard.duty.records import AtMark, Begin, ChangeEnds, Command, Person, Sensed, SwitchedOn
 from onboard.motion import Motion, PathData
 from onboard.notes import Note
 from onboard.unit import Answer, Report
@@ -91,7 +91,8 @@ class OnBoard:
         if self.charging is not None:
             motion.charge = self.charging.watch_of(slot)
             self.charging.now(slot, own_s)
-        report = Report(motion.place(), tuple(happened))
+        by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
+        report = Report(motion.place(), (*happened, *by_eye))
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
         laid = motion.taken_plan()
@@ -155,8 +156,13 @@ class OnBoard:
         self._motions[slot].load_share = before.load_share
         self._motions[slot].vehicle = before.vehicle
 
-    def switch_on(self, slot: int, duty: Duty, stands_at: int | None) -> list[Person]:
-        """After a boot on the line the crew enters the train number and, if it stands at one, the stop."""
+    def switch_on(
+        self, slot: int, duty: Duty, stands_at: int | None, beyond_m: float = 0.0
+    ) -> list[Person | Sensed]:
+        """After a boot on the line the crew enters the train number and, if it stands at one, the stop.
+
+        It says how far beyond the mark by its eye, which a unit without a reader of tags takes for a fix.
+        """
         sensed = self._trains.stock["sensed"][slot]
         self._motions[slot].switch_on(
             duty.mission,
@@ -164,7 +170,8 @@ class OnBoard:
             float(self._trains.tachometers[slot].odometer_m),
             float(sensed["speed_mps"]),
         )
-        return [SwitchedOn(self._plan(slot, duty.mission), stands_at)]
+        by_eye = [] if stands_at is None else self._motions[slot].at_mark(AtMark(stands_at, beyond_m))
+        return [SwitchedOn(self._plan(slot, duty.mission), stands_at), *by_eye]
 
     # what the driver sees -----------------------------------------------------------------------------------------
 

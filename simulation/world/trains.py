@@ -18,7 +18,7 @@ from onboard.driving.laws.table import LAW_NAMES, LawsRow
 from onboard.driving.stopping import WaveRow
 from onboard.driving.tasc import DesignRow, TascRow
 from onboard.localisation.curvature_map import Mounting
-from onboard.localisation.table import ReadersRow
+from onboard.localisation.table import READER_NAMES, ReadersRow
 from onboard.records import BehaviourRow, UnitRow
 from radio.chance import generator
 from simulation.carriers.carrier import Carrier, Truth
@@ -49,6 +49,7 @@ SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}  # of SUMO's edges
 LEAD_BOGIE_M: Final = 3.1  # assumed: of a car of 20 m with its bogies 13.8 m apart, as most of JR's are
 BOGIE_BASE_M: Final = 13.8
 MOUNTING: Final = Mounting(LEAD_BOGIE_M, BOGIE_BASE_M)
+HELD_SHARE: Final = 0.2  # of the standing brake, built up: a train with less has let go of it
 END_OF_TRACK_M = 0.01  # this near the end of the last piece, a train has run off it
 
 
@@ -278,6 +279,29 @@ class Trains:
         self.carrier.remove(self.stock_ids[slot])
         self.truths[slot].active = 0
         self.paths[slot] = None
+        if not self._is_braked(slot):
+            self._shut_off(slot)
+
+    def _is_braked(self, slot: int) -> bool:
+        """Whether a train stands with its brakes applied, or has let go of them to start."""
+        plant = self.plants[slot]
+        if plant.speed_mps > 0.0:
+            return False
+        built_mps2 = max(plant.service_deceleration_mps2, plant.emergency_deceleration_mps2)
+        return bool(built_mps2 > HELD_SHARE * self._standing_mps2(slot))
+
+    def _standing_mps2(self, slot: int) -> float:
+        notch = int(self.behaviours[slot].standing_brake_notch)
+        return float(self.bodies[slot].brake_deceleration_mps2[notch])
+
+    def _shut_off(self, slot: int) -> None:
+        """Its driver leaves it braked, whatever it was about to do: so it stands when it comes back."""
+        plant = self.plants[slot]
+        notch = float(self.behaviours[slot].standing_brake_notch)
+        self.stock["plant"]["command_notch"][slot] = -notch
+        plant.traction_built_n = plant.traction_force_n = 0.0
+        plant.service_deceleration_mps2 = self._standing_mps2(slot)
+        plant.speed_mps = plant.acceleration_mps2 = plant.wheel_speed_mps = plant.last_wheel_speed_mps = 0.0
 
     def _enter_path(self, slot: int, duty: Duty, position_m: float) -> None:
         self.duties[slot] = duty
@@ -396,6 +420,13 @@ class Trains:
         if self.setup.sensors.tags == "bits" and says_id is not None:
             says_id = self._read_bits(slot, says_id)
         return tag_id, says_id, float(self.tag_readers[slot].latched_m)
+
+    def fixes(self) -> dict[str, dict[str, int]]:
+        """How many fixes each reader has taken, by stock id and its name."""
+        return {
+            stock_id: {name: int(readers.taken[number]) for number, name in enumerate(READER_NAMES)}
+            for stock_id, readers in zip(self.stock_ids, self.readers, strict=True)
+        }
 
     def reads_tags(self, slot: int) -> bool:
         """Whether the stock carries a reader of tags."""

@@ -20,9 +20,11 @@ from onboard.driving.stopping import LIMIT_MARGIN_M
 from onboard.duty.mission import Mission, SectionSpan, Target
 from onboard.duty.plan import Plan, plan_of
 from onboard.motion import ARRIVED_WITHIN_M
+from simulation.settings import Carried
 from simulation.setup import Setup
 from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.finding import Finding, Kind, Severity, minute
+from study.feasibility.fixes import Fixed, fixes_on
 from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
 
 RESERVE_M: Final = 1.0  # what supervision keeps beyond that
@@ -46,6 +48,7 @@ class _Way:
     plan: Plan
     since_m: float
     measured: bool
+    fixes: tuple[Fixed, ...] = ()
     mended_m: list[float] = field(default_factory=list[float])
 
     @property
@@ -58,8 +61,19 @@ class _Way:
 
     def bound_m(self, at_m: float) -> float:
         """How far ahead the front may be of where the unit believes it at `at_m`."""
-        unit = self.setup.unit
-        return unit.tag_accuracy_m + unit.wheel_error_share * max(self.run_since_tag_m(at_m), 0.0)
+        share = self.setup.unit.wheel_error_share
+        return min(fix.within_m + share * max(at_m - fix.at_m, 0.0) for fix in self.known_m(at_m))
+
+    def known_m(self, at_m: float) -> list[Fixed]:
+        """What has told the train where it is by then: at least where it last knew before this mission."""
+        start_m, accuracy_m = self.mission.targets[0].mark_m, self.setup.unit.tag_accuracy_m
+        told = [*self.fixes, *(Fixed(mended_m, accuracy_m) for mended_m in self.mended_m)]
+        known = [fix for fix in told if start_m <= fix.at_m <= at_m]
+        return known or [Fixed(start_m - self.since_m, accuracy_m)]
+
+    @property
+    def reads_tags(self) -> bool:
+        return Carried.TAGS in self.setup.sensors.carried_by(self.train.stock_id)
 
     def off_m(self, at_m: float) -> float:
         """How far the front may truly be from where the unit believes it at `at_m`, by its wheels' wear: two sigma.
@@ -72,28 +86,25 @@ class _Way:
     def measured_by(self, at_m: float) -> bool:
         """Whether tags have measured the wheels before the train is at a place."""
         start_m = self.mission.targets[0].mark_m
-        read_m = [tag.position_m for tag in self.mission.tags if start_m <= tag.position_m <= at_m]
+        read_m = [fix.at_m for fix in self.fixes if start_m <= fix.at_m <= at_m]
         return self.measured or (len(read_m) > 1 and read_m[-1] - read_m[0] >= MEASURED_OVER_M)
 
     def run_since_tag_m(self, at_m: float) -> float:
-        """How far the train has run at a place since it last knew where it was."""
-        start_m = self.mission.targets[0].mark_m
-        tags = [tag.position_m for tag in self.mission.tags]
-        known = [tag_m for tag_m in (*tags, *self.mended_m) if start_m <= tag_m <= at_m]
-        return at_m - max(known) if known else self.since_m + at_m - start_m
+        """How far the train has run at a place since something last told it where it is."""
+        return at_m - max(fix.at_m for fix in self.known_m(at_m))
 
     def stops_before_m(self, limit_m: float) -> float:
-        """Where the front stops before a limit: a tag that lies beyond that is not read any more."""
-        unit = self.setup.unit
-        start_m = self.mission.targets[0].mark_m
-        known = sorted({*(tag.position_m for tag in self.mission.tags), *self.mended_m})
-        fixes_m = [start_m - self.since_m, *(at_m for at_m in known if start_m <= at_m < limit_m)]
-        share, room_m = unit.wheel_error_share, BEFORE_LIMIT_M + unit.tag_accuracy_m
+        """Where the front stops before a limit: what would tell it more beyond that is not come to any more."""
+        start_m, accuracy_m = self.mission.targets[0].mark_m, self.setup.unit.tag_accuracy_m
+        mended = (Fixed(at_m, accuracy_m) for at_m in self.mended_m)
+        ahead = sorted(fix for fix in {*self.fixes, *mended} if start_m <= fix.at_m < limit_m)
+        share = self.setup.unit.wheel_error_share
         stops_m = -math.inf
-        for index, fix_m in enumerate(fixes_m):
-            if index and fix_m > stops_m:
+        for index, fix in enumerate([Fixed(start_m - self.since_m, accuracy_m), *ahead]):
+            if index and fix.at_m > stops_m:
                 break
-            stops_m = (limit_m - room_m + share * fix_m) / (1.0 + share)
+            room_m = BEFORE_LIMIT_M + fix.within_m
+            stops_m = max(stops_m, (limit_m - room_m + share * fix.at_m) / (1.0 + share))
         return max(stops_m, start_m)
 
     def covered(self, from_m: float, to_m: float) -> bool:
@@ -135,7 +146,8 @@ def equipment_of(setup: Setup, day: PlannedDay) -> list[Finding]:
         for train in trains:
             length_m = float(setup.trains[train.stock_id].row[0]["length_m"])
             plan = plan_of(train.duty.mission, length_m)
-            way = _Way(setup, day.line, train, plan, 0.0 if train.duty.enters else since_m, measured)
+            fixes = fixes_on(setup, train.stock_id, train.duty.mission)
+            way = _Way(setup, day.line, train, plan, 0.0 if train.duty.enters else since_m, measured, fixes)
             found += _position(way)
             found += _radio(way)
             end_m = way.mission.targets[-1].mark_m
@@ -191,6 +203,9 @@ def _mark(way: _Way, target: Target) -> Iterator[Finding]:
     spare_m = CALLS_SHORT_M if _by_eye(way, target) else max(CALLS_SHORT_M, _spare_m(way, target))
     if not lost and short_m <= max(CALLS_SHORT_M, _spare_m(way, target)) and off_m <= spare_m:
         return
+    if not way.reads_tags:
+        yield _to_be_brought(way, target, max(short_m, off_m), bound_m)
+        return
     stand, (_, name) = way.stand_at(target), way.place(target)
     misses = f"{short_m:.0f} m short of" if short_m > off_m else f"perhaps {off_m:.0f} m off"
     text = (
@@ -202,6 +217,19 @@ def _mark(way: _Way, target: Target) -> Iterator[Finding]:
     remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
     way.mended_m.append(target.mark_m)
     yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+
+
+def _to_be_brought(way: _Way, target: Target, misses_m: float, bound_m: float) -> Finding:
+    """A stop that a train without a reader of tags makes on sight: its driver says where it stands."""
+    stand, (_, name) = way.stand_at(target), way.place(target)
+    carried = ", ".join(sorted(way.setup.sensors.carried_by(way.train.stock_id)))
+    text = (
+        f"{way.train.number} knows where it is within {bound_m:.0f} m, by {carried}, as it comes to {name} at"
+        f" {minute(stand.arrives_s)}: its driver would have to bring it to its mark on sight, from {misses_m:.0f} m off"
+    )
+    remedy = f"something that tells it where it is nearer to the mark ({way.km(target.mark_m)})"
+    way.mended_m.append(target.mark_m)
+    return way.finding(Kind.TAG, Severity.TIGHT, stand, (text, remedy))
 
 
 def _by_eye(way: _Way, target: Target) -> bool:

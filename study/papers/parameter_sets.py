@@ -70,6 +70,7 @@ LINE: Final = ParameterSet(
         "position-fusion",
         "oda-tuning",
         "position-compare",
+        "position-operations",
         "stop-statistics",
         "stop-window",
         "sugiyama-table5",

@@ -21,6 +21,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "line-stops": "study.papers.line_stops",
     "mochizuki-patterns": "study.papers.mochizuki_patterns",
     "mochizuki-speed": "study.papers.mochizuki_speed",
+    "position-operations": "study.papers.position_operations",
     "oda-scale-track": "study.papers.oda_scale_track",
     "oda-table4": "study.papers.oda_table4",
     "oda-tuning": "study.papers.oda_tuning",

@@ -15,7 +15,7 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
-from study.plot import battery, days, energy, laws, stations
+from study.plot import battery, days, energy, laws, position, stations
 from study.plot.choice import Seen
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
@@ -188,6 +188,15 @@ _KINDS: Final = (
         laws.hops_table,
         laws.draw_laws,
         _TRAIN | _STATION | {Chosen.RUNS},
+        _TRAIN,
+    ),
+    Kind(
+        "position",
+        "Where it believed to be: error and bounds",
+        "位置の誤差と範囲",
+        position.position_table,
+        position.draw_position,
+        _TRAIN,
         _TRAIN,
     ),
     Kind(

@@ -52,6 +52,7 @@ from study.run.directory import (
 )
 from study.run.driving import driving_table
 from study.run.energy import Make
+from study.run.localisation import localisation_summary
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.shown import shown_of
 from study.run.summary import summarise
@@ -180,6 +181,7 @@ def execute(
         "motion_digest": result.motion_digest,
         **summarise(tables, setup.timetable),
         "battery": battery_summary(tables.battery, setup),
+        "localisation": localisation_summary(tables, result.fixes),
         "empty_workings_planned": len(result.empty_planned),
         "empty_workings_arrived": len(result.empty_arrived),
         "invariants_broken": len(result.violations),

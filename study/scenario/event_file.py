@@ -18,6 +18,7 @@ from network.files.raw import is_list
 from network.files.toml_input import one_of
 from onboard import notes
 from onboard.driving.tasc import Verdict
+from onboard.fixes import EYE
 from onboard.localisation.fix import OUTCOMES
 from onboard.localisation.table import READER_NAMES
 from radio.envelope import DropReason
@@ -78,7 +79,9 @@ _WORDS: Final[Mapping[tuple[EventType, str], tuple[object, ...]]] = {
     (notes.Intervention, "level"): (0, 1, 2),
     (notes.StopImpossible, "why"): _VERDICTS,
     (notes.FixRefused, "reader"): READER_NAMES,
-    (notes.FixTaken, "reader"): READER_NAMES,
+    (notes.FixTaken, "reader"): (*READER_NAMES, EYE),
+    (notes.PlacePassed, "reader"): (*READER_NAMES, EYE),
+    (notes.FoundElsewhere, "reader"): (*READER_NAMES, EYE),
     (notes.FixTaken, "after"): OUTCOMES,
     (notes.ForeignTrack, "reader"): READER_NAMES,
     (notes.FixMissed, "reader"): READER_NAMES,

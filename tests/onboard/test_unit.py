@@ -288,7 +288,7 @@ def test_a_missed_tag_stops_the_train_and_it_goes_on_on_sight(lost: Bench) -> No
     assert row.intervention == NO_INTERVENTION
     assert row.mode == MODE_DRIVE
     assert row.restricted_mps == pytest.approx(15.0 / 3.6)
-    assert lost.waits_for == "a tag: its position is unknown"
+    assert lost.waits_for == "a tag or another fix: its position is unknown"
 
 
 def test_the_next_tag_ends_it_and_the_block_picture_is_unchanged(lost: Bench) -> None:

@@ -21,7 +21,9 @@ from onboard.authority.tables import Result, Standing
 from onboard.duty import fitness
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, Sensed
+from onboard.fixes import Fixes
 from onboard.localisation.fix import Fix, Refused, Taken, take
+from onboard.localisation.places import Places
 from onboard.localisation.tags import TagDoubt
 from onboard.motion import Motion, PathData
 from onboard.records import UnitRow
@@ -161,6 +163,14 @@ def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 
+def has_no_virtual_tags(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Places, "proved", lambda _self: iter(()))
+
+
+def believes_no_fix_after_a_restart(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Fixes, "_may_be_here", lambda *_, **__: False)
+
+
 # what it checks lies in compiled code that no test can patch: that slides widen the bounds (tests/onboard)
 NOT_YET: Final = frozenset({"27_slippery_rail"})
 
@@ -246,6 +256,19 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "55_unit_dead_for_good": ("leaves_the_line_unswept", "T2 runs through on sight"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
         "57_motors_on_a_gradient": (leaves_whatever_lies_ahead, "it does not leave"),
+        "70_no_fix_before_the_mark": (
+            "releases_by_the_odometer",
+            "nothing is given back before the driver has spoken",
+        ),
+        "71_fix_beyond_the_arrival_tag": (
+            has_no_virtual_tags,
+            "what lies behind is given back before it stands",
+        ),
+        "72_jammed_at_the_terminus": (
+            "releases_by_the_odometer",
+            "nothing is given back before the driver has spoken",
+        ),
+        "73_restart_without_tags": (believes_no_fix_after_a_restart, "a fix tells the position"),
     }
 )
 

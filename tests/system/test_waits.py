@@ -59,7 +59,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"the block manager's confirmation": (Cause.ANSWER, *BEFORE_ITS_TIME),
     r"the end of the hold on its route": (Cause.SET_BACK, Cause.RUNS),
     r"its run to ": (*ON_LINE_UNIT, Cause.EMERGENCY),
-    r"a tag: its position is unknown": (*ON_SIGHT, *BEFORE_ITS_TIME, Cause.EMERGENCY),
+    r"a tag or another fix: its position is unknown": (*ON_SIGHT, *BEFORE_ITS_TIME, Cause.EMERGENCY),
     r"the track ahead: ": (*ON_SIGHT, Cause.ANSWER),
     r"its unit to be switched on": (Cause.UNIT_OFF,),
     r"its unit, which is frozen": (Cause.UNIT_FROZEN,),

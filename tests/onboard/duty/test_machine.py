@@ -23,6 +23,7 @@ from onboard.duty.records import (
     TimerDue,
 )
 from onboard.duty.shown import command_of, waits_for
+from tests.onboard.duty.rows_fixes import FIXES
 from tests.onboard.duty.rows_people import PEOPLE
 from tests.onboard.duty.rows_sensed import SENSED
 from tests.onboard.duty.rows_told import TOLD
@@ -53,7 +54,7 @@ from tests.onboard.duty.stage import (
     sent,
 )
 
-CASES: Final = PEOPLE | SENSED | TOLD | VEHICLE
+CASES: Final = PEOPLE | SENSED | FIXES | TOLD | VEHICLE
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -156,6 +157,13 @@ def test_the_driver_is_asked_at_a_mark_where_something_behind_is_still_held(at: 
     assert not command_of(PLAN, replace(holding, authority=HOLDS_8)).confirm
 
 
+@pytest.mark.parametrize("at", Phase)
+def test_the_driver_is_asked_where_the_bounds_leave_open_whether_it_is_at_its_mark(at: Phase) -> None:
+    state = STATES[at]
+    asked = at in (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
+    assert command_of(PLAN, replace(state, place=moved(state.place, unsure=True))).confirm is asked
+
+
 def test_what_must_be_swept_is_shown() -> None:
     assert command_of(PLAN, replace(RUNNING, sweeps=True)).sweeps
 
@@ -168,7 +176,7 @@ def test_what_must_be_swept_is_shown() -> None:
         (STANDING, "departure time"),
         (RUNNING, "its run to B"),
         (replace(RUNNING, place=moved(RUNNING.place, stands=True, reach=4)), "nothing"),
-        (ON_SIGHT, "a tag: its position is unknown"),
+        (ON_SIGHT, "a tag or another fix: its position is unknown"),
         (replace(ON_SIGHT, place=moved(LOST, emergency=True)), "release of the emergency brake"),
         (
             replace(ON_SIGHT, place=moved(LOST, emergency=True, unfit="brake not in order")),
@@ -199,6 +207,10 @@ def test_what_must_be_swept_is_shown() -> None:
         (
             replace(FINISHED, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
             "the block manager's confirmation of what is held",
+        ),
+        (
+            replace(FINISHED, place=moved(FINISHED.place, unsure=True)),
+            "the driver's word that it stands at its mark: its bounds leave that open",
         ),
     ],
 )

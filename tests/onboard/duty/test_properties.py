@@ -167,6 +167,8 @@ def waits_for_nothing(run: Run) -> bool:
         return False  # the crew's turn
     if state.authority.requests or state.authority.commands or timers_named(run):
         return False
+    if command_of(PLANS[run.plan], state).confirm:
+        return False  # the driver is asked, and looks again and again
     looks = state.phase is Phase.ON_SIGHT and not run.known  # its crew looks, and drives on or calls for help
     return not (run.moves or may_start(run) or (looks and command_of(PLANS[run.plan], state).drive))
 

@@ -205,9 +205,10 @@ def test_points_of_a_section_not_held_or_too_far_off_are_not_looked_at(mission: 
 
 
 def test_a_train_brought_to_the_mark_has_reached_it(mission: Mission) -> None:
-    for beyond_m in (-5.0, 1.0, 25.0):  # no train sets back: overrun on its track it has arrived all the same
+    # No train sets back: overrun on its track it has arrived all the same, and says by how much to ten metres.
+    for beyond_m, says_m in ((-5.0, 0.0), (1.0, 0.0), (24.0, 20.0)):
         cab = Cab(mission, mission.targets[-1].mark_m + beyond_m, "8")
-        assert cab.crew.stand(0, 10.0) == [AtMark(len(mission.targets) - 1)]
+        assert cab.crew.stand(0, 10.0) == [AtMark(len(mission.targets) - 1, says_m)]
     short = Cab(mission, mission.targets[-1].mark_m - 20.0, "8")
     assert short.crew.stand(0, 10.0) == []
 

@@ -1,0 +1,80 @@
+"""Where units get to know where they are, by what their train carries: each place with the half-width that it leaves.
+
+What runs show is simplified to places: a tag or a beacon with a number at its own; satellites wherever the sky is
+open, by the protection level; curvature at the end of each transition curve; for trains that read no tags the driver's
+eye at each stop. Nothing here is simulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from network.path import Path
+from network.profile import OPEN_SKY, profile_of
+from onboard.duty.mission import Mission
+from onboard.fixes import EYE_WITHIN_M
+from simulation.settings import Carried
+from simulation.setup import Setup
+
+SKY_EVERY_M: Final = 50.0  # a receiver has one a second
+CURVATURE_WITHIN_M: Final = 4.0  # assumed: what runs show behind a curve
+TRANSITION_PER_M2: Final = 1.0e-5  # curvature that changes faster than this can be told from another place's
+TRANSITION_LEAST_M: Final = 25.0  # Harada and others, 3.4: of transition curve in what is compared
+
+
+class Fixed(NamedTuple):
+    """From here on a train knows where it is, within so much either way, m; before the bounds grow again."""
+
+    at_m: float
+    within_m: float
+
+
+def fixes_on(setup: Setup, stock_id: str, mission: Mission) -> tuple[Fixed, ...]:
+    """All of a mission's path (m along it), in their order."""
+    carried, path = setup.sensors.carried_by(stock_id), mission.path
+    found: list[Fixed] = []
+    if Carried.TAGS in carried:
+        found += [Fixed(tag.position_m, setup.unit.tag_accuracy_m) for tag in mission.tags]
+    else:
+        found += [Fixed(target.mark_m, EYE_WITHIN_M) for target in mission.targets]
+    if Carried.BEACONS in carried:
+        found += _beacons(setup, path)
+    if Carried.GNSS in carried:
+        found += _satellites(setup, path)
+    if Carried.CURVATURE in carried:
+        found += [Fixed(at_m, CURVATURE_WITHIN_M) for at_m in _transitions(setup, path)]
+    return tuple(sorted(found))
+
+
+def _beacons(setup: Setup, path: Path) -> Iterator[Fixed]:
+    for beacon in setup.believed_line.beacons.values():
+        if (
+            beacon.tells_id
+            and beacon.used
+            and beacon.piece_id in path
+            and path.direction in beacon.directions
+        ):
+            at_m = path.to_path_m(beacon.piece_id, beacon.position_m)
+            yield Fixed(at_m, setup.unit.tag_accuracy_m)
+
+
+def _satellites(setup: Setup, path: Path) -> Iterator[Fixed]:
+    sky = profile_of(setup.line, path)["sky"]
+    within_m = setup.gnss.receiver.protection_m
+    for at_m in np.arange(0.0, path.length_m, SKY_EVERY_M):
+        if sky[int(at_m)] >= OPEN_SKY:
+            yield Fixed(float(at_m), within_m)
+
+
+def _transitions(setup: Setup, path: Path) -> Iterator[float]:
+    """Where a transition curve that is long enough ends."""
+    heading = profile_of(setup.believed_line, path)["heading_rad"]
+    changes = np.abs(np.diff(heading, 2)) > TRANSITION_PER_M2
+    run_m = 0
+    for at, change in enumerate([*changes.tolist(), False]):
+        if not change and run_m >= TRANSITION_LEAST_M:
+            yield float(at + 1)
+        run_m = run_m + 1 if change else 0

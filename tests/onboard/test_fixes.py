@@ -1,0 +1,295 @@
+"""Trains without a reader of tags: virtual tags, the driver's eye, a position found anew, by the driving part alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from network.model import Line, TagPurpose
+from onboard import notes
+from onboard.driving.stop_keeper import StopKeeper
+from onboard.duty.mission import Mission
+from onboard.duty.records import (
+    AtMark,
+    Command,
+    Found,
+    Limit,
+    Looked,
+    PositionLost,
+    TagPassed,
+    TagReached,
+)
+from onboard.fixes import EYE_WITHIN_M
+from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, taken, told
+from onboard.motion import Motion, PathData
+from onboard.records import (
+    EVENT_CONTRADICTED,
+    EVENT_FOUND,
+    EVENT_PLACE,
+    EVENT_POSITION,
+    BehaviourRow,
+    UnitRow,
+)
+from onboard.unit_records import UnitParameters
+from vehicle.records import TrainRow
+
+Rows = NDArray[np.void]
+MARK_B_M: Final = 660.0
+RUN: Final = Command(
+    drive=True,
+    target=1,
+    limit=Limit(5, None, "end of the path"),
+    on_line=True,
+    held=("3", "5", "6", "7", "8"),
+)
+# Tags 301 to 803 of the mission lie here; 602 is the approach tag, 801 the arrival tag.
+APPROACH, ARRIVAL = 4, 7
+
+
+@pytest.fixture
+def motion(
+    rtri: Line,
+    mission: Mission,
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    keeper: Callable[[], StopKeeper],
+    track: Callable[..., Rows],
+) -> Motion:
+    """At the mark of section 3, without a reader of tags."""
+    motion = Motion(rtri, UnitParameters(), unit, train, behaviour, keeper())
+    motion.reads_tags = False
+    path = PathData(track(np.zeros(math.ceil(mission.path.length_m) + 1)), 0)
+    motion.stand_at_start(mission, path, 0.0)
+    motion.obey(RUN, 0.0)
+    return motion
+
+
+def fix(motion: Motion, low_m: float, high_m: float) -> int:
+    """A fix of an absolute sensor, as the compiled tick takes it; event bits."""
+    row, half_m = motion.row, (high_m - low_m) / 2.0
+    known, row.fix_came = row.position_known, 0
+    taken(motion._record, low_m + half_m, half_m, half_m)
+    found = EVENT_FOUND if not known and row.position_known else 0
+    return int(told(motion._record, 0)) | found
+
+
+def run_to(motion: Motion, position_m: float, bound_m: float) -> None:
+    row = motion.row
+    row.odometer_m += position_m - row.position_m
+    row.position_m = position_m
+    row.bound_ahead_m = row.bound_behind_m = bound_m
+
+
+# virtual tags -----------------------------------------------------------------------------------------------------
+
+
+def test_a_place_is_passed_once_the_whole_fix_lies_beyond_it(motion: Motion, mission: Mission) -> None:
+    tag_m = mission.tags[ARRIVAL].position_m
+    run_to(motion, tag_m + 1.0, 40.0)
+    motion.events(fix(motion, tag_m - 2.0, tag_m + 4.0))  # all the others lie behind it
+    before = fix(motion, tag_m - 1.0, tag_m + 4.0)
+    assert before & EVENT_PLACE == 0
+    assert motion.events(before) == []
+    assert motion.events(fix(motion, tag_m, tag_m + 4.0)) == [TagPassed(ARRIVAL, found=False)]
+    assert motion.taken_notes()[-1] == notes.PlacePassed(
+        tag_id=mission.tags[ARRIVAL].tag_id, purpose=TagPurpose.ARRIVAL, reader="sign"
+    )
+
+
+def test_the_next_fix_counts_for_the_places_before_it(motion: Motion) -> None:
+    run_to(motion, 640.0, 20.0)
+    passed = motion.events(fix(motion, 635.0, 645.0))
+    assert passed == [TagPassed(index, found=False) for index in range(3, ARRIVAL + 1)]
+
+
+def test_bounds_by_the_tachometer_prove_nothing(motion: Motion) -> None:
+    run_to(motion, 680.0, 1.0)
+    assert motion.events(EVENT_POSITION | EVENT_PLACE) == [
+        TagReached(APPROACH),
+        TagReached(5),
+        TagReached(6),
+        TagReached(8),
+        Looked(),
+    ]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@given(fixes=st.lists(st.tuples(st.floats(0.0, 650.0), st.floats(0.0, 60.0)), min_size=1, max_size=6))
+def test_no_place_is_passed_before_a_fix_proves_it(
+    motion: Motion, mission: Mission, fixes: list[tuple[float, float]]
+) -> None:
+    """Whatever the tachometer shows, and however wide the fixes are."""
+    motion._fixes._places.take_up(mission.tags)
+    proved, lows = set[int](), [-math.inf]
+    for low_m, width_m in fixes:
+        run_to(motion, 690.0, 690.0)
+        lows.append(low_m)
+        for event in motion.events(fix(motion, low_m, low_m + width_m)):
+            assert isinstance(event, TagPassed)
+            proved.add(event.tag)
+    for index in proved:
+        assert mission.tags[index].position_m <= max(lows)
+
+
+def test_who_reads_tags_has_no_virtual_ones(motion: Motion, mission: Mission) -> None:
+    motion._fixes.take_up(mission, virtual=False)
+    run_to(motion, 640.0, 20.0)
+    assert motion.events(fix(motion, 635.0, 645.0)) == []
+    assert motion.row.place_trigger_m == math.inf
+
+
+def test_what_asks_for_something_ahead_goes_by_the_estimate(motion: Motion, mission: Mission) -> None:
+    assert motion.row.position_trigger_m == mission.tags[APPROACH].position_m
+    run_to(motion, mission.tags[APPROACH].position_m, 30.0)
+    assert TagReached(APPROACH) in motion.events(EVENT_POSITION)
+    motion.obey(RUN, 1.0)
+    assert motion.row.position_trigger_m == mission.tags[APPROACH + 1].position_m
+
+
+# bounds that are wrong ----------------------------------------------------------------------------------------------
+
+
+def test_fixes_that_miss_the_bounds_one_after_the_other_give_the_position_up(motion: Motion) -> None:
+    run_to(motion, 300.0, 5.0)
+    bits = [fix(motion, 400.0, 410.0) for _ in range(MISSED_MAX + 1)]
+    assert bits == [0, 0, EVENT_CONTRADICTED, 0]
+    assert motion.events(EVENT_CONTRADICTED) == [PositionLost()]
+    assert motion.row.position_known == 0
+
+
+def test_one_that_fits_between_them_forgives(motion: Motion) -> None:
+    run_to(motion, 300.0, 5.0)
+    for _ in range(3):
+        assert fix(motion, 400.0, 410.0) == fix(motion, 400.0, 410.0) == 0
+        fix(motion, 290.0, 310.0)
+
+
+# found anew ---------------------------------------------------
+
+
+def lose(motion: Motion) -> None:
+    motion._lose("a test")
+    motion.taken_notes()
+
+
+def test_a_fix_finds_a_position_where_the_unit_holds_all_it_may_stand_in(motion: Motion) -> None:
+    lose(motion)
+    assert motion.events(fix(motion, 300.0, 310.0)) == [Found(), TagPassed(3, found=False)]
+    assert motion.row.position_known == 1
+    assert motion.place().untold
+
+
+@pytest.mark.parametrize("held", [(), ("3", "5"), ("6", "7")])
+def test_and_nowhere_else(motion: Motion, held: tuple[str, ...]) -> None:
+    """Its rear may be on 5, its front on 6: holding one of them, it may be on another track."""
+    lose(motion)
+    motion.command = msgspec.structs.replace(RUN, held=held)
+    assert motion.events(fix(motion, 180.0, 200.0)) == []
+    assert motion.row.position_known == 0
+    assert motion.taken_notes() == [notes.FoundElsewhere(reader="sign")]
+    assert motion.events(fix(motion, 180.0, 200.0)) == []
+    assert motion.taken_notes() == []  # said once
+
+
+@pytest.mark.parametrize(
+    ("low_m", "believed"), [(400.0, True), (210.1, True), (200.0, False), (515.0, False)]
+)
+def test_before_the_manager_answers_only_on_open_line(motion: Motion, low_m: float, believed: bool) -> None:
+    """Section 6, from 170 to 520 m, has no other track beside it; the train is 40 m long."""
+    lose(motion)
+    motion.command = Command()
+    assert bool(motion.events(fix(motion, low_m, low_m + 10.0))) is believed
+    assert bool(motion.row.position_known) is believed
+
+
+# the driver's eye ---------------------------------------------------
+
+
+def test_the_drivers_eye_is_a_fix(motion: Motion, mission: Mission) -> None:
+    run_to(motion, MARK_B_M - 3.0, 30.0)
+    assert motion.place().unsure
+    passed = motion.at_mark(AtMark(1))
+    assert passed == [TagPassed(i, found=False) for i in range(3, ARRIVAL + 2)]
+    row = motion.row
+    assert row.position_m - row.bound_behind_m == pytest.approx(MARK_B_M - EYE_WITHIN_M)
+    assert row.position_m + row.bound_ahead_m == pytest.approx(MARK_B_M + EYE_WITHIN_M)
+    assert not motion.place().unsure
+
+
+def test_it_outranks_bounds_that_it_contradicts(motion: Motion) -> None:
+    run_to(motion, MARK_B_M, 1.0)
+    motion.at_mark(AtMark(1, beyond_m=20.0))
+    row = motion.row
+    assert row.position_m == pytest.approx(MARK_B_M + 20.0)
+    assert row.bound_ahead_m == pytest.approx(EYE_WITHIN_M)
+
+
+def test_it_finds_a_position(motion: Motion) -> None:
+    lose(motion)
+    assert motion.at_mark(AtMark(1))[0] == Found()
+    assert motion.row.position_known == 1
+
+
+def test_but_not_on_a_track_that_the_register_does_not_have(motion: Motion) -> None:
+    lose(motion)
+    motion.command = msgspec.structs.replace(RUN, held=("3",))
+    assert motion.at_mark(AtMark(1)) == []
+    assert motion.row.position_known == 0
+
+
+def test_who_reads_tags_does_not_go_by_it(motion: Motion, mission: Mission) -> None:
+    motion._fixes.take_up(mission, virtual=False)
+    run_to(motion, MARK_B_M - 3.0, 30.0)
+    assert motion.at_mark(AtMark(1)) == []
+    assert motion.row.bound_ahead_m == 30.0
+    assert not motion.place().unsure
+
+
+# the tachometer, by fixes ---------------------------------------------------
+
+
+def stretched(motion: Motion, factor: float) -> None:
+    """Two fixes 400 m apart, the tachometer having shown `factor` times that."""
+    row = motion.row
+    motion.events(fix(motion, 99.9, 100.1) | EVENT_PLACE)
+    row.odometer_m += 400.0 * factor
+    row.position_m, row.bound_ahead_m, row.bound_behind_m = 500.0, 80.0, 80.0
+    motion.events(fix(motion, 499.9, 500.1) | EVENT_PLACE)
+
+
+def test_two_fixes_measure_the_wheels(motion: Motion) -> None:
+    run_to(motion, 100.0, 1.0)
+    stretched(motion, 1.01)
+    assert motion.row.odometer_scale == pytest.approx(1.0 / 1.01, abs=0.006)
+
+
+@pytest.mark.parametrize(("factor", "sound"), [(1.005, True), (1.1, False)])
+def test_they_end_the_doubt_about_it_where_it_agrees(motion: Motion, factor: float, sound: bool) -> None:
+    run_to(motion, 100.0, 1.0)
+    motion.row.bound_growth = 0.2
+    stretched(motion, factor)
+    assert (motion.row.bound_growth <= UnitParameters().wheel_error_share) is sound
+
+
+def test_what_leans_without_cutting_proves_nothing(motion: Motion) -> None:
+    """A camera leans the estimate and tells TAKEN all the same."""
+    run_to(motion, 640.0, 20.0)
+    motion.row.fix_came = 0
+    assert told(motion._record, 0) == 0
+    assert motion.row.sure_m == -math.inf
+
+
+def test_outcomes_of_the_rule_are_told_apart(motion: Motion) -> None:
+    row = motion._record
+    run_to(motion, 300.0, 5.0)
+    assert taken(row, 300.0, 2.0, 2.0) == TAKEN
+    assert taken(row, 400.0, 2.0, 2.0) == REFUSED

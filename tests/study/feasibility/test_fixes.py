@@ -1,0 +1,67 @@
+"""Where trains get to know where they are, by what they carry, and which stops their drivers have to make on sight."""
+
+from __future__ import annotations
+
+import pytest
+
+from network.model import Direction
+from onboard.fixes import EYE_WITHIN_M
+from simulation.settings import Carried
+from simulation.setup import Setup
+from simulation.world.roster import drawn_up
+from study.feasibility.equipment import equipment_of
+from study.feasibility.finding import Severity
+from study.feasibility.fixes import CURVATURE_WITHIN_M, Fixed, fixes_on
+from study.feasibility.planned import planned_day
+from study.scenario.scenario import load_scenario
+from study.scenario.sensor_choice import carrying
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return load_scenario("karasuyama_round_trip").setup
+
+
+def fixes(setup: Setup, *carries: Carried) -> tuple[Fixed, ...]:
+    given = carrying(setup, *carries)
+    duty = drawn_up(given, given.line)["V2"][0]
+    assert duty.mission.direction is Direction.DOWN
+    return fixes_on(given, "V2", duty.mission)
+
+
+def test_tags_tell_at_their_own_places(setup: Setup) -> None:
+    duty = drawn_up(setup, setup.line)["V2"][0]
+    told = fixes(setup, Carried.TAGS)
+    assert [fix.at_m for fix in told] == [tag.position_m for tag in duty.mission.tags]
+    assert {fix.within_m for fix in told} == {setup.unit.tag_accuracy_m}
+
+
+def test_satellites_tell_wherever_the_sky_is_open(setup: Setup) -> None:
+    told = [fix for fix in fixes(setup, Carried.GNSS) if fix.within_m != EYE_WITHIN_M]
+    assert {fix.within_m for fix in told} == {setup.gnss.receiver.protection_m}
+    assert len(told) > 300
+
+
+def test_curvature_tells_behind_transition_curves(setup: Setup) -> None:
+    told = [fix for fix in fixes(setup, Carried.CURVATURE) if fix.within_m == CURVATURE_WITHIN_M]
+    assert 20 < len(told) < 200
+    alone = [fix for fix in fixes(setup, Carried.LIDAR) if fix.within_m != EYE_WITHIN_M]
+    assert alone == []
+
+
+def brought(setup: Setup, *carries: Carried) -> set[str]:
+    """Stations to which a driver would have to bring his train on sight."""
+    given = carrying(setup, *carries)
+    found = equipment_of(given, planned_day(given))
+    told = [one for one in found if "on sight" in one.text]
+    assert {one.severity for one in told} <= {Severity.TIGHT}
+    return {one.place for one in told}
+
+
+def test_a_train_that_sees_no_markers_is_brought_to_its_terminus_on_sight(setup: Setup) -> None:
+    assert "KRS" in brought(setup, Carried.LIDAR)
+
+
+@pytest.mark.parametrize("carries", [Carried.TAGS, Carried.CURVATURE, Carried.GNSS])
+def test_others_come_to_their_marks_by_themselves(setup: Setup, carries: Carried) -> None:
+    assert brought(setup, carries) == set()
