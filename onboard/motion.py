@@ -125,6 +125,7 @@ class Motion:
         self.notes: list[notes.Note] = []
         row.due_s = row.replan_s = math.inf
         row.pulse_m = pulse_m(train)
+        row.believes_wheels = int(parameters.believes_wheels)
         self._line: Final = line
         self._parameters: Final = parameters
         self._train: Final = train

@@ -26,6 +26,8 @@ from vehicle.train_file import TrainType, load_train, shipped_train
 
 TRAIN: Final = "br642"
 Floats = NDArray[np.float64]
+# Section 2.1: the way is what the wheels count, also while they slide or slip.
+WHEELS: Final = LINE.unit.model_copy(update={"believes_wheels": True})
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +46,7 @@ class Trip:
     beacons: Beacons = field(default_factory=Beacons)
     timetable: Timetable | None = None
     told: Timetable | None = None
-    unit: UnitParameters = LINE.unit
+    unit: UnitParameters = WHEELS
     locks: bool = False  # the train has no slide protection
 
     @property
