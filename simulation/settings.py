@@ -30,6 +30,7 @@ from network.files.quantities import (
     ReadError,
     RunLimit,
     SampleRate,
+    SearchedWay,
     Share,
     ShareAbove0,
     Sigma,
@@ -285,7 +286,7 @@ class Curvature(Record):
         MatchedWay, about("shortest, after a path has begun", "assumed: about a curve")
     ] = 100.0
     search_m: Annotated[
-        MatchedWay,
+        SearchedWay,
         about(
             "furthest that is searched either way, N_s; never beyond the bounds", "Harada, figure 2: 200 m"
         ),

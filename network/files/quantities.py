@@ -255,6 +255,12 @@ BODY_DAMPING: Final = Quantity(
 MATCHED_WAY: Final = Quantity(
     "way that is matched with a map", "m", ((5.0, 800.0),), "greatest: what units keep; least assumed"
 )
+SEARCHED_WAY: Final = Quantity(
+    "way that is searched for a match",
+    "m",
+    ((5.0, 400.0),),
+    "greatest: what units have room for; least assumed",
+)
 CURVATURE_ERROR: Final = Quantity(
     "error of a curvature", "1/m", ((1e-6, 0.01),), "greatest: a curve of 100 m; least assumed"
 )
@@ -381,6 +387,7 @@ SampleRate = Annotated[float, SAMPLE_RATE]
 BodyFrequency = Annotated[float, BODY_FREQUENCY]
 BodyDamping = Annotated[float, BODY_DAMPING]
 MatchedWay = Annotated[float, MATCHED_WAY]
+SearchedWay = Annotated[float, SEARCHED_WAY]
 CurvatureError = Annotated[float, CURVATURE_ERROR]
 Sigmas = Annotated[float, SIGMAS]
 NoiseFactor = Annotated[float, NOISE_FACTOR]

@@ -105,7 +105,7 @@ def crossing(free: Samples, inside: int, outside: int, limit: float) -> float:
 def explained(
     free: Samples, span: int, least: int, near: int, limit: float, far_limit: float
 ) -> tuple[float, float]:
-    """The hull of all shifts whose sum noise explains: at most `limit` within `near` of the least, `far_limit` beyond."""
+    """The hull of all shifts that noise explains: at most `limit` within `near` of the least, `far_limit` beyond."""
     low = high = least
     for shift in range(span + 1):
         most = limit if abs(shift - least) <= near else far_limit

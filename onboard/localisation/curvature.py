@@ -41,6 +41,7 @@ from onboard.localisation.curvature_row import (
     CurvatureRow,
 )
 from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, TAKEN, taken
+from onboard.localisation.spatial_filter import SETTLES_M
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -75,7 +76,10 @@ def lay_map(own: CurvatureRow, unit: UnitRow, chart: Chart, from_m: float, count
 
 @compiled
 def comparable(own: CurvatureRow, longest: int) -> tuple[int, int]:
-    """Metres of the ring that the wheels' scale stretches by little, and those of them since the last slide or slip."""
+    """Metres of the ring that the wheels' scale stretches by little, and those of them since the last slide or slip.
+
+    Of the latter the first are what the filter makes of those before: no fix goes by them.
+    """
     end = own.at + WINDOW_MAX
     jolts_m = own.slid_ahead_m + own.slipped_behind_m
     doubts_m = own.ahead_m + own.behind_m - jolts_m
@@ -121,7 +125,7 @@ def lay_window(own: CurvatureRow, unit: UnitRow, chart: Chart) -> int:
     if missing > 0:
         for k in range(own.whole + own.span):
             own.known_per_m[k] = own.known_per_m[k + missing]
-    return min(own.whole, since)
+    return min(own.whole, since - int(SETTLES_M))
 
 
 @compiled

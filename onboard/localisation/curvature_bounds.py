@@ -1,10 +1,10 @@
 """How wrong a fix by curvature may be: what noise can do, what pulls it aside, and whether noise explains what is left.
 
 A fix is a least sum of squares, so to first order whatever adds to the difference pulls it by the sum of that times
-the map's change from metre to metre, over the sum of the squares of this change. A constant difference (bias) pulls nothing:
-sums are taken without their mean. Noise of the rails' heading that is white and the gyro's own have a known variance
-under such a sum. What a difference could hide is taken from the tests that it has passed, metre by metre backwards from
-the front: blocks of `BLOCK_M` by their mean square, and all from the front on by what they turn in sum.
+the map's change from metre to metre, over the sum of the squares of this change. A constant difference (bias) pulls
+nothing: sums are taken without their mean. Noise of the rails' heading that is white and the gyro's own have a known
+variance under such a sum. What a difference could hide is taken from the tests that it has passed, metre by metre
+backwards from the front: blocks of `BLOCK_M` by their mean square, and all from the front on by what they turn in sum.
 """
 
 from __future__ import annotations
@@ -151,10 +151,11 @@ def explains(own: CurvatureRow, shift: int, count: int, white: float) -> bool:
         block2 += away * away
         block_most = max(block_most, most + off + abs(slope))
         total += away
-        allowed += off + 0.5 * abs(slope) + abs(own.mean_per_m)
+        allowed += off
         lean += slope - steady
-        unseen = max(unseen, min(most, turns_most / (k + 1.0)) * abs(lean))
-        if abs(total) > turns_most + allowed:
+        turns_most += allowed + 0.5 * abs(known[newest] - known[t - 1])
+        unseen = max(unseen, min(most + off, turns_most / (k + 1.0)) * abs(lean))
+        if abs(total) > turns_most:
             return False
         if (k + 1) % BLOCK_M == 0:
             if block2 > BLOCK_M * block_most * block_most:

@@ -14,6 +14,7 @@ Part = Callable[[str, int, Callable[[str], None]], dict[str, Any]]
 PARTS: Final[Mapping[str, str]] = {
     "links": "study.evaluate.bench",
     "laws": "study.evaluate.laws",
+    "collation": "study.evaluate.collation",
 }
 
 

@@ -1,7 +1,7 @@
 """A map of curvature (マップ曲率データ) for a scenario's trains: from a first run of one of them, or from the design.
 
 The run is that of `study.papers.position_run`: the train with tags and gyro along its line, in steps of the kernel;
-what its gyro and wheels show goes into the map, with the tags, the first and the last mark as the places that are known.
+what its gyro and wheels show goes into the map, with the tags and the first mark as the places that are known.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from onboard.driving.tuning import DEAD_TIMES, OFFSETS
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
-from simulation.settings import Beacons, Driving, Limits, Operation, Sensors
+from simulation.settings import Beacons, Curvature, Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 
@@ -125,6 +125,8 @@ SCRIPT: Final[Data] = {
         {"kind": "scale", "target": "K1", "start": "09:59", "factor": 1.0, "duration_s": 5.0},
         {"kind": "slippery", "target": "K1", "start": "train T1 departs A", "factor": 0.9, "duration_s": 5.0},
         {"kind": "brake", "target": "K1", "start": "10:00", "reserve": 0.9, "duration_s": 5.0},
+        {"kind": "gyro_bias", "target": "K1", "start": "10:00", "jump_degps": 0.1, "duration_s": 5.0},
+        {"kind": "gyro_noise", "target": "K1", "start": "10:00", "factor": 2.0, "duration_s": 5.0},
         {"kind": "wrong_id", "target": "603", "start": "09:00", "id": 602, "after_s": 1.0, "duration_s": 5.0},
     ],
     "act": [
@@ -162,6 +164,7 @@ def _scenario() -> Data:
                 "planning": Planning(),
                 "sensors": Sensors(),
                 "beacons": Beacons(),
+                "curvature": Curvature(),
                 "limits": Limits(),
                 "operation": Operation(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),

@@ -1,0 +1,121 @@
+"""What curvature collation costs: one fix over the widest window, and a day with it on every train.
+
+The fix is the compiled `collate` on a ring that holds a stretch of the scenario's own map, with bounds as wide as is
+searched. Days run the whole system on SUMO in fresh processes, in turn, with tags alone and with a gyro beside them; a
+short run of the same kind comes before what is timed, so that compiled code is loaded.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from onboard.localisation.curvature import collate
+from onboard.localisation.curvature_row import WINDOW_MAX
+from onboard.records import Chart
+from simulation.settings import Carried
+from simulation.setup import Setup
+from study.papers.position_run import SLOT, PositionRun
+from study.run.run import Link, execute
+from study.scenario.scenario import load_scenario
+
+WITHOUT: Final = "tags"
+WITH: Final = "tags and curvature"
+CARRIED: Final = {WITHOUT: (Carried.TAGS,), WITH: (Carried.TAGS, Carried.CURVATURE)}
+WARMED_BY: Final = "karasuyama_round_trip"
+FIXES: Final = 2000
+FIX_MS_MAX: Final = 0.2
+RATIO_MAX: Final = 1.5  # of the day without it
+
+
+def carrying(setup: Setup, what: str) -> Setup:
+    """The setup with every train carrying that."""
+    sensors = setup.sensors.model_copy(update={"carries": CARRIED[what], "carries_of": {}})
+    return replace(setup, sensors=sensors)
+
+
+def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
+    """Milliseconds of one comparison at the widest window, and at how many shifts it looks."""
+    run = PositionRun(carrying(load_scenario(scenario).setup, WITH))
+    unit, own, pool = run.trains.units[SLOT], run.trains.readers[SLOT].curvature, run.trains.pool
+    chart = Chart(pool.pattern, pool.known_places)
+    laid = pool.pattern["curvature_per_m"][unit.path_offset : unit.path_offset + unit.path_rows]
+    half = int(own.search_m)
+    front = int(np.flatnonzero(np.isfinite(laid))[0]) + 2 * WINDOW_MAX
+    ring = laid[front - WINDOW_MAX + 1 : front + 1]
+    own.bent_per_m[:WINDOW_MAX] = own.bent_per_m[WINDOW_MAX:] = ring
+    own.slow_s_per_m[:] = 1.0 / 20.0
+    own.metres, own.metre, own.along_m, own.bias_radps2 = WINDOW_MAX, front, float(front), 0.0
+    taken_s = []
+    for _ in range(fixes + 1):
+        unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = float(front), float(half), float(half)
+        begun_s = time.perf_counter()
+        collate(own, unit, chart)
+        taken_s.append(time.perf_counter() - begun_s)
+    return 1e3 * statistics.median(taken_s[1:]), int(own.span) + 1
+
+
+def run_child(what: str, scenario: str) -> dict[str, Any]:
+    """One timed day in this process: wall time, s, and the digest of its journal."""
+    for name in (WARMED_BY, scenario):
+        loaded = load_scenario(name)
+        run = execute(replace(loaded, setup=carrying(loaded.setup, what)), Link.SIMULATED)
+    return {"wall_s": float(run.summary["wall_s"]), "digest": run.summary["digest"]}
+
+
+def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
+    """The median of a fix, and medians of wall time of both days with their ratio. `tell` is told what goes on."""
+    found_ms, shifts = fix_ms(scenario)
+    tell(f"{scenario}: one fix over {shifts} shifts takes {found_ms:.3f} ms")
+    figures: dict[str, list[dict[str, Any]]] = {what: [] for what in CARRIED}
+    for number in range(rounds):
+        for what in CARRIED:
+            tell(f"{scenario}, round {number + 1} of {rounds}: {what} on every train")
+            figures[what].append(_child(what, scenario))
+    return {"scenario": scenario, "rounds": rounds, "shifts": shifts} | report(found_ms, figures)
+
+
+def _child(what: str, scenario: str) -> dict[str, Any]:
+    """The figures of one day in a fresh process."""
+    command = [sys.executable, "-m", "study.evaluate.collation", what, scenario]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{what} failed: {done.stderr.strip()[-500:]}")
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def report(found_ms: float, figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    """What the figures of all rounds come to: a row each, and the budgets with whether they are kept."""
+    median = {what: statistics.median(f["wall_s"] for f in rounds) for what, rounds in figures.items()}
+    ratio = round(median[WITH] / median[WITHOUT], 3)
+    rows = [
+        {
+            "carries": what,
+            "wall_s": round(median[what], 3),
+            "wall_s_min": round(min(f["wall_s"] for f in rounds), 3),
+            "wall_s_max": round(max(f["wall_s"] for f in rounds), 3),
+            "of_tags": round(median[what] / median[WITHOUT], 3),
+        }
+        for what, rounds in figures.items()
+    ]
+    budgets: list[dict[str, Any]] = [
+        {"what": "ms of one fix", "limit": FIX_MS_MAX, "found": round(found_ms, 4)},
+        {"what": f"{WITH} of {WITHOUT}", "limit": RATIO_MAX, "found": ratio},
+    ]
+    for budget in budgets:
+        budget["kept"] = budget["found"] <= budget["limit"]
+    same = all(len({f["digest"] for f in rounds}) == 1 for rounds in figures.values())
+    return {"rows": rows, "same_digest": same, "budgets": budgets}
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json.dumps(run_child(*sys.argv[1:3])) + "\n")
