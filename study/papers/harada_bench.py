@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from network.timetable import Timetable
 from onboard import notes
+from onboard.localisation.curvature_map import CurvatureMap
 from onboard.unit_records import UnitParameters
 from simulation.settings import Beacons, Carried, Curvature, Driving, Sensors
 from simulation.setup import Setup
@@ -43,6 +44,7 @@ class Trip:
     day: int = 1
     slower_mps: float = 0.0
     curvature: Curvature = field(default_factory=Curvature)
+    curvature_map: CurvatureMap | None = None  # None: that of the design
     beacons: Beacons = field(default_factory=Beacons)
     timetable: Timetable | None = None
     told: Timetable | None = None
@@ -64,6 +66,7 @@ class Trip:
             driving=Driving(driving_margin_mps=driving),
             sensors=Sensors(carries=self.carries),
             curvature=self.curvature,
+            curvature_map=self.curvature_map,
             beacons=self.beacons,
         )
 

@@ -76,4 +76,4 @@ def test_the_design_can_be_written_out(tmp_path: Path) -> None:
 def test_nonsense_in_the_table_is_refused(tmp_path: Path, text: str) -> None:
     with pytest.raises(InputError) as error:
         loaded(tmp_path, f"[curvature]\n{text}\n")
-    assert error.value.key == f"curvature.{text.split()[0]}"
+    assert error.value.key == f"curvature.{text.split(maxsplit=1)[0]}"
