@@ -154,7 +154,8 @@ def explains(own: CurvatureRow, shift: int, count: int, white: float) -> bool:
         allowed += off
         lean += slope - steady
         turns_most += allowed + 0.5 * abs(known[newest] - known[t - 1])
-        unseen = max(unseen, min(most + off, turns_most / (k + 1.0)) * abs(lean))
+        hidden = (most + off) * math.sqrt(max(BLOCK_M / (k + 1.0), 1.0))  # in a part of the newest block
+        unseen = max(unseen, min(hidden, turns_most / (k + 1.0)) * abs(lean))
         if abs(total) > turns_most:
             return False
         if (k + 1) % BLOCK_M == 0:

@@ -76,7 +76,7 @@ def test_what_the_map_leaves_out_is_no_number(line: Line) -> None:
     step = path.step_of("OGN-KRS")
     without = CurvatureMap(whole.line_id, {k: v for k, v in whole.pieces.items() if k != "OGN-KRS"})
     laid = laid_per_m(without, path, MOUNTING, NUMBERS)
-    inside = slice(int(step.start_m) + 1, int(step.end_m))
+    inside = slice(int(step.start_m) + 20, int(step.end_m))  # the car's middle comes later
     assert np.all(np.isnan(laid[inside])) and np.isnan(laid[int(step.end_m) + 20])
     assert np.isfinite(laid[int(step.end_m) + 100])
 
