@@ -27,6 +27,7 @@ from study.papers.mountain_line import (
     MountainLine,
     mountain_line,
 )
+from study.papers.parameter_sets import LINE
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 
 RUNS: Final = 4
@@ -139,6 +140,7 @@ def parameters(runs: int) -> tuple[Parameter, ...]:
     settings = Curvature()
     return (
         *ASSUMED,
+        *LINE.parameters(),
         Parameter(
             "runs", runs, "", "section 4; seeds from --seed on, each another train, gyro, day and rails"
         ),

@@ -20,6 +20,7 @@ from simulation.world.trains import Trains
 from study.papers.harada_bench import Ride, Trip, worst_m
 from study.papers.harada_chart import write_beacons
 from study.papers.mountain_line import ASSUMED, FIGURE_1_M, X_BEFORE_B_M, MountainLine, mountain_line
+from study.papers.parameter_sets import LINE
 from study.papers.position_run import Moment
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 
@@ -179,6 +180,7 @@ def reproduce(options: Options) -> Reproduction:
             ),
             Parameter("for", SLIPPERY_M, "m", "chosen so that the wheels count some 50 m too much"),
             *ASSUMED,
+            *LINE.parameters(),
         ),
         rows_of(paper, dry, bounded, curve),
         tuple(remarks),

@@ -24,6 +24,7 @@ from study.papers.harada_bench import WHEELS, Ride, Trip
 from study.papers.harada_chart import write_watched
 from study.papers.harada_watch import Watch
 from study.papers.mountain_line import ASSUMED, MountainLine, mountain_line
+from study.papers.parameter_sets import LINE
 from study.papers.position_run import Moment
 from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
 
@@ -205,6 +206,7 @@ def parameters(slide: Slide) -> tuple[Parameter, ...]:
             "assumed for this run: the paper's equipment tells where a train is and does not stop it",
         ),
         *ASSUMED,
+        *LINE.parameters(),
     )
 
 
