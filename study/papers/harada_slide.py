@@ -3,7 +3,7 @@
 Harada, Maki, Kazato and Ishiguri, section 4 and figure 6: the wheels of a train lock at 4.45 km, the way that they
 count is 127 m short; the track counts as foreign for a while, nothing is corrected, and in the curve at 5.25 km the
 position is right again. Ours: the driver applies the emergency brake towards the end of a curve where the rail is damp,
-on a train whose slide protection is out of order, and lets go 200 m on. What locks the wheels, and for how long, is
+on a train whose slide protection is out of order, and lets go 175 m on. What locks the wheels, and for how long, is
 the kernel's physics.
 """
 
@@ -31,11 +31,13 @@ from study.papers.reproduction import Figure, Options, Parameter, Reproduction, 
 STATIONS: Final = 3
 PAPER_SLIDE_M: Final = 127.0
 SLIDE_SPREAD_M: Final = 15.0
-RAIL: Final = 0.5  # of the dry rail's adhesion
-BRAKED_M: Final = 200.0
+RAIL: Final = 0.42  # of the dry rail's adhesion
+BRAKED_M: Final = 175.0
 BEFORE_END_M: Final = 150.0
 BEYOND_M: Final = 3000.0
-STRAIGHT_LEAST_M: Final = 300.0
+STRAIGHT_LEAST_M: Final = (
+    600.0  # N_r: what the slide deforms has left the run's data before the next curve, as in figure 6
+)
 BACK_WITHIN_M: Final = 2.0
 BOUND_MAX_M: Final = 300.0
 FALSE_M: Final = 2.0  # a fix that moves the estimate further off the truth than this is a false one
