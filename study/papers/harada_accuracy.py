@@ -185,6 +185,12 @@ def reproduce(options: Options) -> Reproduction:
         "Error: estimate less truth in the step in which the front passes a check point; nothing is corrected there.",
         "The map is of a first run on another day, with the check points as known places; the design is told beside.",
     ]
+    design = noisy[-1]
+    if space.sigma_m > SIGMA_MAX_M >= design.sigma_m:
+        remarks.append(
+            f"Missed by {space.sigma_m - SIGMA_MAX_M:.2f} m, and not by the gyro: half and twice its noise change little,"
+            f" and by the design as map sigma is {design.sigma_m:.2f} m. What is off is the first run's map."
+        )
     if options.out is not None:
         drawn = write_errors(space, others, Path(options.out))
         remarks.append("drawn: " + ", ".join(path.name for path in drawn))
