@@ -188,7 +188,7 @@ def reproduce(options: Options) -> Reproduction:
     design = noisy[-1]
     if space.sigma_m > SIGMA_MAX_M >= design.sigma_m:
         remarks.append(
-            f"Missed by {space.sigma_m - SIGMA_MAX_M:.2f} m; the gyro's noise, halved or doubled, changes that little, and"
+            f"Missed by {space.sigma_m - SIGMA_MAX_M:.2f} m; half and twice the gyro's noise change that little, and"
             f" by the design as map sigma is {design.sigma_m:.2f} m: it comes with the map of a first run."
         )
     if options.out is not None:
