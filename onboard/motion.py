@@ -116,7 +116,7 @@ class Motion:
         self.reads_tags = True  # a train without a reader expects none
         self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
-        row.pulse_m = pulse_m(train)
+        row.pulse_m, row.believes_wheels = pulse_m(train), int(parameters.believes_wheels)
         self._line: Final = line
         self._parameters: Final = parameters
         self._train: Final = train

@@ -57,6 +57,7 @@ class UnitRow(Protocol):
     tachometer_doubt_s: Annotated[float, "for how long its readings have not fitted what was commanded"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
     speed_mps: float
+    believes_wheels: Annotated[int, "1: the estimate goes by what they count also while they slide or slip"]
     train_mps: Annotated[float, "the train's own speed: the wheel's, but while that slides"]
     may_run_mps: Annotated[float, "the train runs no faster than this, also while its wheels are locked"]
     acceleration_mps2: Annotated[float, "smoothed"]

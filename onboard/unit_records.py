@@ -75,6 +75,13 @@ class UnitParameters(Record):
     emergency_release_s: Annotated[
         Wait, about("the driver's acknowledgement after an emergency stop", "assumed: a radio call")
     ] = 30.0
+    believes_wheels: Annotated[
+        bool,
+        about(
+            "the estimate goes by what wheels count also while they slide or slip; off: by what brakes and motors give",
+            "assumed: slides and slips are noticed; on, it is the equipment of Harada, 2.1",
+        ),
+    ] = False
     restricted_mps: Annotated[
         SightSpeedMps,
         about("on sight, while the position is unknown", "assumed: 15 km/h, customary on sight"),

@@ -75,7 +75,7 @@ def ride_over_slide(
     of possible positions stays the same.
     """
     rolled_mps = unit.speed_mps * unit.odometer_scale
-    if unit.wheel_slide == 0:
+    if unit.wheel_slide == 0 or unit.believes_wheels != 0:
         unit.train_mps = rolled_mps
         return
     share = min(train.wheel_slide_share_max, LOST_SHARE)

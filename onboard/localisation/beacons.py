@@ -18,7 +18,6 @@ from typing import Annotated, Final, Protocol
 
 from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m, taken, trusted
 from onboard.localisation.sighting import carry_slack
-from onboard.localisation.tags import front_by_tag
 from onboard.records import PLACE_BEACON, Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -102,7 +101,9 @@ def go_on(own: BeaconsRow, unit: UnitRow, chart: Chart) -> None:
 def taken_for(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Chart, row: int) -> int:
     """The beacon noticed is taken for that of a row; what came of it."""
     place = chart.places[unit.places_offset + row]
-    front_m, within_m = front_by_tag(unit, place.position_m, reading.odometer_m, own.accuracy_m)
+    since_m = (unit.odometer_m - reading.odometer_m) * unit.odometer_scale
+    front_m = place.position_m + since_m
+    within_m = own.accuracy_m + unit.pulse_m + abs(since_m) * unit.bound_growth
     if own.trusts != 0:
         return trusted(unit, front_m, within_m, within_m)
     if reading.told != 0:

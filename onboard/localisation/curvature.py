@@ -206,7 +206,8 @@ def curvature(
         return NOTHING
     run_m = ran(own, unit)
     own.bias_radps2 += own.bias_walk_radps * own.bias_walk_radps * 2.0 * step_s / own.bias_walk_s
-    if run_m == 0.0 and unit.speed_mps == 0.0:
+    # wheels that show nothing may be locked
+    if run_m == 0.0 and unit.speed_mps == 0.0 and unit.may_run_mps <= 0.0:
         stand(own, reading.yaw_radps, step_s)
         return NOTHING
     own.stood_steps = 0

@@ -1,9 +1,9 @@
 """`branchline reproduce harada-beacons`: the misread beacon of figure 1, and the train that goes by curvature instead.
 
-Harada, Maki, Kazato and Ishiguri, 2.2 and 2.3: on slipping wheels the way is counted too long, beacon X before B lies in
-the window of B and is taken for it, C and the next one lie outside their windows, and after two windows without a beacon
-the localisation has failed. The same run with the same slip by the collation of curvature, and by beacons that may not
-break the bounds (`[beacons] trust`). The matching is the one of line runs (`onboard.localisation.beacons`).
+Harada, Maki, Kazato and Ishiguri, 2.2 and 2.3: on slipping wheels the way is counted too long, beacon X before B lies
+in the window of B and is taken for it, C and the next one lie outside their windows, and after two windows without a
+beacon the localisation has failed. The same run with the same slip by the collation of curvature, and by beacons that
+may not break the bounds (`[beacons] trust`). The matching is the one of line runs (`onboard.localisation.beacons`).
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ from simulation.world.trains import Trains
 from study.papers.harada_bench import Ride, Trip, worst_m
 from study.papers.harada_chart import write_beacons
 from study.papers.mountain_line import ASSUMED, FIGURE_1_M, X_BEFORE_B_M, MountainLine, mountain_line
+from study.papers.parameter_sets import LINE
 from study.papers.position_run import Moment
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 
 STATIONS: Final = 3
 RAIL: Final = 0.12  # of the dry rail's adhesion, from behind A on
-SLIPPERY_M: Final = 300.0
+SLIPPERY_M: Final = 160.0
 AFTER_A_M: Final = 10.0
 BESIDE_M: Final = 15.0
 WITHIN_M: Final = 2.0
@@ -177,8 +178,9 @@ def reproduce(options: Options) -> Reproduction:
             Parameter(
                 "adhesion", RAIL, "of a dry rail", "assumed: greasy leaves while the train gathers speed"
             ),
-            Parameter("for", SLIPPERY_M, "m", "chosen so that the wheels count some 70 m too much"),
+            Parameter("for", SLIPPERY_M, "m", "chosen so that the wheels count some 50 m too much"),
             *ASSUMED,
+            *LINE.parameters(),
         ),
         rows_of(paper, dry, bounded, curve),
         tuple(remarks),

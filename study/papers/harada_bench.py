@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from network.timetable import Timetable
 from onboard import notes
+from onboard.localisation.curvature_map import CurvatureMap
 from onboard.unit_records import UnitParameters
 from simulation.settings import Beacons, Carried, Curvature, Driving, Sensors
 from simulation.setup import Setup
@@ -26,6 +27,8 @@ from vehicle.train_file import TrainType, load_train, shipped_train
 
 TRAIN: Final = "br642"
 Floats = NDArray[np.float64]
+# Section 2.1: the way is what the wheels count, also while they slide or slip.
+WHEELS: Final = LINE.unit.model_copy(update={"believes_wheels": True})
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +44,11 @@ class Trip:
     day: int = 1
     slower_mps: float = 0.0
     curvature: Curvature = field(default_factory=Curvature)
+    curvature_map: CurvatureMap | None = None  # None: that of the design
     beacons: Beacons = field(default_factory=Beacons)
     timetable: Timetable | None = None
     told: Timetable | None = None
-    unit: UnitParameters = LINE.unit
+    unit: UnitParameters = WHEELS
     locks: bool = False  # the train has no slide protection
 
     @property
@@ -62,6 +66,7 @@ class Trip:
             driving=Driving(driving_margin_mps=driving),
             sensors=Sensors(carries=self.carries),
             curvature=self.curvature,
+            curvature_map=self.curvature_map,
             beacons=self.beacons,
         )
 

@@ -113,7 +113,7 @@ def _watched(watched: Watch, marks: Marks, title: str) -> Figure:
                 alpha=0.6,
                 label=words if axes is speeds else None,
             )
-        axes.legend(loc="upper left")
+        axes.legend(loc="upper right")
     figure.suptitle(title)
     return figure
 

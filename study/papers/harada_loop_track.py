@@ -22,6 +22,7 @@ from study.papers.harada_bench import Ride, Trip
 from study.papers.harada_chart import write_watched
 from study.papers.harada_watch import Watch
 from study.papers.mountain_line import ASSUMED, MountainLine, mountain_line
+from study.papers.parameter_sets import LINE
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 
 STATIONS: Final = 4
@@ -187,6 +188,7 @@ def reproduce(options: Options) -> Reproduction:
                 "mismatch that counts", Curvature().mismatch_per_m, "1/m (root mean square)", "[curvature]"
             ),
             *ASSUMED,
+            *LINE.parameters(),
         ),
         rows_of(loop, straight),
         tuple(remarks),

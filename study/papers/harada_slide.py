@@ -2,9 +2,9 @@
 
 Harada, Maki, Kazato and Ishiguri, section 4 and figure 6: the wheels of a train lock at 4.45 km, the way that they
 count is 127 m short; the track counts as foreign for a while, nothing is corrected, and in the curve at 5.25 km the
-position is right again. Ours: the driver applies the emergency brake on a straight where the rail is damp, on a train
-whose slide protection is out of order, and lets go after 250 m. What locks the wheels, and for how long, is the kernel's
-physics.
+position is right again. Ours: the driver applies the emergency brake towards the end of a curve where the rail is damp,
+on a train whose slide protection is out of order, and lets go 175 m on. What locks the wheels, and for how long, is
+the kernel's physics.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from onboard.localisation.fix import FOREIGN, TAKEN
 from onboard.records import EMERGENCY_INTERVENTION, NO_INTERVENTION
 from simulation.settings import Curvature
 from simulation.world.trains import Trains
-from study.papers.harada_bench import Ride, Trip
+from study.papers.harada_bench import WHEELS, Ride, Trip
 from study.papers.harada_chart import write_watched
 from study.papers.harada_watch import Watch
 from study.papers.mountain_line import ASSUMED, MountainLine, mountain_line
@@ -31,10 +31,13 @@ from study.papers.reproduction import Figure, Options, Parameter, Reproduction, 
 STATIONS: Final = 3
 PAPER_SLIDE_M: Final = 127.0
 SLIDE_SPREAD_M: Final = 15.0
-RAIL: Final = 0.615  # of the dry rail's adhesion
-BRAKED_M: Final = 250.0
-BEFORE_CURVE_M: Final = 700.0
-STRAIGHT_LEAST_M: Final = 900.0
+RAIL: Final = 0.42  # of the dry rail's adhesion
+BRAKED_M: Final = 175.0
+BEFORE_END_M: Final = 150.0
+BEYOND_M: Final = 3000.0
+STRAIGHT_LEAST_M: Final = (
+    600.0  # N_r: what the slide deforms has left the run's data before the next curve, as in figure 6
+)
 BACK_WITHIN_M: Final = 2.0
 BOUND_MAX_M: Final = 300.0
 FALSE_M: Final = 2.0  # a fix that moves the estimate further off the truth than this is a false one
@@ -103,11 +106,11 @@ def worse(before: object, after: object) -> bool:
 
 
 def place_of(place: MountainLine) -> tuple[float, float, float]:
-    """Where the brake is applied, on the first straight long enough beyond 5 km; and the curve after it."""
+    """Where the brake is applied, in the first curve that a straight follows; and where the curve after that is."""
     curves = place.alignment.curves
     for before, after in pairwise(curves):
-        if before.to_m > 5000.0 and after.from_m - before.to_m >= STRAIGHT_LEAST_M:
-            return after.from_m - BEFORE_CURVE_M, after.from_m, after.to_m
+        if before.from_m > BEYOND_M and after.from_m - before.to_m >= STRAIGHT_LEAST_M:
+            return before.to_m - BEFORE_END_M, after.from_m, after.to_m
     raise ValueError("no straight that is long enough")
 
 
@@ -129,7 +132,7 @@ def run_slide(place: MountainLine, seed: int, settings: Curvature | None = None)
     """The run with the slide."""
     curvature = settings or Curvature()
     from_m, curve_from_m, curve_to_m = place_of(place)
-    unit = LINE.unit.model_copy(update={"doubt_bound_max_m": BOUND_MAX_M})
+    unit = WHEELS.model_copy(update={"doubt_bound_max_m": BOUND_MAX_M})
     watched = Watch(from_m - 400.0, curve_to_m + 600.0, curvature.mismatch_per_m)
     trip = Trip(place, seed=seed, curvature=curvature, unit=unit, locks=True)
     ride = trip.run([*braked(from_m), *watched.moments()])
@@ -191,7 +194,7 @@ def parameters(slide: Slide) -> tuple[Parameter, ...]:
             "brake applied at",
             round(slide.from_m),
             "m",
-            f"{BEFORE_CURVE_M:g} m before a curve, on a straight",
+            f"{BEFORE_END_M:g} m before the end of a curve that a straight follows",
         ),
         Parameter("and let go after", BRAKED_M, "m", "assumed: the paper's train goes on after its slide"),
         Parameter(
@@ -205,6 +208,7 @@ def parameters(slide: Slide) -> tuple[Parameter, ...]:
             "assumed for this run: the paper's equipment tells where a train is and does not stop it",
         ),
         *ASSUMED,
+        *LINE.parameters(),
     )
 
 

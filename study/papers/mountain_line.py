@@ -166,6 +166,7 @@ def main_path(line: Line, timetable: Timetable) -> Path:
 
 
 STOCK_ID: Final = "M1"
+TRAIN_NUMBER: Final = "1D"
 
 
 def timetable_of_one(
@@ -185,11 +186,11 @@ def timetable_of_one(
         (
             f'[timetable]\nid = "one"\nname = "One train"\nline = "{line.id}"\ndwell_min_s = 20',
             'sources = ["made for the experiment"]',
-            '[[trains]]\nnumber = "1D"\ndirection = "down"\nbegins = "stabled"\nends = "stabled"',
+            f'[[trains]]\nnumber = "{TRAIN_NUMBER}"\ndirection = "down"\nbegins = "stabled"\nends = "stabled"',
             "calls = [",
             *rows,
             "]",
-            f'[[diagrams]]\nstock = "{STOCK_ID}"\ntrains = ["1D"]',
+            f'[[diagrams]]\nstock = "{STOCK_ID}"\ntrains = ["{TRAIN_NUMBER}"]',
         )
     )
     return parse_timetable(text, FILE, line)

@@ -69,6 +69,18 @@ def test_wheels_that_roll_tell_the_speed(
     assert unit.train_mps == pytest.approx(10.1)
 
 
+@pytest.mark.parametrize("state", [-1, 1])
+def test_a_unit_that_believes_its_wheels_rides_over_nothing(
+    unit: UnitRow, train: TrainRow, keeper: Callable[[], StopKeeper], state: int
+) -> None:
+    for believes in (0, 1):
+        unit.train_mps, unit.speed_mps, unit.wheel_slide = 10.0, 10.0 + state, state
+        unit.odometer_scale, unit.position_m, unit.believes_wheels = 1.0, 100.0, believes
+        ride_over_slide(unit, train, keeper().tasc, 0.0, unit.speed_mps * STEP_S, STEP_S)
+        assert (unit.position_m == 100.0) is bool(believes)
+        assert (unit.train_mps == 10.0 + state) is bool(believes)
+
+
 def test_the_model_takes_up_the_emergency_brake(
     unit: UnitRow, train: TrainRow, keeper: Callable[[], StopKeeper]
 ) -> None:

@@ -1,0 +1,110 @@
+"""The reproductions of Harada and others hold, and do not when what they guard is taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from network.model import Line
+from simulation.settings import BeaconTrust, Carried, Curvature, Filter
+from study.papers import harada_accuracy, harada_beacons, harada_loop_track, harada_slide
+from study.papers.mountain_line import (
+    CHECK_POINTS,
+    FIGURE_1_M,
+    LENGTH_M,
+    RADII_M,
+    TRANSITION_M,
+    main_path,
+    mountain_line,
+)
+from study.papers.reproduction import Options, Row
+
+
+def missed(rows: Sequence[Row]) -> list[str]:
+    return [row.case for row in rows if not row.passed]
+
+
+# the line -----------------------------------------------------------------------------------------------------
+
+
+def test_the_line_is_as_long_and_has_the_check_points_of_the_paper() -> None:
+    place = mountain_line()
+    line: Line = place.line
+    curves = place.alignment.curves
+    assert place.places_m[-1] - place.places_m[0] == LENGTH_M
+    assert len(line.tags) == len(line.beacons) == CHECK_POINTS
+    assert {abs(curve.radius_m) for curve in curves} <= set(RADII_M)
+    assert all(TRANSITION_M[0] <= curve.transition_m <= TRANSITION_M[1] for curve in curves)
+    path = main_path(line, place.timetable())
+    assert all(tag.piece_id in path for tag in line.tags.values())
+    assert mountain_line().tables == place.tables
+    assert mountain_line(2).tables != place.tables
+
+
+def test_no_other_beacon_lies_in_the_window_of_one_that_is_used() -> None:
+    beacons = list(mountain_line().line.beacons.values())
+    used = [beacon for beacon in beacons if beacon.used]
+    for beacon in used:
+        near = [other for other in beacons if other is not beacon]
+        window_m = beacon.window_m or 0.0
+        assert window_m >= 10.0
+        assert all(abs(other.position_m - beacon.position_m) > window_m for other in near)
+    first = [round(b.position_m - FIGURE_1_M["A"], 3) for b in used[:4]]
+    assert first == [0.0, 440.0, 1040.0, 1560.0]
+    assert [b.window_m for b in used[1:4]] == [40.0, 60.0, 50.0]
+
+
+# the reproductions --------------------------------------------------------------------------------------------
+
+
+def test_harada_beacons_and_without_the_slip_nothing_is_misread() -> None:
+    found = harada_beacons.reproduce(Options())
+    assert missed(found.rows) == []
+    dry = harada_beacons.run_method("", (Carried.BEACONS,), BeaconTrust.PAPER, 1, slips=False)
+    misread = harada_beacons.rows_of(dry, dry, dry, dry)
+    assert "by beacons, X is taken for B" in missed(misread)
+    assert "by beacons, C and the next one are missed" in missed(misread)
+
+
+def test_harada_slide_and_without_the_mismatch_rule_it_is_not_declared() -> None:
+    assert missed(harada_slide.reproduce(Options()).rows) == []
+    place = mountain_line(stations=harada_slide.STATIONS)
+    blind = harada_slide.run_slide(place, 1, Curvature(mismatch_per_m=MISMATCH_OFF))
+    assert "the track counts as foreign" in missed(harada_slide.rows_of(blind))
+
+
+MISMATCH_OFF = 0.01  # the greatest that a file may say: no track bends so
+
+
+def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> None:
+    assert missed(harada_loop_track.reproduce(Options()).rows) == []
+    place = mountain_line(stations=harada_loop_track.STATIONS)
+    blind = harada_loop_track.run_loop(place, 1, Curvature(mismatch_per_m=MISMATCH_OFF))
+    assert "entering the loop is noticed" in missed(harada_loop_track.rows_of(blind, blind))
+
+
+def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> None:
+    """One run over the first stations; by wheels alone the errors grow with the way."""
+    bench = harada_accuracy.bench_of(1, 3, 1)
+    space = bench.of("")
+    assert space.sigma_m <= harada_accuracy.SIGMA_MAX_M
+    assert float(np.abs(space.errors_m).max()) <= harada_accuracy.WITHIN_M
+    wheels = replace(space.rides[0].trip, carries=(Carried.GNSS,)).run()  # of no use here: nothing reads it
+    assert float(np.abs(wheels.errors_m).max()) > harada_accuracy.WITHIN_M
+    off = bench.of("", filter=Filter.OFF)
+    assert off.rides[0].result.out_m <= 0.0
+    rows = harada_accuracy.rows_of(off, [space], [], "")
+    assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space
+
+
+@pytest.mark.nightly
+def test_harada_accuracy() -> None:
+    """By a map of a first run sigma and the 2 m are missed so far; nothing else is."""
+    found = harada_accuracy.reproduce(Options())
+    assert set(missed(found.rows)) <= {"standard deviation of the error", "errors at all check points"}
+    design = next(row for row in found.rows if row.case == "the same with the design as its map")
+    assert isinstance(design.ours, dict)
+    assert float(str(design.ours["sigma_m"])) <= harada_accuracy.SIGMA_MAX_M
