@@ -33,44 +33,34 @@ def apart(known: Samples, first: int, seen: Samples, begin: int, count: int, awa
 
 
 @compiled
-def squares(known: Samples, first: int, seen: Samples, begin: int, count: int) -> tuple[float, float]:
-    """Equation (3) for one shift: the sum of the squares of map - run, and beside it the plain sum."""
-    a = b = c = d = 0.0
-    p = q = r = s = 0.0
-    whole = count - count % 4
-    for k in range(0, whole, 4):
-        w = known[first + k] - seen[begin + k]
-        x = known[first + k + 1] - seen[begin + k + 1]
-        y = known[first + k + 2] - seen[begin + k + 2]
-        z = known[first + k + 3] - seen[begin + k + 3]
-        p += w
-        q += x
-        r += y
-        s += z
-        a += w * w
-        b += x * x
-        c += y * y
-        d += z * z
-    for k in range(whole, count):
-        w = known[first + k] - seen[begin + k]
-        p += w
-        a += w * w
-    return (a + b) + (c + d), (p + q) + (r + s)
-
-
-@compiled
 def all_squares(
     known: Samples, seen: Samples, begin: int, count: int, span: int, energy: Samples, free: Samples
 ) -> int:
     """Fill for each of `span + 1` shifts equation (3), and what is left of it without a constant difference.
 
-    Returns the shift at which the latter is least.
+    Returns the shift at which the latter is least. The inner loop is that over the shifts: their sums do not depend on
+    one another, so the processor adds several at once, each in the same order.
     """
+    for shift in range(span + 1):
+        energy[shift] = free[shift] = 0.0  # the latter are the plain sums, until the end
+    whole = count - count % 4
+    for k in range(0, whole, 4):
+        p, q, r, s = seen[begin + k], seen[begin + k + 1], seen[begin + k + 2], seen[begin + k + 3]
+        for shift in range(span + 1):
+            w = known[k + shift] - p
+            x = known[k + shift + 1] - q
+            y = known[k + shift + 2] - r
+            z = known[k + shift + 3] - s
+            energy[shift] += (w * w + x * x) + (y * y + z * z)
+            free[shift] += (w + x) + (y + z)
+    for k in range(whole, count):
+        for shift in range(span + 1):
+            w = known[k + shift] - seen[begin + k]
+            energy[shift] += w * w
+            free[shift] += w
     least = 0
     for shift in range(span + 1):
-        total, plain = squares(known, shift, seen, begin, count)
-        energy[shift] = total
-        free[shift] = total - plain * plain / count
+        free[shift] = energy[shift] - free[shift] * free[shift] / count
         if free[shift] < free[least]:
             least = shift
     return least

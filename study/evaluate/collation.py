@@ -21,12 +21,15 @@ import numpy as np
 from onboard.localisation.curvature import collate
 from onboard.localisation.curvature_row import WINDOW_MAX
 from onboard.records import Chart
+from simulation.carriers.plain_track import PlainTrack
 from simulation.settings import Carried
-from simulation.setup import Setup
-from study.papers.position_run import SLOT, PositionRun
+from simulation.setup import STEP_S, Setup
+from simulation.world.roster import drawn_up
+from simulation.world.trains import Trains
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
 
+SLOT: Final = 0
 WITHOUT: Final = "tags"
 WITH: Final = "tags and curvature"
 CARRIED: Final = {WITHOUT: (Carried.TAGS,), WITH: (Carried.TAGS, Carried.CURVATURE)}
@@ -44,8 +47,14 @@ def carrying(setup: Setup, what: str) -> Setup:
 
 def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
     """Milliseconds of one comparison at the widest window, and at how many shifts it looks."""
-    run = PositionRun(carrying(load_scenario(scenario).setup, WITH))
-    unit, own, pool = run.trains.units[SLOT], run.trains.readers[SLOT].curvature, run.trains.pool
+    setup = carrying(load_scenario(scenario).setup, WITH)
+    lengths_m = {piece.id: round(piece.length_m, 6) for piece in setup.line.pieces.values()}
+    trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
+    unit, own, pool = trains.units[SLOT], trains.readers[SLOT].curvature, trains.pool
+    duties = drawn_up(setup, setup.believed_line)[trains.stock_ids[SLOT]]
+    rows = trains.rows_of(SLOT, duties[0].mission.path)
+    unit.path_offset, unit.path_rows = rows.offset, rows.rows
+    unit.position_known, unit.odometer_scale = 1, 1.0
     chart = Chart(pool.pattern, pool.known_places)
     laid = pool.pattern["curvature_per_m"][unit.path_offset : unit.path_offset + unit.path_rows]
     half = int(own.search_m)

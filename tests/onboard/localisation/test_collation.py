@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from onboard.localisation.collation import all_squares, apart, explained, nearest, squares
+from onboard.localisation.collation import all_squares, apart, explained, nearest
 
 COUNT, SPAN = 300, 60
 
@@ -36,8 +36,11 @@ def test_the_sums_are_those_of_the_paper() -> None:
         away = known[shift : shift + count] - seen[begin : begin + count]
         assert apart(known, shift, seen, begin, count, 0.0) == pytest.approx(np.abs(away).sum())
         assert apart(known, shift, seen, begin, count, 0.2) == pytest.approx(np.abs(away - 0.2).sum())
-        total, plain = squares(known, shift, seen, begin, count)
-        assert (total, plain) == pytest.approx(((away**2).sum(), away.sum()))
+        energy, free = np.zeros(SPAN + 1), np.zeros(SPAN + 1)
+        least = all_squares(known, seen, begin, count, SPAN, energy, free)
+        assert energy[shift] == pytest.approx((away**2).sum())
+        assert free[shift] == pytest.approx(((away - away.mean()) ** 2).sum(), abs=1e-9)
+        assert least == int(np.argmin(free))
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(5.0, SPAN - 5.0))

@@ -9,7 +9,7 @@ import pytest
 
 from network.errors import InputError
 from simulation.settings import Carried
-from study.making.curvature_map import map_by_run
+from study.papers.first_run import map_by_run
 from study.papers.position_run import PositionRun
 from study.scenario.scenario import load_scenario
 
