@@ -255,9 +255,8 @@ def keep_to_the_model(laid: Sequence[LaidTag]) -> None:
         if not broken:
             return
         second = broken[0][1]
-        for tag in laid:
-            if tag is second or (second.group >= 0 and tag.group == second.group):
-                tag.heal()
+        for tag in [one for one in laid if one is second or (one.group == second.group >= 0)]:
+            tag.heal()
 
 
 def true_tags(line: Line, path: Path, laid: Iterable[LaidTag]) -> dict[int, Tag]:

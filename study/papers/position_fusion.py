@@ -14,6 +14,8 @@ from typing import Final
 
 import numpy as np
 
+from onboard.localisation.table import READER_NAMES
+from simulation.settings import Carried
 from simulation.setup import Setup
 from study.papers.fusion_runs import (
     AS_UNITS_ARE,
@@ -44,6 +46,17 @@ MEDIAN_BEYOND_M: Final = 2.0
 TRUSTING: Final = Rule("every tag that can be is trusted", tags_wrong_together=0)
 NO_GROWTH: Final = Rule("bounds do not grow", wheel_error_share=0.0)
 SWITCHED_OFF: Final = (TRUSTING, NO_GROWTH)
+SET_RUNS: Final = 100  # with each further set of sensors
+QUICK_SET_RUNS: Final = 4
+MEDIAN_CURVED_M: Final = 2.0
+STRAIGHT_OVER_M: Final = 1000.0
+
+
+def sensor_sets() -> tuple[Rule, ...]:
+    """Tags with each other sensor that units can read, and with all of them."""
+    others = tuple(str(kind) for kind in Carried if kind in READER_NAMES)
+    pairs = [Rule(carries=("tags", other)) for other in others]
+    return (*pairs, Rule(carries=("tags", *others))) if len(others) > 1 else tuple(pairs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +132,27 @@ def median_row(setup: Setup, rule: Rule = AS_UNITS_ARE) -> Row:
     )
 
 
+def curved_row(setup: Setup, rule: Rule) -> Row:
+    """The same with curvature, but for straights so long that there is nothing to compare."""
+    run = PositionRun(rule.of(setup))
+    rows = run.trains.rows_of(0, run.trains.true_path(0))
+    turn_rad = run.trains.pool.profile["turn_rad"][rows.offset : rows.offset + rows.rows]
+    bends_m = np.flatnonzero(np.diff(turn_rad) > 0.0).astype(float)
+    ends_m = np.concatenate([[0.0], bends_m, [float(rows.rows)]])
+    trace = run.run().trace
+    seen = trace[(trace["speed_mps"] > 0.0) & np.isfinite(trace["bound_ahead_m"])]
+    after = np.clip(np.searchsorted(ends_m, seen["position_m"], side="right"), 1, ends_m.size - 1)
+    seen = seen[ends_m[after] - ends_m[after - 1] <= STRAIGHT_OVER_M]
+    half_m = float(np.median((seen["bound_ahead_m"] + seen["bound_behind_m"]) / 2.0))
+    return Row(
+        f"median half-width of the bounds, m, {setup.name}, {' and '.join(rule.carries)}, outside long straights",
+        None,
+        round(half_m, 2),
+        half_m < MEDIAN_CURVED_M,
+        f"below {MEDIAN_CURVED_M:g}; straights of more than {STRAIGHT_OVER_M:g} m are left out",
+    )
+
+
 def figures(found: Found) -> tuple[Figure, ...]:
     """What the runs had in them."""
     outcomes = found.outcomes
@@ -166,9 +200,19 @@ def reproduce(options: Options) -> Reproduction:
     numbers = range(QUICK_RUNS if options.quick else RUNS)
     found = run_all(options.seed, numbers)
     off = [run_all(options.seed, range(min(len(numbers), BROKEN_RUNS)), rule) for rule in SWITCHED_OFF]
+    sets = [
+        run_all(options.seed, range(QUICK_SET_RUNS if options.quick else SET_RUNS), r) for r in sensor_sets()
+    ]
+    line = base_setup(MEDIAN_LINE)
+    curved = [curved_row(line, one.rule) for one in sets if one.rule.carries == ("tags", Carried.CURVATURE)]
     remarks = [
         "A run is drawn from (seed, number): study.papers.fusion_runs.outcome(seed, number) is that run again.",
         *(f"OUT: {again(one)}" for one in found.broken),
+        *(
+            f"OUT with {' and '.join(each.rule.carries)}: {again(one)}"
+            for each in sets
+            for one in each.broken
+        ),
         *found.died,
     ]
     if options.quick:
@@ -177,7 +221,7 @@ def reproduce(options: Options) -> Reproduction:
         NAME,
         "Where a train is: the truth within the stated bounds, whatever wheels and tags do",
         parameters(),
-        (held_row(found), *map(broken_row, off), median_row(base_setup(MEDIAN_LINE))),
+        (held_row(found), *map(broken_row, off), median_row(line), *map(held_row, sets), *curved),
         tuple(remarks),
         figures(found),
     )

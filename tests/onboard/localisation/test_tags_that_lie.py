@@ -28,7 +28,7 @@ READ_WITHIN_M = 0.2
 class Ride:
     """A train that truly is at `true_m`, on a wheel worth `worn` metres a metre counted, and its unit."""
 
-    tags: Sequence[PathTag]
+    tags: tuple[PathTag, ...]
     worn: float = 1.0
     parameters: UnitParameters = PARAMETERS
     true_m: float = START_M
@@ -41,7 +41,7 @@ class Ride:
         self.row.bound_ahead_m = self.row.bound_behind_m = self.parameters.tag_accuracy_m
         self.doubt = TagDoubt(self.row, self.parameters)
         self.doubt.placed()
-        self.doubt.new_path(tuple(self.tags))
+        self.doubt.new_path(self.tags)
 
     @property
     def out_m(self) -> float:
