@@ -51,7 +51,10 @@ class Use:
 
     def stamped(self, times_s: Floats) -> Floats:
         """Times as the unit knows them."""
-        return times_s if self.stamp_s == 0.0 else np.ceil(times_s / self.stamp_s - 1e-9) * self.stamp_s
+        if self.stamp_s == 0.0:
+            return times_s
+        frames: Floats = np.ceil(times_s / self.stamp_s - 1e-9).astype(np.float64)
+        return frames * self.stamp_s
 
 
 # by name, for the rows that they take away

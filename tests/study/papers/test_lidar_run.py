@@ -53,7 +53,7 @@ def setup() -> Setup:
 
 
 def ride(setup: Setup, carries: tuple[Carried, ...], *moments: Moment, **changed: object) -> PositionResult:
-    sensors = Sensors(**{**setup.sensors.model_dump(), "carries": carries})
+    sensors = Sensors(carries=carries)
     return PositionRun(replace(setup, sensors=sensors, **changed), moments).run()  # type: ignore[arg-type]
 
 

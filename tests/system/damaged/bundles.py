@@ -20,7 +20,7 @@ from onboard.driving.tuning import DEAD_TIMES, OFFSETS
 from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
-from simulation.settings import Driving, Limits, Operation, Sensors
+from simulation.settings import Driving, Lidar, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 
@@ -161,6 +161,7 @@ def _scenario() -> Data:
                 "law": LawTables(),
                 "planning": Planning(),
                 "sensors": Sensors(),
+                "lidar": Lidar(),
                 "limits": Limits(),
                 "operation": Operation(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),
