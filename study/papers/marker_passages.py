@@ -53,8 +53,7 @@ class Use:
         """Times as the unit knows them."""
         if self.stamp_s == 0.0:
             return times_s
-        frames: Floats = np.ceil(times_s / self.stamp_s - 1e-9).astype(np.float64)
-        return frames * self.stamp_s
+        return np.array(np.ceil(times_s / self.stamp_s - 1e-9) * self.stamp_s, dtype=np.float64)
 
 
 # by name, for the rows that they take away

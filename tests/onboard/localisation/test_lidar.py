@@ -152,7 +152,7 @@ def test_a_group_passed_unread_is_missed_once() -> None:
 
 def test_the_speed_is_told_once_both_means_are_filled_and_while_markers_are_seen() -> None:
     ride = Ride(1960.0, 10.0, 1.0)
-    told = []
+    told: list[tuple[float, float, float]] = []
     while ride.true_m < 2003.0:
         ride.step(2000.0, 5)
         told.append((ride.true_m, float(ride.unit.seen_speed_mps), float(ride.unit.seen_within_mps)))

@@ -26,7 +26,8 @@ scans = pytest.mark.skipif(INTERPRETED, reason="it scans: interpreted, a passage
 
 def objections(kept: Scans, fresh: Scans, speed_mps: float, index: int) -> list[str]:
     """Which committed figures fresh scans contradict by more than four standard errors of both samples."""
-    at, found = SPEEDS_MPS.index(speed_mps), []
+    at = SPEEDS_MPS.index(speed_mps)
+    found: list[str] = []
     for place, place_m in enumerate(PLACES_M):
         sigma_m = float(kept.sigma_m[at, place])
         # cycles of a passage hang together: a passage counts as few independent ones
