@@ -79,7 +79,7 @@ class Passage:
     @cached_property
     def times_s(self) -> Floats:
         """The end of each cycle."""
-        return (np.arange(self.cycles) + 1) * CYCLE_S
+        return np.array((np.arange(self.cycles) + 1) * CYCLE_S, dtype=np.float64)
 
     @property
     def speeds_mps(self) -> Floats:

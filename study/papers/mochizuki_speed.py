@@ -18,7 +18,7 @@ from study.papers.mochizuki_charts import write_speed
 from study.papers.reproduction import Options, Parameter, Reproduction, Row
 
 RUNS: Final = 200
-RUNS_QUICK: Final = 12
+RUNS_QUICK: Final = 24
 SETTLES_WITHIN: Final = 0.25
 JUDGED_FROM_M: Final = 20.0  # 5.2; to 5 m
 PAPER_KMH: Final = 3.0
