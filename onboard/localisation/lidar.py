@@ -117,8 +117,7 @@ def told_apart(
     Keeps what is not believed yet, for the next group to agree with.
     """
     here = others = 0
-    place_m, run_m = np.nan, (unit.odometer_m - own.doubted_at_m) * unit.odometer_scale
-    agreed_m, agreeing = np.nan, 0
+    place_m, agreed_m, agreeing = np.nan, np.nan, 0
     for k in range(unit.places_offset, unit.places_offset + unit.places_rows):
         place = chart.places[k]
         if place.kind != PLACE_MARKERS:
@@ -130,7 +129,7 @@ def told_apart(
         if fits:
             here += 1
             place_m = place.position_m
-            if agrees(own, unit, chart, place.position_m - ahead_m, run_m, within_m):
+            if agrees(own, unit, chart, place.position_m, place.position_m - ahead_m, within_m):
                 agreeing += 1
                 agreed_m = place.position_m
     own.doubted, own.doubted_front_m, own.doubted_at_m = pattern, ahead_m, unit.odometer_m
@@ -141,13 +140,16 @@ def told_apart(
 
 
 @compiled
-def agrees(own: LidarRow, unit: UnitRow, chart: Chart, front_m: float, run_m: float, within_m: float) -> bool:
-    """Whether the group in doubt lies as far behind a front as the wheels have counted since."""
+def agrees(
+    own: LidarRow, unit: UnitRow, chart: Chart, place_m: float, front_m: float, within_m: float
+) -> bool:
+    """Whether the group in doubt, another than that at `place_m`, lies as far back as the wheels have counted since."""
+    run_m = (unit.odometer_m - own.doubted_at_m) * unit.odometer_scale
     if own.doubted == UNREAD or run_m <= 0.0:
         return False
     for k in range(unit.places_offset, unit.places_offset + unit.places_rows):
         place = chart.places[k]
-        if place.kind == PLACE_MARKERS and place.number == own.doubted:
+        if place.kind == PLACE_MARKERS and place.number == own.doubted and place.position_m < place_m:
             away_m = front_m - (place.position_m - own.doubted_front_m) - run_m
             if abs(away_m) <= AGREES_SHARE * run_m + 2.0 * within_m:
                 return True

@@ -113,8 +113,8 @@ def at_place(values: Any, speed_mps: float, place_m: float) -> float:  # noqa: A
         upper += 1
     share = (place_m - PLACES_AT[upper - 1]) / (PLACES_AT[upper] - PLACES_AT[upper - 1])
     share = min(max(share, 0.0), 1.0)
-    nearer = at_speed(values, PLACES, upper - 1, speed_mps)
-    return nearer + share * (at_speed(values, PLACES, upper, speed_mps) - nearer)
+    nearer: float = at_speed(values, PLACES, upper - 1, speed_mps)
+    return float(nearer + share * (at_speed(values, PLACES, upper, speed_mps) - nearer))
 
 
 @compiled

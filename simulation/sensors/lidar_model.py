@@ -5,6 +5,7 @@ Passages at constant speeds over every pattern in turn; the unit's own functions
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -95,12 +96,16 @@ def fit(speeds_mps: tuple[float, ...], passages: int, seed: int, least_readings:
     found = [measure(speed_mps, passages, seed, least_readings) for speed_mps in speeds_mps]
     return (
         Scans(
-            np.array([sums.none / np.maximum(sums.cycles, 1.0) for sums in found]),
-            np.array([[np.mean(errors) for errors in sums.errors_m] for sums in found]),
-            np.array([[np.std(errors, ddof=1) for errors in sums.errors_m] for sums in found]),
-            np.array([np.minimum.accumulate(sums.read / sums.readings) for sums in found]),
-            np.array([np.mean(sums.rows_m) for sums in found]),
-            np.array([np.std(sums.rows_m, ddof=1) for sums in found]),
+            _figures([sums.none / np.maximum(sums.cycles, 1.0) for sums in found]),
+            _figures([[np.mean(errors) for errors in sums.errors_m] for sums in found]),
+            _figures([[np.std(errors, ddof=1) for errors in sums.errors_m] for sums in found]),
+            _figures([np.minimum.accumulate(sums.read / sums.readings) for sums in found]),
+            _figures([np.mean(sums.rows_m) for sums in found]),
+            _figures([np.std(sums.rows_m, ddof=1) for sums in found]),
         ),
         sum(sums.wrong for sums in found),
     )
+
+
+def _figures(rows: Sequence[object]) -> Floats:
+    return np.array(rows, dtype=np.float64)

@@ -51,7 +51,9 @@ class Use:
 
     def stamped(self, times_s: Floats) -> Floats:
         """Times as the unit knows them."""
-        return times_s if self.stamp_s == 0.0 else np.ceil(times_s / self.stamp_s - 1e-9) * self.stamp_s
+        if self.stamp_s == 0.0:
+            return times_s
+        return np.array(np.ceil(times_s / self.stamp_s - 1e-9) * self.stamp_s, dtype=np.float64)
 
 
 # by name, for the rows that they take away
@@ -77,7 +79,7 @@ class Passage:
     @cached_property
     def times_s(self) -> Floats:
         """The end of each cycle."""
-        return (np.arange(self.cycles) + 1) * CYCLE_S
+        return np.array((np.arange(self.cycles) + 1) * CYCLE_S, dtype=np.float64)
 
     @property
     def speeds_mps(self) -> Floats:

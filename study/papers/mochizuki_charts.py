@@ -95,10 +95,10 @@ def draw_spacing(found: Mapping[str, Sequence[Spaced]]) -> Figure:
     axes = figure.subplots()
     top = max((each.shares[-1][0] for many in found.values() for each in many), default=1.0)
     for colour, (name, many) in zip((INK, BLUE), found.items(), strict=True):
-        met = [each for each in many if each.least_m is not None]
+        met = [(each.speed_kmh, each.least_m) for each in many if each.least_m is not None]
         none = [each for each in many if each.least_m is None]
         label = "points with the time of their frame (0.02 s)" if name == "as the paper" else name
-        axes.plot([e.speed_kmh for e in met], [e.least_m for e in met], "o-", color=colour, label=label)
+        axes.plot([kmh for kmh, _ in met], [least_m for _, least_m in met], "o-", color=colour, label=label)
         axes.plot([e.speed_kmh for e in none], [top for _ in none], "x", color=colour, ms=9)
     axes.axhline(0.25, color=RED, lw=0.8, ls=":")
     axes.set_xlabel("speed, km/h")

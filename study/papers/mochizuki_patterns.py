@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 from scipy.stats import binomtest, fisher_exact
 
 from study.papers.marker_passages import KMH, USES, Readings, Use, parameters, pass_markers
@@ -89,7 +90,7 @@ def fewer(before: Told, after: Told) -> float:
 
 def less(there: Told, here: Told) -> float:
     """Fisher's exact test: how likely so many fewer are told `there` than `here`, if there is no difference."""
-    table = [[sum(t.right), len(t.right) - sum(t.right)] for t in (there, here)]
+    table = np.array([[sum(t.right), len(t.right) - sum(t.right)] for t in (there, here)], dtype=np.int64)
     return float(fisher_exact(table, alternative="less").pvalue)
 
 

@@ -21,7 +21,7 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
-from simulation.settings import Beacons, Curvature, Driving, Limits, Operation, Sensors
+from simulation.settings import Beacons, Curvature, Driving, Lidar, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 
@@ -169,6 +169,7 @@ def _scenario() -> Data:
                 "gnss": Gnss(),
                 "beacons": Beacons(),
                 "curvature": Curvature(),
+                "lidar": Lidar(),
                 "limits": Limits(),
                 "operation": Operation(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),
