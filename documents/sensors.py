@@ -21,8 +21,9 @@ from onboard.localisation.table import READERS
 from onboard.unit_records import UnitParameters
 from simulation.faults.table import KINDS
 from simulation.gnss_settings import Gnss
+from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.sensors.table import SENSORS
-from simulation.settings import Beacons, Carried, Curvature, Lidar, Sensors, Vision
+from simulation.settings import Carried, Sensors, Vision
 
 FILE: Final = Path("docs/sensors.md")
 

@@ -25,13 +25,11 @@ from radio.keys import KeyRing, key_ring
 from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
 from simulation.gnss_settings import Gnss
+from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
-    Beacons,
-    Curvature,
     Driving,
-    Lidar,
     Limits,
     Load,
     Operation,

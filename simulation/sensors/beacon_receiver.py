@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 from onboard.board import SensedRow
 from onboard.localisation.beacons import BeaconsRow
 from simulation.faults.fault import Fault, Names, World
+from simulation.sensor_settings import BeaconTrust
 from simulation.sensors.noise import source_of
 from simulation.sensors.scene import SceneRow
 from simulation.sensors.tag_reader import WithTachometer, latch
-from simulation.settings import BeaconTrust, Carried
+from simulation.settings import Carried
 from vehicle.compiled import compiled
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from network.path import Path
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
 from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
 from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, sections
+from simulation.sensor_settings import Curvature, Filter
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
-from simulation.settings import Curvature, Filter
 from simulation.setup import STEP_S, Setup
 from simulation.world.irregularities import heading_density
 

@@ -24,7 +24,7 @@ from network.model import Line
 from network.offsets import end_offsets_m
 from network.path import Path
 from radio.chance import generator
-from simulation.settings import Rails
+from simulation.sensor_settings import Rails
 
 Floats = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ from typing import Any, Final
 import numpy as np
 
 from onboard.localisation.curvature_map import CurvatureMap
-from simulation.settings import Curvature, Filter
-from study.making.curvature_map import map_by_run
+from simulation.sensor_settings import Curvature, Filter
+from study.papers.first_run import map_by_run
 from study.papers.harada_bench import Floats, Ride, Trip, worst_m
 from study.papers.harada_chart import write_errors
 from study.papers.mountain_line import (

@@ -15,7 +15,8 @@ from typing import Final
 import numpy as np
 
 from onboard import notes
-from simulation.settings import Beacons, BeaconTrust, Carried
+from simulation.sensor_settings import Beacons, BeaconTrust
+from simulation.settings import Carried
 from simulation.world.trains import Trains
 from study.papers.harada_bench import Ride, Trip, worst_m
 from study.papers.harada_chart import write_beacons

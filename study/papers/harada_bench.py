@@ -18,7 +18,8 @@ from network.timetable import Timetable
 from onboard import notes
 from onboard.localisation.curvature_map import CurvatureMap
 from onboard.unit_records import UnitParameters
-from simulation.settings import Beacons, Carried, Curvature, Driving, Sensors
+from simulation.sensor_settings import Beacons, Curvature
+from simulation.settings import Carried, Driving, Sensors
 from simulation.setup import Setup
 from study.papers.mountain_line import STOCK_ID, MountainLine
 from study.papers.parameter_sets import LINE

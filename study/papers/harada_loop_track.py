@@ -17,7 +17,7 @@ import numpy as np
 from network.model import Line
 from onboard import notes
 from onboard.localisation.fix import FOREIGN, TAKEN
-from simulation.settings import Curvature
+from simulation.sensor_settings import Curvature
 from study.papers.harada_bench import Ride, Trip
 from study.papers.harada_chart import write_watched
 from study.papers.harada_watch import Watch

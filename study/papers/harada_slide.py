@@ -18,7 +18,7 @@ from typing import Final
 from onboard import notes
 from onboard.localisation.fix import FOREIGN, TAKEN
 from onboard.records import EMERGENCY_INTERVENTION, NO_INTERVENTION
-from simulation.settings import Curvature
+from simulation.sensor_settings import Curvature
 from simulation.world.trains import Trains
 from study.papers.harada_bench import WHEELS, Ride, Trip
 from study.papers.harada_chart import write_watched

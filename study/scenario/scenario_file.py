@@ -19,13 +19,11 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
+from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
-    Beacons,
-    Curvature,
     Driving,
-    Lidar,
     Limits,
     Load,
     Operation,

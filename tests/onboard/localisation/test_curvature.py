@@ -11,7 +11,8 @@ import pytest
 
 from onboard import notes
 from onboard.localisation.curvature_map import CurvatureMap, design_map
-from simulation.settings import Carried, Filter, Rails
+from simulation.sensor_settings import Filter, Rails
+from simulation.settings import Carried
 from simulation.setup import Setup
 from study.papers.position_run import SLOT, Moment, PositionResult, PositionRun
 from study.scenario.scenario import load_scenario

@@ -12,10 +12,11 @@ from onboard.board import SENSED
 from onboard.localisation.table import READERS_ROW
 from simulation.carriers.plain_track import PlainTrack
 from simulation.faults.fault import World
+from simulation.sensor_settings import Beacons, BeaconTrust
 from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon, beacon_receiver, fit, fit_reader
 from simulation.sensors.scene import NO_TAG_M, SCENE
 from simulation.sensors.table import SENSORS_ROW
-from simulation.settings import Beacons, BeaconTrust, Carried, Sensors
+from simulation.settings import Carried, Sensors
 from simulation.setup import STEP_S, Setup
 from simulation.world.trains import Trains
 

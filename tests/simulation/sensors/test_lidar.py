@@ -12,11 +12,12 @@ from onboard.board import SENSED
 from onboard.localisation.lidar import SETBACK_M
 from onboard.localisation.lidar_points import CYCLE_S, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
+from simulation.sensor_settings import Lidar
 from simulation.sensors.lidar import LOOKS_FROM_M, LidarSensorRow, fit, lidar, reach_m
 from simulation.sensors.line_scans import PLACES_M, SPEEDS_MPS, line_scans
 from simulation.sensors.scene import SCENE
 from simulation.sensors.table import SENSORS_ROW
-from simulation.settings import Carried, Lidar, Sensors
+from simulation.settings import Carried, Sensors
 from simulation.setup import Setup
 
 PERFECT = Lidar(laid_within_m=0.0, dirt_share=0.0)

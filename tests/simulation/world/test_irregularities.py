@@ -8,7 +8,7 @@ import pytest
 from network.graph import next_pieces
 from network.model import Direction
 from network.path import Path, path_of
-from simulation.settings import Rails
+from simulation.sensor_settings import Rails
 from simulation.setup import Setup
 from simulation.world.irregularities import Irregularities, heading_density
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from network.model import Line
-from simulation.settings import BeaconTrust, Carried, Curvature, Filter
+from simulation.sensor_settings import BeaconTrust, Curvature, Filter
+from simulation.settings import Carried
 from study.papers import harada_accuracy, harada_beacons, harada_loop_track, harada_slide
 from study.papers.mountain_line import (
     CHECK_POINTS,

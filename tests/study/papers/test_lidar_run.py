@@ -10,7 +10,8 @@ import pytest
 
 from network.model import Line, MarkerGroup
 from onboard import notes
-from simulation.settings import Carried, Lidar, Sensors
+from simulation.sensor_settings import Lidar
+from simulation.settings import Carried, Sensors
 from simulation.setup import Belief, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains

@@ -21,7 +21,8 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
-from simulation.settings import Beacons, Curvature, Driving, Lidar, Limits, Operation, Sensors
+from simulation.sensor_settings import Beacons, Curvature, Lidar
+from simulation.settings import Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 

@@ -1,0 +1,217 @@
+"""The tables of a scenario for what trains may carry beside tags: `[beacons]`, `[curvature]`, `[lidar]`."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from typing import Annotated
+
+from pydantic import Field
+
+from network.files.kinds import about
+from network.files.quantities import (
+    BodyDamping,
+    BodyFrequency,
+    CurvatureError,
+    MarkerError,
+    MatchedWay,
+    NoiseFactor,
+    PositionBound,
+    ReadError,
+    SampleRate,
+    SearchedWay,
+    Share,
+    ShareAbove0,
+    Sigma,
+    Sigmas,
+    SpeedMps,
+    SpreadShare,
+    VisibilityM,
+    Wait,
+    WheelError,
+    YawRateDegps,
+)
+from network.files.toml_input import Record
+
+
+class BeaconTrust(StrEnum):
+    """What a beacon noticed in its window may do."""
+
+    BOUNDED = "bounded"  # move the estimate inside the bounds; one with a number cuts them
+    PAPER = "paper"  # set the position and bounds, as in Harada, 2.2
+
+
+class Beacons(Record):
+    """`[beacons]`: how trains that carry a receiver go by the beacons of the train stop."""
+
+    trust: Annotated[
+        BeaconTrust,
+        Field(strict=False),
+        about(
+            "what a beacon noticed in its window may do; `paper` alone lets one that is mistaken break the bounds"
+        ),
+    ] = BeaconTrust.BOUNDED
+    window_share: Annotated[
+        ShareAbove0,
+        about("of the interval: a beacon is looked for this far either way", "Harada, table 1: 40 m of 440"),
+    ] = 0.1
+    window_least_m: Annotated[
+        PositionBound, about("and at least this far", "Harada, 3.2: some windows can be no wider")
+    ] = 10.0
+    accuracy_m: Annotated[
+        PositionBound,
+        about("bound of the position where a beacon is noticed", "assumed: the receiver's field"),
+    ] = 1.0
+    placed_within_m: Annotated[
+        PositionBound,
+        about(
+            "one that tells its number lies this near to where the database has it",
+            "assumed: kilometrages to the metre; moved ones are told to the database",
+        ),
+    ] = 2.0
+    notice_sigma_m: Annotated[
+        ReadError, about("of where a beacon is noticed", "assumed: a loop of half a metre under the car")
+    ] = 0.15
+    notice_max_m: Annotated[ReadError, about("at most this far off", "assumed: the edge of its field")] = 0.5
+
+
+class Rails(StrEnum):
+    """How well rails are laid in plan: the two levels of ORE B 176, and without any fault."""
+
+    STRAIGHT = "straight"
+    LOW = "low"
+    HIGH = "high"
+
+
+class Filter(StrEnum):
+    """What map and run go through before they are compared; all but the first are for experiments."""
+
+    SPACE = "space"
+    TIME = "time"
+    OFF = "off"
+
+
+class Curvature(Record):
+    """`[curvature]`: yaw gyro, rails as laid, comparison with the map, where `sensors.carries` has curvature."""
+
+    map: Annotated[
+        str,
+        about(
+            "what the map holds: `design`, the line as believed, or a file beside the scenario",
+            "Harada, 3.3: filtered curvature is near that of the ledger",
+        ),
+    ] = "design"
+    rails: Annotated[
+        Rails,
+        Field(strict=False),
+        about(
+            "how well the rails lie in plan; units count on no worse",
+            "ORE B 176: spectra of low and high disturbance; assumed: a branch line has the high one",
+        ),
+    ] = Rails.HIGH
+    sample_sigma_degps: Annotated[
+        YawRateDegps,
+        about(
+            "standard deviation of one sample of the gyro",
+            "ASM330LHH in the cab of an ETR103 (ETH-PBL/Railway-Precise-Localization): 0.16 to 0.21, mostly its own"
+            " white noise",
+        ),
+    ] = 0.19
+    sample_rate_hz: Annotated[SampleRate, about("of the gyro's samples", "the same record: 1.7 kHz")] = 1700.0
+    noise_factor: Annotated[
+        NoiseFactor, about("on the gyro's noise; units count on 1", "the record is factor 1")
+    ] = 1.0
+    bias_sigma_degps: Annotated[
+        YawRateDegps,
+        about("of the bias, train to train", "the same record: some 0.8 at a stand; ASM330LHH: 1 typical"),
+    ] = 0.5
+    bias_walk_degps: Annotated[
+        YawRateDegps,
+        about("of the bias about that", "assumed: 0.005 deg/s a kelvin (ASM330LHH), 2 kelvin in the cab"),
+    ] = 0.01
+    bias_walk_s: Annotated[Wait, about("in which it is another", "assumed: a cab warms in an hour")] = 3600.0
+    gain_sigma: Annotated[
+        Sigma, about("of shown over real yaw rate, train to train", "assumed: calibrated on a turntable")
+    ] = 0.001
+    body_frequency_hz: Annotated[
+        BodyFrequency, about("natural frequency of the car body in yaw", "assumed: as most cars have")
+    ] = 1.0
+    body_damping: Annotated[
+        BodyDamping, about("its damping as a share of the critical one", "assumed: with yaw dampers")
+    ] = 0.3
+    body_spread: Annotated[
+        SpreadShare, about("what both differ by from train to train, at most", "assumed: load and wear")
+    ] = 0.1
+    filter: Annotated[
+        Filter,
+        Field(strict=False),
+        about("what map and run go through: by distance, by time, or nothing", "Harada, 3.3: by distance"),
+    ] = Filter.SPACE
+    filter_speed_mps: Annotated[
+        SpeedMps, about("where a filter by time is as one by distance", "assumed: 72 km/h")
+    ] = 20.0
+    window_m: Annotated[MatchedWay, about("longest way that is compared, N_r", "Harada, figure 2: 600 m")] = (
+        600.0
+    )
+    window_least_m: Annotated[
+        MatchedWay, about("shortest, after a path has begun", "assumed: about a curve")
+    ] = 100.0
+    search_m: Annotated[
+        SearchedWay,
+        about(
+            "furthest that is searched either way, N_s; never beyond the bounds", "Harada, figure 2: 200 m"
+        ),
+    ] = 200.0
+    every_m: Annotated[
+        MatchedWay, about("a comparison each so many metres", "assumed: about one a second at line speed")
+    ] = 25.0
+    transition_m: Annotated[
+        MatchedWay,
+        about("least way of transition curve in what is compared (section 3.4)", "assumed: half of one"),
+    ] = 20.0
+    mismatch_per_m: Annotated[
+        CurvatureError,
+        about(
+            "root mean square of the difference beyond which the track counts as foreign (equation 3)",
+            "assumed: four times what rails of high disturbance leave after the filter",
+        ),
+    ] = 2.5e-4
+    sure_sigmas: Annotated[
+        Sigmas, about("deviations that the bounds of a fix have room for", "assumed: one in two million")
+    ] = 5.0
+
+    wheels_vary_share: Annotated[
+        WheelError,
+        about(
+            "what wheels count over a few hundred metres differs from their mean by no more: creep and the tread's"
+            " slope, as far as they are no slip or slide",
+            "assumed: creep of 0.15 % at half of the adhesion, 4 mm off the middle of a cone of 1 in 20 0.05 %",
+        ),
+    ] = 0.002
+
+    def step_sigma_radps(self, step_s: float) -> float:
+        """Standard deviation (rad/s) of the mean of the samples of a step."""
+        return self.noise_factor * self.stated_sigma_radps(step_s)
+
+    def stated_sigma_radps(self, step_s: float) -> float:
+        """The same as units count on it."""
+        return math.radians(self.sample_sigma_degps) / math.sqrt(self.sample_rate_hz * step_s)
+
+
+class Lidar(Record):
+    """`[lidar]`: what the LiDARs of trains that carry one see of markers (`sensors.carries`)."""
+
+    visibility_m: Annotated[
+        VisibilityM,
+        about(
+            "in fog, rain and snow; by the sheeting of markers it sees about as far as people",
+            "assumed: a clear day",
+        ),
+    ] = 20_000.0
+    dirt_share: Annotated[
+        Share, about("of the light that dirt on its window takes each way", "assumed: a day after cleaning")
+    ] = 0.05
+    laid_within_m: Annotated[
+        MarkerError,
+        about("markers lie within so much of where the line has them", "assumed: laid by tape from a peg"),
+    ] = 0.03
