@@ -64,7 +64,7 @@ def test_the_figures_are_what_scans_give(fresh: Scans, index: int) -> None:
 @scans
 def test_figures_of_another_speed_are_noticed(fresh: Scans) -> None:
     kept = line_scans()
-    slow = SPEEDS_MPS.index(FRESH_MPS[0])
+    slow = SPEEDS_MPS.index(1.4)
     other = replace(kept, sigma_m=np.tile(kept.sigma_m[slow], (len(SPEEDS_MPS), 1)))
     assert objections(other, fresh, FRESH_MPS[1], 1)
     misread = replace(kept, read_share=kept.read_share[:, ::-1])
