@@ -221,9 +221,8 @@ def _bounds_settings() -> Iterator[str]:
 
 
 def _setting(key: str, info: FieldInfo) -> str:
-    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     default = info.get_default(call_default_factory=True)
-    return f"| `{key}` | {_value(default)} | {info.description or ''} | {extra.get('origin', '')} |"
+    return f"| `{key}` | {_value(default)} | {info.description or ''} | {origin_of(info)} |"
 
 
 def _value(value: object) -> str:

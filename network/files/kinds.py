@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, cast
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic.fields import FieldInfo
@@ -26,6 +26,12 @@ def about(meaning: str, origin: str = "") -> FieldInfo:
     extra: dict[str, Any] = {"origin": origin} if origin else {}
     info: FieldInfo = Field(description=meaning, json_schema_extra=extra)
     return info
+
+
+def origin_of(info: FieldInfo) -> str:
+    """Where the default of a key comes from, as `about` was told; empty where nobody did."""
+    extra = cast("dict[str, str]", info.json_schema_extra or {})
+    return extra.get("origin", "")
 
 
 def _seconds(value: object) -> object:

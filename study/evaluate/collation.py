@@ -63,7 +63,7 @@ def fix_ms(scenario: str, fixes: int = FIXES) -> tuple[float, int]:
     own.bent_per_m[:WINDOW_MAX] = own.bent_per_m[WINDOW_MAX:] = ring
     own.slow_s_per_m[:] = 1.0 / 20.0
     own.metres, own.metre, own.along_m, own.bias_radps2 = WINDOW_MAX, front, float(front), 0.0
-    taken_s = []
+    taken_s: list[float] = []
     for _ in range(fixes + 1):
         unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = float(front), float(half), float(half)
         begun_s = time.perf_counter()

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from network.files.kinds import origin_of
 from onboard.localisation.curvature_map import CurvatureMap
 from simulation.sensor_settings import Curvature, Filter
 from study.papers.first_run import map_by_run
@@ -158,8 +159,7 @@ def parameters(runs: int) -> tuple[Parameter, ...]:
 
 
 def _origin(key: str) -> str:
-    extra = Curvature.model_fields[key].json_schema_extra
-    return str(extra.get("origin", "")) if isinstance(extra, dict) else ""
+    return origin_of(Curvature.model_fields[key])
 
 
 def histogram(errors_m: Floats) -> dict[str, int]:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Final
 
 import numpy as np
 
+from network.files.kinds import origin_of
 from network.files.toml_input import Record
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy
 from onboard.driving.laws.pid import Pid
@@ -218,8 +219,7 @@ def _set_to(law: str, given: Record) -> tuple[Parameter, ...]:
     """A law's settings, with what the file format says of their origin, or of their meaning."""
     found: list[Parameter] = []
     for key, field in type(given).model_fields.items():
-        extra = cast("dict[str, str]", field.json_schema_extra or {})
-        origin = extra.get("origin") or str(field.description)
+        origin = origin_of(field) or str(field.description)
         found.append(Parameter(f"law.{law}.{key}", getattr(given, key), "", origin))
     return tuple(found)
 

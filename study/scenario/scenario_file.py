@@ -80,6 +80,7 @@ class PatchTable(Record):
     sensors: Annotated[TableWords | None, about("on [sensors]")] = None
     gnss: Annotated[TableWords | None, about("on [gnss]")] = None
     beacons: Annotated[TableWords | None, about("on [beacons]")] = None
+    lidar: Annotated[TableWords | None, about("on [lidar]")] = None
     curvature: Annotated[TableWords | None, about("on [curvature]")] = None
     scatter: Annotated[TableWords | None, about("on [scatter]")] = None
     trains: Annotated[TableWords | None, about("on [trains]")] = None
