@@ -16,6 +16,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from documents.page import write_page
+from network.files.kinds import origin_of
 from onboard.localisation import curvature_map_file, fix, tachometer, tags
 from onboard.localisation.table import READERS
 from onboard.unit_records import UnitParameters
