@@ -211,6 +211,20 @@ def test_before_the_manager_answers_only_on_open_line(motion: Motion, low_m: flo
     assert bool(motion.row.position_known) is believed
 
 
+def test_after_a_tag_of_another_track_only_a_tag_tells_that_it_is_on_its_path(
+    motion: Motion, mission: Mission
+) -> None:
+    """What does not tell tracks apart cannot stand against a tag that does, whatever the register has."""
+    motion.reads_tags = True
+    motion._fixes.take_up(mission, virtual=False)
+    run_to(motion, 300.0, 5.0)
+    assert motion.tag_read(9999, motion.row.odometer_m) == [PositionLost()]
+    assert motion.events(fix(motion, 295.0, 305.0)) == []
+    assert motion.row.position_known == 0
+    motion._fixes.tag_believed()
+    assert motion.events(fix(motion, 295.0, 305.0)) == [Found()]
+
+
 # the driver's eye ---------------------------------------------------
 
 
