@@ -175,6 +175,8 @@ class Fixes:
         low_m = row.position_m - row.bound_behind_m - self._length_m
         high_m = row.position_m + row.bound_ahead_m
         under = [span for span in mission.spans if span.start_m <= high_m and span.end_m > low_m]
+        if not under:
+            return False
         if command.on_line:
             return all(span.section_id in command.held for span in under)
         return by_eye or all(span.kind is SectionKind.BETWEEN for span in under)

@@ -200,6 +200,12 @@ def test_and_nowhere_else(motion: Motion, held: tuple[str, ...]) -> None:
     assert motion.taken_notes() == []  # said once
 
 
+def test_nor_off_its_path(motion: Motion) -> None:
+    lose(motion)
+    assert motion.events(fix(motion, -500.0, -490.0)) == []
+    assert motion.row.position_known == 0
+
+
 @pytest.mark.parametrize(
     ("low_m", "believed"), [(400.0, True), (210.1, True), (200.0, False), (515.0, False)]
 )
