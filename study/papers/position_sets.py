@@ -73,7 +73,6 @@ class Trouble:
     held: bool = True
 
 
-LASTS_M: Final = 1_200.0
 TROUBLES: Final = (
     Trouble("slip", None, 2_980.0, 3_300.0, "slippery", {"factor": 0.25}),
     Trouble("slide", None, 4_900.0, 5_230.0, "slippery", {"factor": 0.1}),
