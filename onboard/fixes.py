@@ -52,12 +52,13 @@ class Fixes:
         self._outcomes = [NOTHING] * len(READER_NAMES)  # as last looked at
         self._virtual = False
         self._doubted = False  # a position found that is not believed, and said so
+        self._elsewhere = False  # a tag was read that does not lie on its path
         self.untold = False  # which track it is on rests on the register
         self.notes: Final = said
 
     def take_up(self, mission: Mission, *, virtual: bool) -> None:
         """Another mission, from where the train stands."""
-        self._mission, self._virtual = mission, virtual
+        self._mission, self._virtual, self._elsewhere = mission, virtual, False
         if virtual:
             self._places.take_up(mission.tags)
         else:
@@ -75,7 +76,11 @@ class Fixes:
 
     def tag_believed(self) -> None:
         """A real tag has told the position: it lies on one track only."""
-        self.untold = False
+        self.untold = self._elsewhere = False
+
+    def tag_of_another_path(self) -> None:
+        """A real tag was read that is not on the path: until one that is tells so, no other sensor can."""
+        self._elsewhere = True
 
     @property
     def ask_m(self) -> float:
@@ -165,11 +170,13 @@ class Fixes:
     def _may_be_here(self, command: Command, *, by_eye: bool) -> bool:
         """Whether the train may be on its own path where it was found: by the register, or where there is no other."""
         row, mission = self._row, self._mission
-        if mission is None:
+        if mission is None or self._elsewhere:
             return False
         low_m = row.position_m - row.bound_behind_m - self._length_m
         high_m = row.position_m + row.bound_ahead_m
         under = [span for span in mission.spans if span.start_m <= high_m and span.end_m > low_m]
+        if not under:
+            return False
         if command.on_line:
             return all(span.section_id in command.held for span in under)
         return by_eye or all(span.kind is SectionKind.BETWEEN for span in under)

@@ -281,6 +281,7 @@ class Motion:
             return self._lose("a tag was passed while the tachometer shows a stand", wheels_lie=True)
         known = self._tags.get(tag_id)
         if known is None:
+            self._fixes.tag_of_another_path()
             return self._lose(f"tag {tag_id} where none can be")
         index, tag = known
         found = bool(row.position_known != 1)

@@ -10,8 +10,9 @@ What may be wrong, and what comes of it (P is the protection level that the rece
 - A fault that comes up moves the fixes against the wheels. Within a window they may move by P / 4, by what wheels may
   be wrong by (`DRIFT_SHARE`; a window ends where that comes to P / 8), and by what slid or slipped. What moves by more
   is a lie of the receiver, now or before: it is added to the interval from then on, until it moves back or until
-  bounds that others have made narrow confirm the receiver. So a fault that comes up by more than 3 % of the way run is
-  held: up to 3 P / 8 of it may hide at the edges of two windows each, beside the P / 4.
+  bounds that others have made narrow confirm the receiver; on another path its direction is not known any more. So a
+  fault that comes up by more than 3 % of the way run is held: up to 3 P / 8 of it may hide at the edges of two windows
+  each, beside the P / 4.
 - Not held: a fault that is there from the first fix on; one that comes up by less than 3 % of the way to more than P;
   two small ones, one after the other. What leaves the bounds altogether is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
@@ -94,6 +95,8 @@ def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
         own.window_s += step_s
     if own.path != unit.paths_taken_up or own.ticks == 1:
         own.path, own.window_s, own.agreeing = unit.paths_taken_up, -1.0, 0
+        own.lie_within_m += abs(own.lie_m)  # on another path it may point the other way
+        own.lie_m = 0.0
 
 
 @compiled

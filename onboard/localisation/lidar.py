@@ -61,6 +61,7 @@ class LidarReading(Protocol):
 class LidarRow(Protocol):
     """What the unit keeps of its LiDAR."""
 
+    fitted: Annotated[int, "1: the train has one"]
     speed: Annotated[SpeedRow, "as it is detected and smoothed"]
     path: Annotated[int, "number of the path that the following belongs to"]
     expected_m: Annotated[float, "first row of the markers that come next; +inf: none"]
@@ -159,6 +160,8 @@ def agrees(
 @compiled
 def lidar(own: LidarRow, reading: LidarReading, unit: UnitRow, chart: Chart, _step_s: float) -> int:
     """Markers in sight give a speed; a pattern read near enough gives a fix; a group passed unread was missed."""
+    if own.fitted == 0:
+        return NOTHING
     if own.path != unit.paths_taken_up:
         begin_path(own, unit, chart)
     unit.seen_within_mps = 0.0

@@ -123,4 +123,4 @@ class Places:
                 return
             self._wheel.learn(before)
         self._wheel.learn(here)
-        self._wheel.apply(row.odometer_scale)
+        self._wheel.apply(self._wheel.middle)

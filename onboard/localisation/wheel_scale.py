@@ -80,6 +80,11 @@ class WheelScale:
         """What is stated or known now, with what changes from place to place."""
         return Scales(self._low - self._varies, self._high + self._varies)
 
+    @property
+    def middle(self) -> float:
+        """The scale by which bounds grow least."""
+        return (self._low + self._high) / 2.0
+
     def forget_places(self) -> None:
         """The path coordinates are others now; what the wheels are worth is kept."""
         self._places.clear()
@@ -114,7 +119,7 @@ class WheelScale:
 
     def apply(self, scale: float) -> None:
         """Count by this scale from now on, as far as bounds then grow by no more than stated: by what it may be off."""
-        middle, half = (self._low + self._high) / 2.0, (self._high - self._low) / 2.0
-        off = min(max(scale - middle, half - self._worn), self._worn - half)
-        self._row.odometer_scale = middle + off
+        half = (self._high - self._low) / 2.0
+        off = min(max(scale - self.middle, half - self._worn), self._worn - half)
+        self._row.odometer_scale = self.middle + off
         self._row.bound_growth = self._varies + half + abs(off)

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from network.files.quantities import VisibilityM
 from onboard.board import SensedRow
-from onboard.localisation.lidar import SETBACK_M
+from onboard.localisation.lidar import SETBACK_M, LidarRow
 from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
 from simulation.faults.fault import Fault, Names, World
@@ -76,6 +76,12 @@ def fit(own: LidarSensorRow, setup: Setup, stock_id: str) -> None:
     figures = line_scans()
     for column in COLUMNS:
         getattr(own, column)[:] = getattr(figures, column).ravel()
+
+
+def fit_reader(readers: Any, setup: Setup, stock_id: str) -> None:  # noqa: ANN401 - all readers' rows
+    """Its unit looks for markers where there is a LiDAR."""
+    own: LidarRow = readers.lidar
+    own.fitted = int(Carried.LIDAR in setup.sensors.carried_by(stock_id))
 
 
 @compiled

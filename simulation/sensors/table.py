@@ -55,7 +55,7 @@ SENSORS: Final = (
     Sensor(gnss.gnss_receiver, gnss.GnssReceiverRow, gnss.fit),
     Sensor(beacon.beacon_receiver, beacon.BeaconReceiverRow, beacon.fit, beacon.fit_reader),
     Sensor(yaw_gyro.yaw_gyro, yaw_gyro.YawGyroRow, yaw_gyro.fit),
-    Sensor(lidar.lidar, lidar.LidarSensorRow, lidar.fit),
+    Sensor(lidar.lidar, lidar.LidarSensorRow, lidar.fit, lidar.fit_reader),
 )
 
 

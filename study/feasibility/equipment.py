@@ -1,6 +1,6 @@
 """What units need of the line to get a train through: tags that tell where it is, radio where something is said.
 
-A unit's bounds grow with the distance from the last tag. It stops that far before where it may go, so without tags it
+A unit's bounds grow with the distance from the last tags. It stops that far before where it may go, so without tags it
 comes to stand short of its mark, and beyond `unit.doubt_bound_max_m` it gives its position up; by the wear of its
 wheels it is off its mark even where it may go further. Points before a track are thrown at the approach tag (④);
 without one the train stops before them. A route is asked for at a stand, what lies behind is given back there, and a
@@ -24,7 +24,7 @@ from simulation.settings import Carried
 from simulation.setup import Setup
 from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.finding import Finding, Kind, Severity, minute
-from study.feasibility.fixes import Fixed, fixes_on
+from study.feasibility.fixes import Fixed, fixes_on, measured_growth
 from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
 
 RESERVE_M: Final = 1.0  # what supervision keeps beyond that
@@ -61,8 +61,14 @@ class _Way:
 
     def bound_m(self, at_m: float) -> float:
         """How far ahead the front may be of where the unit believes it at `at_m`."""
-        share = self.setup.unit.wheel_error_share
+        share = self.growth(at_m)
         return min(fix.within_m + share * max(at_m - fix.at_m, 0.0) for fix in self.known_m(at_m))
+
+    def growth(self, at_m: float) -> float:
+        """Of the bounds, m per m run, as the unit knows its wheels there."""
+        unit = self.setup.unit
+        known = self.reads_tags and self.measured_by(at_m)
+        return measured_growth(unit) if known else unit.wheel_error_share
 
     def known_m(self, at_m: float) -> list[Fixed]:
         """What has told the train where it is by then: at least where it last knew before this mission."""
@@ -98,7 +104,7 @@ class _Way:
         start_m, accuracy_m = self.mission.targets[0].mark_m, self.setup.unit.tag_accuracy_m
         mended = (Fixed(at_m, accuracy_m) for at_m in self.mended_m)
         ahead = sorted(fix for fix in {*self.fixes, *mended} if start_m <= fix.at_m < limit_m)
-        share = self.setup.unit.wheel_error_share
+        share = self.growth(limit_m)
         stops_m = -math.inf
         for index, fix in enumerate([Fixed(start_m - self.since_m, accuracy_m), *ahead]):
             if index and fix.at_m > stops_m:

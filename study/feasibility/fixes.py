@@ -1,8 +1,9 @@
 """Where units get to know where they are, by what their train carries: each place with the half-width that it leaves.
 
 What runs show is simplified to places: a tag or a beacon with a number at its own; satellites wherever the sky is
-open, by the protection level; curvature at the end of each transition curve; for trains that read no tags the driver's
-eye at each stop. Nothing here is simulated.
+open, by the protection level; curvature at the end of each transition curve; markers at their first row; for trains
+that read no tags the driver's eye at each stop. Bounds span a tag and as many before it as may lie together (decision
+035), so that it leaves what these leave. Nothing here is simulated.
 """
 
 from __future__ import annotations
@@ -16,11 +17,13 @@ from network.path import Path
 from network.profile import OPEN_SKY, profile_of
 from onboard.duty.mission import Mission
 from onboard.fixes import EYE_WITHIN_M
+from onboard.unit_records import UnitParameters
 from simulation.settings import Carried
 from simulation.setup import Setup
 
 SKY_EVERY_M: Final = 50.0  # a receiver has one a second
 CURVATURE_WITHIN_M: Final = 4.0  # assumed: what runs show behind a curve
+MARKERS_WITHIN_M: Final = 1.0  # assumed: what runs show behind a group that was read
 TRANSITION_PER_M2: Final = 1.0e-5  # curvature that changes faster than this can be told from another place's
 TRANSITION_LEAST_M: Final = 25.0  # Harada and others, 3.4: of transition curve in what is compared
 
@@ -37,7 +40,7 @@ def fixes_on(setup: Setup, stock_id: str, mission: Mission) -> tuple[Fixed, ...]
     carried, path = setup.sensors.carried_by(stock_id), mission.path
     found: list[Fixed] = []
     if Carried.TAGS in carried:
-        found += [Fixed(tag.position_m, setup.unit.tag_accuracy_m) for tag in mission.tags]
+        found += _tags(setup, mission)
     else:
         found += [Fixed(target.mark_m, EYE_WITHIN_M) for target in mission.targets]
     if Carried.BEACONS in carried:
@@ -46,7 +49,30 @@ def fixes_on(setup: Setup, stock_id: str, mission: Mission) -> tuple[Fixed, ...]
         found += _satellites(setup, path)
     if Carried.CURVATURE in carried:
         found += [Fixed(at_m, CURVATURE_WITHIN_M) for at_m in _transitions(setup, path)]
+    if Carried.LIDAR in carried:
+        found += _markers(setup, path)
     return tuple(sorted(found))
+
+
+def measured_growth(unit: UnitParameters) -> float:
+    """Growth of the bounds once tags have measured the wheels: what varies on the way, there and where they did."""
+    return min(2.0 * (unit.wheel_error_share - unit.wheel_scale_limit), unit.wheel_error_share)
+
+
+def _tags(setup: Setup, mission: Mission) -> Iterator[Fixed]:
+    """Each tag with the growth since the last one of which one at least is right; before that, since the first mark."""
+    unit = setup.unit
+    share = measured_growth(unit)
+    at_m = [tag.position_m for tag in mission.tags]
+    known_m = [*[mission.targets[0].mark_m] * unit.tags_wrong_together, *at_m]
+    for tag_m, since_m in zip(at_m, known_m, strict=False):
+        yield Fixed(tag_m, unit.tag_accuracy_m + share * max(tag_m - since_m, 0.0))
+
+
+def _markers(setup: Setup, path: Path) -> Iterator[Fixed]:
+    for group in setup.believed_line.markers.values():
+        if group.piece_id in path and path.direction in group.directions:
+            yield Fixed(path.to_path_m(group.piece_id, group.position_m), MARKERS_WITHIN_M)
 
 
 def _beacons(setup: Setup, path: Path) -> Iterator[Fixed]:

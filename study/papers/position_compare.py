@@ -261,9 +261,6 @@ def reproduce(options: Options) -> Reproduction:
         f" of the way further than {FAR_M:g} m from a fix; unknown: share of the time without a position; outside: by"
         " how much the truth left the bounds, m",
     ]
-    missing = {"beacons", "curvature", "LiDAR"} - {carried.name for carried in SETS}
-    if missing:
-        remarks.append(f"no reader on board yet for: {', '.join(sorted(missing))}")
     if options.quick:
         remarks.append(
             f"quick: {' and '.join(QUICK)} alone, no fault by itself, nothing beside what others published"

@@ -14,7 +14,6 @@ from typing import Any, Final, cast
 
 from network.model import Beacon, Cover, Line, MarkerGroup
 from network.path import Path
-from onboard.localisation.table import READER_NAMES
 from simulation.faults.fault import InForce, World
 from simulation.faults.table import FAULTS
 from simulation.gnss_settings import Correction, Gnss
@@ -33,14 +32,6 @@ BEACONS_EVERY_M: Final = 600.0
 MARKERS_EVERY_M: Final = 1_000.0
 MOVED_M: Final = 20.0
 GNSS: Final = Gnss()  # a scenario without that table
-READER_OF: Final[
-    Mapping[Carried, str]
-] = {  # who on board makes something of it; tags are read by the unit itself
-    Carried.BEACONS: "beacons",
-    Carried.CURVATURE: "curvature",
-    Carried.GNSS: "gnss",
-    Carried.LIDAR: "lidar",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,27 +42,15 @@ class SensorSet:
     carries: tuple[Carried, ...]
     correction: Correction = Correction.FAIL_SAFE
 
-    @property
-    def built(self) -> bool:
-        """Whether there is a reader on board for each of them."""
-        return all(READER_OF.get(each, READER_NAMES[0]) in READER_NAMES for each in self.carries)
 
-
-KINDS_OF_SENSOR: Final = tuple(
-    each for each in Carried if READER_OF.get(each, READER_NAMES[0]) in READER_NAMES
-)
-SETS: Final = tuple(
-    each
-    for each in (
-        SensorSet("tags", (Carried.TAGS,)),
-        SensorSet("beacons", (Carried.BEACONS,)),
-        SensorSet("curvature", (Carried.CURVATURE,)),
-        SensorSet("GNSS, 20 m", (Carried.GNSS,)),
-        SensorSet("GNSS, 3 m", (Carried.GNSS,), Correction.AIM),
-        SensorSet("LiDAR", (Carried.LIDAR,)),
-        SensorSet("all", KINDS_OF_SENSOR),
-    )
-    if each.built
+SETS: Final = (
+    SensorSet("tags", (Carried.TAGS,)),
+    SensorSet("beacons", (Carried.BEACONS,)),
+    SensorSet("curvature", (Carried.CURVATURE,)),
+    SensorSet("GNSS, 20 m", (Carried.GNSS,)),
+    SensorSet("GNSS, 3 m", (Carried.GNSS,), Correction.AIM),
+    SensorSet("LiDAR", (Carried.LIDAR,)),
+    SensorSet("all", tuple(Carried)),
 )
 
 
@@ -93,43 +72,33 @@ class Trouble:
     target: str = ""
     held: bool = True
 
-    @property
-    def built(self) -> bool:
-        """Whether there is such a fault."""
-        return not self.kind or self.kind in FAULTS
 
-
-LASTS_M: Final = 1_200.0
-TROUBLES: Final = tuple(
-    each
-    for each in (
-        Trouble("slip", None, 2_980.0, 3_300.0, "slippery", {"factor": 0.25}),
-        Trouble("slide", None, 4_900.0, 5_230.0, "slippery", {"factor": 0.1}),
-        Trouble("tag missed", Carried.TAGS, 11_700.0, 11_950.0, "miss", target="406"),
-        Trouble("wrong tag", Carried.TAGS, 14_100.0, 14_400.0, "wrong_id", {"id": 305}, target="306"),
-        Trouble("tag moved", Carried.TAGS, 16_200.0, 16_400.0),
-        Trouble("beacon missed", Carried.BEACONS, 6_500.0, 6_700.0, "no_beacon"),
-        Trouble("beacon added", Carried.BEACONS, 8_995.0, 8_996.0, "false_beacon"),
-        Trouble("beacon moved", Carried.BEACONS, 15_500.0, 15_700.0),
-        Trouble("gyro dead", Carried.CURVATURE, 6_000.0, 7_200.0, "gyro_dead"),
-        Trouble("gyro bias", Carried.CURVATURE, 18_800.0, 20_000.0, "gyro_bias", {"jump_degps": 0.5}),
-        Trouble("jammed", Carried.GNSS, 5_400.0, 6_600.0, "gnss_jammed"),
-        Trouble("reflections", Carried.GNSS, 8_000.0, 9_200.0, "gnss_reflections", {"bias_m": 30.0}),
-        Trouble("jump", Carried.GNSS, 11_000.0, 11_900.0, "gnss_jump", {"bias_m": -60.0}),
-        Trouble("time tag", Carried.GNSS, 15_000.0, 16_200.0, "gnss_time_tag", {"late_s": 1.0}),
-        Trouble("LiDAR blind", Carried.LIDAR, 6_900.0, 9_200.0, "lidar_blind"),
-        Trouble("markers gone", Carried.LIDAR, 12_900.0, 13_100.0),
-        Trouble(
-            "reflections that creep up",
-            Carried.GNSS,
-            5_400.0,
-            9_000.0,
-            "gnss_reflections",
-            {"bias_m": 40.0, "over_m": 3_000.0},
-            held=False,
-        ),
-    )
-    if each.built
+TROUBLES: Final = (
+    Trouble("slip", None, 2_980.0, 3_300.0, "slippery", {"factor": 0.25}),
+    Trouble("slide", None, 4_900.0, 5_230.0, "slippery", {"factor": 0.1}),
+    Trouble("tag missed", Carried.TAGS, 11_700.0, 11_950.0, "miss", target="406"),
+    Trouble("wrong tag", Carried.TAGS, 14_100.0, 14_400.0, "wrong_id", {"id": 305}, target="306"),
+    Trouble("tag moved", Carried.TAGS, 16_200.0, 16_400.0),
+    Trouble("beacon missed", Carried.BEACONS, 6_500.0, 6_700.0, "no_beacon"),
+    Trouble("beacon added", Carried.BEACONS, 8_995.0, 8_996.0, "false_beacon"),
+    Trouble("beacon moved", Carried.BEACONS, 15_500.0, 15_700.0),
+    Trouble("gyro dead", Carried.CURVATURE, 6_000.0, 7_200.0, "gyro_dead"),
+    Trouble("gyro bias", Carried.CURVATURE, 18_800.0, 20_000.0, "gyro_bias", {"jump_degps": 0.5}),
+    Trouble("jammed", Carried.GNSS, 5_400.0, 6_600.0, "gnss_jammed"),
+    Trouble("reflections", Carried.GNSS, 8_000.0, 9_200.0, "gnss_reflections", {"bias_m": 30.0}),
+    Trouble("jump", Carried.GNSS, 11_000.0, 11_900.0, "gnss_jump", {"bias_m": -60.0}),
+    Trouble("time tag", Carried.GNSS, 15_000.0, 16_200.0, "gnss_time_tag", {"late_s": 1.0}),
+    Trouble("LiDAR blind", Carried.LIDAR, 6_900.0, 9_200.0, "lidar_blind"),
+    Trouble("markers gone", Carried.LIDAR, 12_900.0, 13_100.0),
+    Trouble(
+        "reflections that creep up",
+        Carried.GNSS,
+        5_400.0,
+        9_000.0,
+        "gnss_reflections",
+        {"bias_m": 40.0, "over_m": 3_000.0},
+        held=False,
+    ),
 )
 
 

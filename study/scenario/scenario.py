@@ -42,7 +42,7 @@ from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
 from study.scenario.script_file import script_of
-from study.scenario.sensor_choice import check_sensors
+from study.scenario.sensor_choice import check_sensors, check_window
 from vehicle.train_file import TrainType, shipped_train
 from vehicle.train_patch import patched_train
 
@@ -94,6 +94,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     check_wheels(str(path), model.sensors, model.unit, trains)
     check_battery(str(path), model.battery, timetable, trains)
     check_sensors(str(path), model.sensors, sorted(trains))
+    check_window(str(path), model.sensors, model.curvature)
     check_grip(str(path), model.driving, trains, line.max_speed_mps)
     belief = belief_of(path, model.belief, line_file, pile.files.get("line", ()), line, trains)
     setup = Setup(

@@ -200,6 +200,12 @@ def test_and_nowhere_else(motion: Motion, held: tuple[str, ...]) -> None:
     assert motion.taken_notes() == []  # said once
 
 
+def test_nor_off_its_path(motion: Motion) -> None:
+    lose(motion)
+    assert motion.events(fix(motion, -500.0, -490.0)) == []
+    assert motion.row.position_known == 0
+
+
 @pytest.mark.parametrize(
     ("low_m", "believed"), [(400.0, True), (210.1, True), (200.0, False), (515.0, False)]
 )
@@ -209,6 +215,20 @@ def test_before_the_manager_answers_only_on_open_line(motion: Motion, low_m: flo
     motion.command = Command()
     assert bool(motion.events(fix(motion, low_m, low_m + 10.0))) is believed
     assert bool(motion.row.position_known) is believed
+
+
+def test_after_a_tag_of_another_track_only_a_tag_tells_that_it_is_on_its_path(
+    motion: Motion, mission: Mission
+) -> None:
+    """What does not tell tracks apart cannot stand against a tag that does, whatever the register has."""
+    motion.reads_tags = True
+    motion._fixes.take_up(mission, virtual=False)
+    run_to(motion, 300.0, 5.0)
+    assert motion.tag_read(9999, motion.row.odometer_m) == [PositionLost()]
+    assert motion.events(fix(motion, 295.0, 305.0)) == []
+    assert motion.row.position_known == 0
+    motion._fixes.tag_believed()
+    assert motion.events(fix(motion, 295.0, 305.0)) == [Found()]
 
 
 # the driver's eye ---------------------------------------------------

@@ -153,13 +153,14 @@ def judges_no_time(patch: pytest.MonkeyPatch) -> None:
 
 
 def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
+    """And the bounds are those of the newest alone, whatever they were."""
 
-    def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
+    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> Taken | Refused:
         row.position_known = 0  # so that nothing is compared
         return take(row, fix)
 
-    patch.setattr("onboard.motion.missed_by_m", lambda *_: 0.0)
-    patch.setattr("onboard.motion.take", take_any)
+    patch.setattr("onboard.localisation.tags.missed_by_m", lambda *_: 0.0)
+    patch.setattr("onboard.localisation.tags.take", take_any)
     patch.setattr(TagDoubt, "believes", lambda *_: True)
 
 

@@ -217,6 +217,18 @@ def test_the_truth_stays_inside_while_the_receiver_errs_as_stated_or_lies_once(
         assert train.out_m <= 1e-9
 
 
+def test_a_lie_is_kept_where_the_driver_changes_ends_and_it_points_the_other_way(unit: UnitRow) -> None:
+    """Thirty metres before, sixty afterwards: the second step does not take the first one back."""
+    train = Train(unit, 80.0)
+    for error_m in (*[0.0] * 20, *[30.0] * 10):
+        train.second(error_m)
+    unit.paths_taken_up += 1
+    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 60.0, 60.0
+    for error_m in (*[-30.0] * 10, *[-60.0] * 10):
+        train.second(error_m)
+        assert train.out_m <= 0.0
+
+
 def test_what_creeps_up_slower_than_wheels_may_err_is_not_held(unit: UnitRow) -> None:
     """The hazard that the docstring names: without it the property above would say nothing."""
     train = Train(unit, 30.0)

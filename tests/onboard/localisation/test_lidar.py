@@ -34,7 +34,11 @@ class Ride:
     ) -> None:
         self.unit: Any = np.zeros(1, UNIT).view(np.recarray)[0]
         self.own: Any = np.zeros(1, READERS_ROW).view(np.recarray)[0].lidar
-        places = [(PLACE_BEACON, 1010.0, 3, 1, 1), *((PLACE_MARKERS, at_m, n, 1, 1) for at_m, n in GROUPS)]
+        self.own.fitted = 1
+        places = [
+            (PLACE_BEACON, 1010.0, 3, 1, 1, 0.0),
+            *((PLACE_MARKERS, at_m, n, 1, 1, 0.0) for at_m, n in GROUPS),
+        ]
         rows = np.array(sorted(places, key=lambda row: row[1]), dtype=PLACE)
         self.chart = Chart(np.zeros(1, dtype=PATTERN), rows)
         unit = self.unit

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import pytest
 
-from network.model import Direction
+from network.model import Direction, MarkerGroup
 from onboard.fixes import EYE_WITHIN_M
 from simulation.settings import Carried
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
 from study.feasibility.equipment import equipment_of
 from study.feasibility.finding import Severity
-from study.feasibility.fixes import CURVATURE_WITHIN_M, Fixed, fixes_on
+from study.feasibility.fixes import CURVATURE_WITHIN_M, MARKERS_WITHIN_M, Fixed, fixes_on, measured_growth
 from study.feasibility.planned import planned_day
 from study.scenario.scenario import load_scenario
 from study.scenario.sensor_choice import carrying
@@ -33,7 +36,26 @@ def test_tags_tell_at_their_own_places(setup: Setup) -> None:
     duty = drawn_up(setup, setup.line)["V2"][0]
     told = fixes(setup, Carried.TAGS)
     assert [fix.at_m for fix in told] == [tag.position_m for tag in duty.mission.tags]
-    assert {fix.within_m for fix in told} == {setup.unit.tag_accuracy_m}
+    share, accuracy_m = measured_growth(setup.unit), setup.unit.tag_accuracy_m
+    for before, fix in pairwise(told):
+        assert fix.within_m == pytest.approx(accuracy_m + share * (fix.at_m - before.at_m))
+
+
+def test_where_no_tag_may_lie_each_leaves_its_own_accuracy(setup: Setup) -> None:
+    trusting = replace(setup, unit=setup.unit.model_copy(update={"tags_wrong_together": 0}))
+    assert {fix.within_m for fix in fixes(trusting, Carried.TAGS)} == {setup.unit.tag_accuracy_m}
+
+
+def test_markers_tell_at_their_first_row(setup: Setup) -> None:
+    mission = drawn_up(setup, setup.line)["V2"][0].mission
+    piece_id, at_m = mission.path.locate(1000.0)
+    groups = {
+        number: MarkerGroup(number, number, piece_id, at_m, (direction,))
+        for number, direction in enumerate(Direction, start=1)
+    }
+    laid = replace(setup, line=replace(setup.line, markers=groups))
+    told = [fix for fix in fixes(laid, Carried.LIDAR) if fix.within_m == MARKERS_WITHIN_M]
+    assert [fix.at_m for fix in told] == pytest.approx([1000.0])
 
 
 def test_satellites_tell_wherever_the_sky_is_open(setup: Setup) -> None:

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from study.papers.fusion_runs import LIES, Ill, LaidTag, base_setup, draw, keep_to_the_model, outcome
+from study.papers.fusion_runs import (
+    AS_UNITS_ARE,
+    LIES,
+    Ill,
+    LaidTag,
+    base_setup,
+    draw,
+    keep_to_the_model,
+    outcome,
+)
 from study.papers.position_fusion import (
     NO_GROWTH,
-    TRUSTING,
     Found,
     again,
     broken_row,
@@ -27,7 +35,7 @@ def test_it_is_known_by_name() -> None:
 
 @pytest.mark.parametrize("number", sorted({*SHORT, *ONCE_BROKEN}))
 def test_the_truth_stays_inside(number: int) -> None:
-    found = Found(TRUSTING, (outcome(1, number),))
+    found = Found(AS_UNITS_ARE, (outcome(1, number),))
     assert held_row(found).passed, again(found.outcomes[0])
 
 

@@ -38,6 +38,13 @@ def test_sets_carry_what_they_are_given(tmp_path: Path) -> None:
         ),
         ("carries_of = { V2 = [] }", "sensors.carries_of.V2", [], AT_LEAST_ONE),
         ("carries = []", "sensors.carries", [], AT_LEAST_ONE),
+        ('carries = ["tags", "tags"]', "sensors.carries", ["tags", "tags"], "each sensor once"),
+        (
+            'carries = ["curvature"]\n[curvature]\nwindow_m = 90.0',
+            "curvature.window_least_m",
+            100.0,
+            "at most curvature.window_m, 90 m",
+        ),
     ],
 )
 def test_others_are_refused_with_key_and_what_is_expected(
