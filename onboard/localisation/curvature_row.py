@@ -72,6 +72,9 @@ class CurvatureRow(Protocol):
     anchor_high_m: float
     anchor_slid_m: float
     anchor_slipped_m: float
+    # the estimate, apart from its bounds
+    within_m: Annotated[float, "half the interval that it came from, and the run since; 0: not known"]
+    bounds_m: Annotated[float, "both bounds of the unit, as they were"]
     # the gyro
     bias_radps: float
     bias_radps2: Annotated[float, "its variance"]
