@@ -52,7 +52,9 @@ class Trip:
     told: Timetable | None = None
     unit: UnitParameters = WHEELS
     locks: bool = False  # the train has no slide protection
-    wheels: tuple[float, float] | None = None  # what they are worth, as learned before; None: as stated of any
+    wheels: tuple[float, float] | None = (
+        None  # what they are worth, as learned before; None: as stated of any
+    )
 
     @property
     def setup(self) -> Setup:

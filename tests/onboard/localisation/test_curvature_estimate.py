@@ -18,9 +18,7 @@ from onboard.localisation.spatial_filter import CORNER_M, sections
 from onboard.localisation.table import READERS_ROW
 from onboard.records import UnitRow
 
-quick = settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+quick = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 halves_m = st.floats(0.5, 40.0)
 shares = st.floats(-1.0, 1.0)
 
