@@ -213,6 +213,10 @@ def laid_tags(chance: np.random.Generator, line: Line, path: Path) -> list[LaidT
                 chance, laid, index, Ill(str(chance.choice([str(kind) for kind in kinds]))), path.length_m
             )
     keep_to_the_model(laid)
+    for tag in laid:  # a train begins on the portal's tag, and its crew says truly where that is
+        portal = tag.tag_id in line.tags and line.tags[tag.tag_id].purpose is TagPurpose.PORTAL
+        if portal and tag.ill is Ill.MOVED:
+            tag.heal()
     if chance.random() < 0.1:
         at_m = float(chance.uniform(0.0, path.length_m - 1.0))
         laid.append(LaidTag(UNKNOWN_ID - 1, at_m, at_m, UNKNOWN_ID - 1, Ill.ADDED))

@@ -190,6 +190,9 @@ def parameters() -> tuple[Parameter, ...]:
         ),
         Parameter("runs without slide protection", UNPROTECTED_SHARE, "share", "assumed: wheels may lock"),
         Parameter(
+            "where a train begins", "as its crew says", "", "the premise: a portal's own tag is not moved"
+        ),
+        Parameter(
             "tags wrong one after another", 1, "", "the premise: unit.tags_wrong_together, or two swapped"
         ),
     )

@@ -25,7 +25,7 @@ from onboard.motion import Motion, PathData
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
 from simulation.world.kernel import MOVING_STEPS_MAX, advance, new_sheet
-from simulation.world.records import PASSED_FRONT, PASSED_TAG, TRACE, TRACE_EVERY_STEPS
+from simulation.world.records import PASSED_FRONT, PASSED_REAR, PASSED_TAG, TRACE, TRACE_EVERY_STEPS
 from simulation.world.roster import Duty, drawn_up
 from simulation.world.trains import Trains
 
@@ -182,7 +182,7 @@ class PositionRun:
         self._traces.append(kept[kept["step"] % TRACE_EVERY_STEPS == 0].copy())
         happened: list[Sensed] = []
         passed, bits = int(sheet.passed[SLOT]), int(sheet.events[SLOT])
-        if passed & PASSED_FRONT:
+        if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(SLOT)
         if passed & PASSED_TAG:
             happened += self._tag()
