@@ -184,7 +184,7 @@ class Curvature(Record):
         WheelError,
         about(
             "what wheels count over a few hundred metres differs from their mean by no more: creep and the tread's"
-            " slope, as far as they are no slip or slide",
+            " slope, as far as they are no slip or slide; where `sensors` has more of them, by that",
             "assumed: creep of 0.15 % at half of the adhesion, 4 mm off the middle of a cone of 1 in 20 0.05 %",
         ),
     ] = 0.002

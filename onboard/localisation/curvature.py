@@ -40,7 +40,7 @@ from onboard.localisation.curvature_row import (
     CurvatureReading,
     CurvatureRow,
 )
-from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, TAKEN, taken
+from onboard.localisation.fix import FOREIGN, MISSED, NOTHING, TAKEN, taken_towards
 from onboard.localisation.spatial_filter import SETTLES_M
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
@@ -172,13 +172,28 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
         learn_bias(own, count)
     floor_m = FLOOR_M + unit.pulse_m + own.map_error_m + own.unseen_m
     own.count = count
-    outcome = taken(
+    return take_fix(
+        own,
         unit,
         unit.position_m + own.low + shift_m,
         shift_m - from_m + own.pull_behind_m + floor_m,
         to_m - shift_m + own.pull_ahead_m + floor_m,
     )
+
+
+@compiled
+def take_fix(own: CurvatureRow, unit: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
+    """Cut the bounds; move the estimate only as far as the fix is better than what it came from and the run since.
+
+    Windows overlap, so fixes are not independent of one another: nothing is gained by taking the mean of two.
+    """
+    its_m = (behind_m + ahead_m) / 2.0
+    within_m = own.within_m if own.within_m > 0.0 else (unit.bound_behind_m + unit.bound_ahead_m) / 2.0
+    weight = max(1.0 - its_m * its_m / (within_m * within_m), 0.0)
+    outcome = taken_towards(unit, position_m, behind_m, ahead_m, weight)
     if outcome == TAKEN:
+        own.within_m = within_m + weight * (its_m - within_m)
+        own.bounds_m = unit.bound_behind_m + unit.bound_ahead_m
         calibrate(own, unit)
     return outcome
 

@@ -14,7 +14,8 @@ from typing import Final
 
 import numpy as np
 
-from onboard.localisation.curvature_row import WINDOW_MAX, CurvatureRow
+from onboard.localisation.curvature_row import BY_SPACE, WINDOW_MAX, CurvatureRow
+from onboard.localisation.spatial_filter import shift
 from onboard.records import UnitRow
 from vehicle.compiled import compiled
 
@@ -91,8 +92,11 @@ def weigh(own: CurvatureRow, shift: int, count: int) -> None:
     end, newest = own.at + WINDOW_MAX, own.whole - 1 + shift
     known = own.known_per_m
     steady = (known[newest] - known[newest - count + 1]) / (count - 1.0)
-    gain, bias_radps = gain_doubt(own), own.sure_sigmas * math.sqrt(own.bias_radps2)
     own.slow_mean_s_per_m = float(np.mean(own.slow_s_per_m[end - count : end]))
+    # what shows as bias may be bias: it has jumped where it is more than was known
+    shown_radps = own.mean_per_m / own.slow_mean_s_per_m / own.sure_sigmas
+    own.bias_radps2 = max(own.bias_radps2, shown_radps * shown_radps)
+    gain, bias_radps = gain_doubt(own), own.sure_sigmas * math.sqrt(own.bias_radps2)
     own.slope2 = own.bend2 = own.left = own.misfit = 0.0
     ahead = behind = by_gain = by_bias = by_delay = 0.0
     for k in range(count - 1):
@@ -177,9 +181,20 @@ def learn_bias(own: CurvatureRow, count: int) -> None:
     doubt2 = rails + own.yaw_density * slow / count + (gain_doubt(own) * bent) ** 2 + change * change
     doubt2 /= slow * slow
     share = own.bias_radps2 / (own.bias_radps2 + doubt2)
-    own.bias_radps -= share * own.mean_per_m / slow
+    turn_to_bias(own, own.bias_radps - share * own.mean_per_m / slow)
     own.bias_radps2 *= 1.0 - share
     own.bias_metre = own.metre
+
+
+@compiled
+def turn_to_bias(own: CurvatureRow, bias_radps: float) -> None:
+    """Go by another bias, also over the metres in the ring and in the filter: a step there would pull fixes aside."""
+    less_radps = own.bias_radps - bias_radps
+    own.bias_radps = bias_radps
+    for i in range(2 * WINDOW_MAX):
+        own.bent_per_m[i] += less_radps * own.slow_s_per_m[i]
+    if own.filtered == BY_SPACE:
+        shift(own.numbers, own.kept, less_radps * own.slow_s_per_m[own.at + WINDOW_MAX - 1])
 
 
 @compiled
@@ -193,7 +208,7 @@ def calibrate(own: CurvatureRow, unit: UnitRow) -> None:
     if own.anchored != 0 and counted_m >= CALIBRATES_M:
         slid_m = unit.slid_ahead_m - own.anchor_slid_m
         slipped_m = unit.slipped_behind_m - own.anchor_slipped_m
-        varies = own.varies_share * min(VARIES_OVER_M / counted_m, 1.0)
+        varies = max(own.varies_share * min(VARIES_OVER_M / counted_m, 1.0), own.lasting_share)
         low = max(own.scale_low, (low_m - own.anchor_high_m - slid_m) / counted_m - varies)
         high = min(own.scale_high, (high_m - own.anchor_low_m + slipped_m) / counted_m + varies)
         if low > high:  # something was false: nothing is known but what is stated

@@ -33,6 +33,7 @@ def begin_anew(own: CurvatureRow, unit: UnitRow) -> None:
     own.stood_steps = STOOD_STEPS if unit.speed_mps == 0.0 else 0
     own.next_m = own.every_m
     own.anchored = 0
+    own.within_m = 0.0
 
 
 @compiled
@@ -53,11 +54,25 @@ def ran(own: CurvatureRow, unit: UnitRow) -> float:
     own.odometer_m = unit.odometer_m
     longer, shorter = doubt_of_scale(own, unit)
     run_m = counted_m * unit.odometer_scale
-    own.ahead_m += abs(run_m) * longer + unit.slid_ahead_m - own.slid_ahead_m
-    own.behind_m += abs(run_m) * shorter + unit.slipped_behind_m - own.slipped_behind_m
+    ahead_m = abs(run_m) * longer + unit.slid_ahead_m - own.slid_ahead_m
+    behind_m = abs(run_m) * shorter + unit.slipped_behind_m - own.slipped_behind_m
+    own.ahead_m += ahead_m
+    own.behind_m += behind_m
+    keep_within(own, unit, (ahead_m + behind_m) / 2.0)
     own.slid_ahead_m, own.slipped_behind_m = unit.slid_ahead_m, unit.slipped_behind_m
     own.along_m += run_m
     return run_m
+
+
+@compiled
+def keep_within(own: CurvatureRow, unit: UnitRow, grown_m: float) -> None:
+    """What the estimate may be wrong by grows with the run; bounds that others have cut hold it too."""
+    bounds_m = unit.bound_ahead_m + unit.bound_behind_m
+    if own.within_m > 0.0:
+        own.within_m += grown_m
+        if bounds_m < own.bounds_m:
+            own.within_m = min(own.within_m, bounds_m / 2.0)
+    own.bounds_m = bounds_m
 
 
 @compiled

@@ -37,6 +37,9 @@ class CurvatureRow(Protocol):
     sure_sigmas: float
     worn_share: Annotated[float, "most that wheels are worn by"]
     varies_share: Annotated[float, "most that their count over a while differs from their mean"]
+    lasting_share: Annotated[
+        float, "what of it may go on for any way: a climb, a tread on curves to one side"
+    ]
     doubtful_share: Annotated[float, "bounds that grow faster are those of a unit in doubt of its wheels"]
     gain_share: Annotated[float, "the gyro's gain may be wrong by this"]
     bias_walk_radps: Annotated[float, "deviation of the bias in the long run"]
@@ -72,6 +75,9 @@ class CurvatureRow(Protocol):
     anchor_high_m: float
     anchor_slid_m: float
     anchor_slipped_m: float
+    # the estimate, apart from its bounds
+    within_m: Annotated[float, "half the interval that it came from, and the run since; 0: not known"]
+    bounds_m: Annotated[float, "both bounds of the unit, as they were"]
     # the gyro
     bias_radps: float
     bias_radps2: Annotated[float, "its variance"]

@@ -79,6 +79,21 @@ def missed_m(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -
 @compiled
 def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> float:
     """Cut the present interval with that about `position_m`; returns `missed_m`, the row stays if positive."""
+    return float(cut_towards(row, position_m, behind_m, ahead_m, weight_of(row, behind_m, ahead_m)))
+
+
+@compiled
+def weight_of(row: UnitRow, behind_m: float, ahead_m: float) -> float:
+    """What share of the way to a fix the estimate moves: by the squares of what both may be wrong by."""
+    own_m = (row.bound_ahead_m + row.bound_behind_m) / 2.0
+    its_m = (ahead_m + behind_m) / 2.0
+    both_m2 = own_m * own_m + its_m * its_m
+    return float(own_m * own_m / both_m2) if both_m2 > 0.0 else STRONGEST_WEIGHT
+
+
+@compiled
+def cut_towards(row: UnitRow, position_m: float, behind_m: float, ahead_m: float, weight: float) -> float:
+    """`cut`; the estimate moves by that share of the way to `position_m`, inside what is left."""
     if row.position_known == 0:
         row.position_m, row.bound_behind_m, row.bound_ahead_m = position_m, behind_m, ahead_m
         row.position_known = 1
@@ -88,10 +103,6 @@ def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> flo
         return away_m
     rear_m = max(row.position_m - row.bound_behind_m, position_m - behind_m)
     front_m = min(row.position_m + row.bound_ahead_m, position_m + ahead_m)
-    own_m = (row.bound_ahead_m + row.bound_behind_m) / 2.0
-    its_m = (ahead_m + behind_m) / 2.0
-    both_m2 = own_m * own_m + its_m * its_m
-    weight = own_m * own_m / both_m2 if both_m2 > 0.0 else STRONGEST_WEIGHT
     before_m = row.position_m
     estimate_m = min(max(before_m + weight * (position_m - before_m), rear_m), front_m)
     row.position_m = estimate_m
@@ -104,7 +115,13 @@ def cut(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> flo
 @compiled
 def taken(row: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
     """A fix from a reader of the table, by the rule; what came of it."""
-    if not cut(row, position_m, behind_m, ahead_m) <= 0.0:
+    return int(taken_towards(row, position_m, behind_m, ahead_m, weight_of(row, behind_m, ahead_m)))
+
+
+@compiled
+def taken_towards(row: UnitRow, position_m: float, behind_m: float, ahead_m: float, weight: float) -> int:
+    """The same, with the share of the way to it that the estimate moves, where the reader knows better."""
+    if not cut_towards(row, position_m, behind_m, ahead_m, weight) <= 0.0:
         row.fix_came = FIX_MISSED
         return REFUSED
     row.fix_came = FIX_CUT

@@ -66,6 +66,16 @@ def settle(numbers: Numbers, kept: Numbers, value: float) -> None:
 
 
 @compiled
+def shift(numbers: Numbers, kept: Numbers, by: float) -> None:
+    """As if all that has come in for ever had been greater by so much."""
+    for i in range(2):
+        b1, b2 = numbers[SECTION * i + 1], numbers[SECTION * i + 2]
+        a1, a2 = numbers[SECTION * i + 3], numbers[SECTION * i + 4]
+        kept[2 * i + 1] += (b2 - a2) * by
+        kept[2 * i] += (b1 - a1 + b2 - a2) * by
+
+
+@compiled
 def passed(numbers: Numbers, kept: Numbers, value: float) -> float:
     """One sample through both sections (direct form II, transposed); what comes out."""
     for i in range(2):

@@ -78,8 +78,7 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     ):
         setattr(own, name, getattr(given, name))
     own.mismatch_most_per_m = given.mismatch_per_m
-    own.varies_share = min(given.wheels_vary_share, setup.unit.wheel_error_share)
-    own.worn_share = setup.unit.wheel_error_share - own.varies_share
+    _state_wheels(own, setup, stock_id)
     own.doubtful_share = setup.unit.wheel_error_share + 1e-9
     own.scale_low, own.scale_high = 1.0 - own.worn_share, 1.0 + own.worn_share
     own.gain_share = CUT_SIGMAS * given.gain_sigma
@@ -92,6 +91,18 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     own.filter_delay_m = delay_m() if given.filter is Filter.TIME else 0.0
     own.map_error_m = 0.0 if setup.curvature_map is None else setup.curvature_map.error_m
     _state_rails(own, given, mounting, measured=setup.curvature_map is not None)
+
+
+def _state_wheels(own: CurvatureRow, setup: Setup, stock_id: str) -> None:
+    """What wheels may be worn by, and what they vary by: as stated of the reader, and no less than [sensors] has it."""
+    unit = setup.unit
+    diameter_m = float(setup.trains[stock_id].row[0]["wheel_diameter_m"])
+    # of the way counted by worn wheels, which may be the larger ones
+    own.lasting_share = min(
+        setup.sensors.wheel_varies_share(diameter_m) * (1.0 + unit.wheel_error_share), unit.wheel_error_share
+    )
+    own.varies_share = max(min(setup.curvature.wheels_vary_share, unit.wheel_error_share), own.lasting_share)
+    own.worn_share = unit.wheel_error_share - own.varies_share
 
 
 def _state_rails(own: CurvatureRow, given: Curvature, mounting: Mounting, *, measured: bool) -> None:

@@ -23,7 +23,7 @@ from simulation.settings import Carried, Driving, Sensors
 from simulation.setup import Setup
 from study.papers.mountain_line import STOCK_ID, MountainLine
 from study.papers.parameter_sets import LINE
-from study.papers.position_run import CheckPoint, Moment, PositionResult, PositionRun
+from study.papers.position_run import SLOT, CheckPoint, Moment, PositionResult, PositionRun
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 TRAIN: Final = "br642"
@@ -36,7 +36,8 @@ WHEELS: Final = LINE.unit.model_copy(update={"believes_wheels": True})
 class Trip:
     """What is run: by what the train knows where it is, how fast it is driven, which day and which train of the kind.
 
-    `told`: the timetable that the unit goes by, where the train is sent another way.
+    `told`: the timetable that the unit goes by, where the train is sent another way. `wheels`: an interval of the way
+    over what they count (`Ride.wheels` of another day).
     """
 
     place: MountainLine
@@ -51,6 +52,9 @@ class Trip:
     told: Timetable | None = None
     unit: UnitParameters = WHEELS
     locks: bool = False  # the train has no slide protection
+    wheels: tuple[float, float] | None = (
+        None  # what they are worth, as learned before; None: as stated of any
+    )
 
     @property
     def setup(self) -> Setup:
@@ -74,6 +78,11 @@ class Trip:
     def run(self, moments: Sequence[Moment] = ()) -> Ride:
         """Run it from the first mark to the last; `moments` by kilometrage (m) of the front."""
         run = PositionRun(self.setup, told=self.told)
+        if self.wheels is not None:
+            own, unit = run.trains.readers[SLOT].curvature, run.trains.units[SLOT]
+            own.scale_low, own.scale_high = self.wheels
+            unit.odometer_scale = sum(self.wheels) / 2.0
+            unit.bound_growth = (own.scale_high - own.scale_low) / 2.0 + own.varies_share
         base_m = run.true_m - run.duty.mission.path.kilometrage_m(run.true_m)
         run.at([replace(moment, at_m=moment.at_m + base_m) for moment in moments])
         return Ride(self, run.run(), run, base_m)
@@ -97,6 +106,12 @@ class Ride:
     def errors_m(self) -> Floats:
         """Estimate less truth at each check point, m."""
         return np.array([point.error_m for point in self.result.check_points])
+
+    @property
+    def wheels(self) -> tuple[float, float]:
+        """What the unit has learned of its wheels: way over what they count, at least and at most."""
+        own = self.run.trains.readers[SLOT].curvature
+        return float(own.scale_low), float(own.scale_high)
 
     @property
     def kilometrage_m(self) -> Floats:

@@ -55,14 +55,11 @@ class Loop:
 
     @property
     def fixes_inside(self) -> int:
-        """Looks on the loop, after it was noticed, between which a fix moved the estimate."""
+        """Looks on the loop, after it was noticed, at which the last thing told of curvature is a fix taken."""
         if not self.noticed:
             return -1
         rows = self.watched.between(self.from_m + self.noticed[0], self.to_m)
-        moved = [
-            abs(float(b["error_m"] - a["error_m"])) > 0.2 for a, b in pairwise(rows)
-        ]  # beyond what wheels make
-        return sum(bool(m and b["outcome"] == TAKEN) for m, (_, b) in zip(moved, pairwise(rows), strict=True))
+        return int(np.count_nonzero(rows["outcome"] == TAKEN))
 
     def worst_m(self, from_m: float, to_m: float) -> float:
         """Greatest error of a stretch, m."""

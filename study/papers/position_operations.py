@@ -7,6 +7,8 @@ the whole train has truly left a section it is free again; where trains stop; ho
 
 from __future__ import annotations
 
+import math
+
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,7 +112,7 @@ def reproduce(options: Options) -> Reproduction:
         "Spreads are median / 95 % / largest. A release counts from when the rear truly left the section; the departure"
         " track and its points are held until the next station by the paper's rule, whatever the sensors.",
         "Half-widths are of what units state; that the truth lies within is judged in every step by `within-bounds`.",
-        "Faults last an hour from 08:00, slippery rail from 06:00 to 09:00; `broken` names what is not whole.",
+        "Faults and slippery rail last an hour from 08:00; `broken` names what is not whole.",
     ]
     if options.quick:
         remarks.append("quick: one round trip instead of the day, and only some of the cases.")
@@ -219,7 +221,7 @@ def _rows(days: Mapping[str, Day]) -> Iterator[Row]:
             "all checkers, on SUMO",
         )
     for name, day in days.items():
-        early_s = min(day.releases.values(), default=0.0)
+        early_s = min(day.releases.values(), default=-math.inf)  # a day without a release shows nothing
         yield Row(
             f"{name}: earliest release, s after the rear has left",
             None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -110,6 +111,34 @@ def test_worn_wheels_and_twice_the_noise_break_nothing(setup: Setup, wheel: floa
     made = ran(setup, wheel=wheel, noise_factor=2.0, rails=Rails.LOW)
     assert made.result.arrived and made.result.out_m <= 0.0
     assert np.median(made.half_m) < 4.0
+
+
+def test_wheels_that_creep_break_nothing_and_the_allowance_for_them_is_that_of_the_sensors(
+    setup: Setup,
+) -> None:
+    sensors = setup.sensors.model_copy(update={"creep_share": 0.007, "tread_conicity": 0.1})
+    made = ran(replace(setup, sensors=sensors, seed=1))
+    own = made.run.trains.readers[SLOT].curvature
+    scale = float(made.run.trains.tachometers[SLOT].wheel_factor)
+    assert own.varies_share == own.lasting_share > sensors.creep_share > setup.curvature.wheels_vary_share
+    assert made.result.arrived and made.result.out_m <= 0.0
+    assert own.scale_low <= scale <= own.scale_high
+    run = PositionRun(made.run.setup)
+    sure = run.trains.readers[SLOT].curvature
+    sure.varies_share = sure.lasting_share = 0.0  # as if its wheels did not creep
+    sure.scale_low, sure.scale_high = 0.98, 1.02
+    assert run.run().out_m > 0.0
+
+
+@pytest.mark.parametrize("seed", [24_492, 24_494])
+def test_a_bias_that_jumps_by_too_little_to_be_noticed_breaks_no_bounds(seed: int) -> None:
+    """It is learned as the bias; a step in the ring where it is learned would pull the fixes behind it aside."""
+    from_m, to_m = 13_676.0, 18_188.0
+    jump = between(from_m, to_m, {"jump_radps": -math.radians(0.09)}, {"jump_radps": 0.0})
+    made = ran(replace(load_scenario("kururi_weekday").setup, seed=seed), jump)
+    assert made.result.arrived and made.result.out_m <= 0.0
+    after = made.result.trace["position_m"] > to_m + 600.0
+    assert np.median(made.half_m[after]) < 5.0  # there are fixes
 
 
 def test_without_room_for_noise_the_bounds_break(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
