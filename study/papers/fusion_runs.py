@@ -26,6 +26,7 @@ from simulation.setup import Belief, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
 from study.papers.position_run import Moment, PositionRun
+from study.papers.position_sets import furnished
 from study.scenario.scenario import load_scenario
 from vehicle.train_file import TrainType
 
@@ -155,6 +156,7 @@ def draw(seed: int, number: int) -> Drawn:
     believed = setup.line
     if chance.random() < 0.5:
         believed = replace(believed, tags=random_tags(chance, path))
+    believed = furnished(believed, path)  # for trains that carry more than tags
     laid = laid_tags(chance, believed, path)
     conicity, axle = float(chance.choice(CONICITY)), str(chance.choice(["leading", "trailing"]))
     sensors = setup.sensors.model_copy(

@@ -8,7 +8,6 @@ the station all is as before. The unit here goes by a timetable that has the tra
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Final
 

@@ -173,6 +173,12 @@ def figures(found: Found) -> tuple[Figure, ...]:
 def parameters() -> tuple[Parameter, ...]:
     """What is drawn, and why so."""
     return (
+        Parameter(
+            "beacons, markers, tunnels",
+            "as in position-compare",
+            "",
+            "assumed: none of the lines has any of its own",
+        ),
         Parameter("lines", ", ".join(LINES), "", "those shipped; half the runs with tags at random places"),
         Parameter("tags with something wrong", FAULT_SHARE, "share", "assumed: far more than any line has"),
         Parameter(

@@ -8,7 +8,6 @@ the whole train has truly left a section it is free again; where trains stop; ho
 from __future__ import annotations
 
 import math
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path

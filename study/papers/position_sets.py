@@ -14,6 +14,7 @@ from typing import Any, Final, cast
 
 from network.model import Beacon, Cover, Line, MarkerGroup
 from network.path import Path
+from onboard.localisation.marker_patterns import PATTERNS
 from simulation.faults.fault import InForce, World
 from simulation.faults.table import FAULTS
 from simulation.gnss_settings import Correction, Gnss
@@ -163,7 +164,8 @@ def furnished(line: Line, path: Path) -> Line:
     markers: dict[int, MarkerGroup] = {}
     for number, at_m in enumerate(every_m(path, MARKERS_EVERY_M), start=1):
         piece_id, km_m = path.locate(at_m)
-        markers[number] = MarkerGroup(number, number, piece_id, km_m, (path.direction,))
+        pattern = (number - 1) % PATTERNS + 1  # the same one comes again far beyond any bounds
+        markers[number] = MarkerGroup(number, pattern, piece_id, km_m, (path.direction,))
     return replace(covered(line, path), beacons=beacons, markers=markers)
 
 
