@@ -8,7 +8,7 @@ name: bounds that trust every tag, and bounds that do not grow, must be broken, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Final
 
@@ -50,6 +50,7 @@ SET_RUNS: Final = 100  # with each further set of sensors
 QUICK_SET_RUNS: Final = 4
 MEDIAN_CURVED_M: Final = 2.0
 STRAIGHT_OVER_M: Final = 1000.0
+WITH_CURVATURE: Final = ("tags", Carried.CURVATURE)
 
 
 def sensor_sets() -> tuple[Rule, ...]:
@@ -213,7 +214,7 @@ def reproduce(options: Options) -> Reproduction:
         run_all(options.seed, range(QUICK_SET_RUNS if options.quick else SET_RUNS), r) for r in sensor_sets()
     ]
     line = base_setup(MEDIAN_LINE)
-    curved = [curved_row(line, one.rule) for one in sets if one.rule.carries == ("tags", Carried.CURVATURE)]
+    curved = [curved_row(line, one.rule) for one in sets if one.rule.carries == WITH_CURVATURE]
     remarks = [
         "A run is drawn from (seed, number): study.papers.fusion_runs.outcome(seed, number) is that run again.",
         *(f"OUT: {again(one)}" for one in found.broken),
@@ -232,7 +233,20 @@ def reproduce(options: Options) -> Reproduction:
         parameters(),
         (held_row(found), *map(broken_row, off), median_row(line), *map(held_row, sets), *curved),
         tuple(remarks),
-        figures(found),
+        (
+            *figures(found),
+            *(evenly_turning(line, one.rule) for one in sets if one.rule.carries == WITH_CURVATURE),
+        ),
+    )
+
+
+def evenly_turning(setup: Setup, rule: Rule) -> Figure:
+    """How much of the width comes from what wheels may creep: the same with wheels that are taken not to."""
+    even = setup.curvature.model_copy(update={"wheels_vary_share": 0.0})
+    return Figure(
+        "median half-width with curvature, outside long straights, of wheels that never creep",
+        curved_row(replace(setup, curvature=even), rule).ours,
+        "m; the rest of that row's is curvature.wheels_vary_share",
     )
 
 
