@@ -33,6 +33,7 @@ SLOT: Final = 0
 STANDS_S: Final = 2.0  # how long the train stands at each stop: nothing of this is about passengers
 HOURS_MAX: Final = 6.0
 STOPPED_WITHIN_M: Final = 5.0
+GAINS_MPS2: Final = 1.5  # no train here gains speed faster, on any gradient
 STALLED_S: Final = (
     600.0  # who has not moved for so long has run past the last tag that could tell where it is
 )
@@ -164,7 +165,7 @@ class PositionRun:
         trains, sheet, result = self.trains, self._sheet, self.result
         step = round(self.now_s / STEP_S)
         done, rows, moved = advance(
-            trains.stock, trains.pool.track, sheet, self._trace, 0, step, self.steps_max
+            trains.stock, trains.pool.track, sheet, self._trace, 0, step, self._steps_to_moment()
         )
         self.now_s = (step + done) * STEP_S
         stock_id = trains.stock_ids[SLOT]
@@ -192,6 +193,14 @@ class PositionRun:
         self._answer(happened)
         at_m = self.true_m
         result.notes += [(self.now_s, at_m, note) for note in self.motion.taken_notes()]
+
+    def _steps_to_moment(self) -> int:
+        """How many steps surely do not run past the next moment by more than one."""
+        if not self._moments:
+            return self.steps_max
+        fastest_mps = float(self.trains.plants[SLOT].speed_mps) + GAINS_MPS2 * MOVING_STEPS_MAX * STEP_S
+        steps = int((self._moments[0].at_m - self.true_m) / (fastest_mps * STEP_S))
+        return min(max(steps, 1), self.steps_max)
 
     def _due(self) -> list[Moment]:
         due = [moment for moment in self._moments if moment.at_m <= self.true_m]

@@ -77,8 +77,8 @@ def test_a_unit_that_believes_its_wheels_rides_over_nothing(
         unit.train_mps, unit.speed_mps, unit.wheel_slide = 10.0, 10.0 + state, state
         unit.odometer_scale, unit.position_m, unit.believes_wheels = 1.0, 100.0, believes
         ride_over_slide(unit, train, keeper().tasc, 0.0, unit.speed_mps * STEP_S, STEP_S)
-        assert (unit.position_m == 100.0) is bool(believes)
-        assert (unit.train_mps == 10.0 + state) is bool(believes)
+        assert bool(unit.position_m == 100.0) is bool(believes)
+        assert bool(unit.train_mps == 10.0 + state) is bool(believes)
 
 
 def test_the_model_takes_up_the_emergency_brake(
