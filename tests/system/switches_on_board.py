@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -11,7 +12,6 @@ import pytest
 from numpy.typing import NDArray
 
 from network.model import Position
-from onboard import motion
 from onboard.authority import agreement, points, report
 from onboard.authority import records as sym
 from onboard.authority.records import Authority
@@ -23,8 +23,10 @@ from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, PointsNeeded
 from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
 from onboard.duty.turn import Turn
+from onboard.localisation import tags
 from onboard.localisation.fix import Fix, Refused, Taken, take
-from onboard.motion import Motion, PathData
+from onboard.localisation.wheel_scale import WheelScale
+from onboard.motion import Motion
 from onboard.notes import Claimed
 from onboard.records import EMERGENCY_INTERVENTION, UnitRow
 from onboard.unit import Answer, Report, Telegram, Unit
@@ -157,12 +159,12 @@ def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
-    def take_any(row: UnitRow, fix: Fix) -> Taken | Refused:
+    def take_any(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> Taken | Refused:
         row.position_known = 0  # so that nothing is compared
-        return take(row, fix)
+        return take(row, fix, span_m)
 
-    patch.setattr(motion, "missed_by_m", lambda *_: 0.0)
-    patch.setattr(motion, "take", take_any)
+    patch.setattr(tags, "missed_by_m", lambda *_: 0.0)
+    patch.setattr(tags, "take", take_any)
 
 
 @switch
@@ -175,13 +177,18 @@ def expects_no_tag(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
-    take_up = Motion._take_up
+    take_up, apply = Motion._take_up, WheelScale.apply
 
-    def certain(self: Motion, mission: Mission, path: PathData) -> None:
-        take_up(self, mission, path)
+    def certain(self: Motion, *taken_up: Any) -> None:
+        take_up(self, *taken_up)
         self.row.bound_growth = 0.0
 
+    def measured(self: WheelScale, scale: float) -> None:
+        apply(self, scale)
+        self._row.bound_growth = 0.0
+
     patch.setattr(Motion, "_take_up", certain)
+    patch.setattr(WheelScale, "apply", measured)
 
 
 @switch

@@ -97,7 +97,7 @@ def crew_does_not_stop_before_points(patch: pytest.MonkeyPatch) -> None:
 
 
 def ignores_position_faults(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Motion, "_lose", lambda *_: [])
+    patch.setattr(Motion, "_lose", lambda *_, **_why: [])
 
 
 def reads_no_tag_after_a_restart(patch: pytest.MonkeyPatch) -> None:

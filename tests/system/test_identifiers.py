@@ -61,7 +61,7 @@ def test_a_path_is_no_id(main: Callable[..., Any], tmp_path: Path, whose: str, t
 
 
 def test_every_key_that_names_a_thing_is_an_identifier() -> None:
-    """Read off the schemas, so that a new table's id has the type too; a tag's id is a number."""
+    """Read off the schemas, so that a new table's id has the type too; ids of tags, beacons and markers are numbers."""
     found = {
         (f"{model.__name__} {heading}", row[0].strip("`")): row[1]
         for _, model, _ in KINDS
@@ -70,7 +70,8 @@ def test_every_key_that_names_a_thing_is_an_identifier() -> None:
         if row[0].strip("`") in ("id", "number", "stock", "terminal") and row[1] != "table"
     }
     assert len(found) >= len(PLACES)
-    assert {key for key, kind in found.items() if kind != "identifier"} == {("LineFile `[[tags]]`", "id")}
+    numbered = {(f"LineFile `[[{table}]]`", "id") for table in ("tags", "beacons", "markers")}
+    assert {key for key, kind in found.items() if kind != "identifier"} == numbered
 
 
 def test_without_the_rule_a_run_would_be_written_elsewhere(

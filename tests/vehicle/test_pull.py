@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from vehicle import pull
+from vehicle import pull, running_time
+from vehicle.adhesion import DRY
 from vehicle.dynamics import step
 from vehicle.pull import full_pull_n, mean_gradient_permille
-from vehicle.running_time import Conditions, Stall, predicted_run, stall_of
+from vehicle.running_time import Conditions, Stall, stall_of
 from vehicle.train_file import new_plant
 
 Rows = NDArray[np.void]
@@ -85,8 +86,9 @@ def test_where_there_is_nothing_to_run_there_is_no_stall(ev_e301: Rows) -> None:
 
 
 def test_fewer_motors_take_longer_and_none_for_ever(ev_e301: Rows) -> None:
-    run = (0.5, climbing(5.0), LIMIT, 100.0, 3900.0, 50.0, 0.6, 0.1, 0.0, np.inf)
-    times_s = [predicted_run(ev_e301[0], *run, share)[0] for share in (1.0, 0.5, 0.25, 0.0)]
+    run = (climbing(5.0), LIMIT, 100.0, 3900.0, 50.0, 0.6, 0.1, 0.0, np.inf)
+    with_motors = [Conditions(0.5, share, DRY) for share in (1.0, 0.5, 0.25, 0.0)]
+    times_s = [running_time._run(ev_e301[0], conditions, *run)[0] for conditions in with_motors]
     assert times_s == sorted(times_s)
     assert np.isinf(times_s[-1])
 

@@ -14,7 +14,12 @@ from simulation.faults.links import ANY, Link
 from simulation.faults.table import FAULTS, KINDS
 
 NAMES = Names(
-    units=("K1",), devices=("block-manager", "B-W"), tags=("602",), points=("P7",), chargers=("KRS",)
+    units=("K1",),
+    devices=("block-manager", "B-W"),
+    tags=("602",),
+    points=("P7",),
+    chargers=("KRS",),
+    markers=("1",),
 )
 PARTIES = st.sampled_from(["K1", "K2", "block-manager", "OGN-W", ANY])
 

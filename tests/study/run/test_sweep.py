@@ -192,7 +192,8 @@ def test_every_kind_of_fault_is_swept_alone(two_trains: Scenario) -> None:
     names = [variation.name for variation in variations]
     assert len(set(names)) == len(names)
     assert not two_trains.setup.line.chargers
-    assert {name.split()[0] for name in names} == set(FAULTS) - {"charger_dead"}
+    assert not two_trains.setup.line.markers
+    assert {name.split()[0] for name in names} == set(FAULTS) - {"charger_dead", "marker_missing"}
     for target in ("K1", "K2", "block-manager"):
         assert {f"power_off {target}", f"restart {target}", f"frozen {target}"} <= set(names)
     tags = [variation for variation in variations if variation.name.startswith("miss")]

@@ -14,6 +14,7 @@ from simulation.faults.chargers import ChargerDead
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Failure
 from simulation.faults.table import FAULTS, KINDS
+from simulation.sensors.lidar import MarkerMissing
 from study.scenario.scenario import load_scenario
 from tests.system.chaos.case import Case
 from tests.system.chaos.draw import Draw
@@ -40,7 +41,8 @@ def test_a_case_follows_from_its_seed(nets: Path, cases: list[Case]) -> None:
 
 def test_every_kind_and_every_number_of_faults_is_drawn(cases: list[Case]) -> None:
     drawn = Counter(str(fault["kind"]) for case in cases for fault in case.faults)
-    assert set(drawn) == {kind.kind for kind in KINDS} - {ChargerDead.kind}  # the test line has no charger
+    nothing_there = {ChargerDead.kind, MarkerMissing.kind}  # the test line has no charger and no markers
+    assert set(drawn) == {kind.kind for kind in KINDS} - nothing_there
     assert {len(case.faults) for case in cases} == set(range(1, FAULTS_MAX + 1))
 
 
