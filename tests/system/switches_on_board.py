@@ -179,7 +179,7 @@ def expects_no_tag(patch: pytest.MonkeyPatch) -> None:
 def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
     take_up, apply = Motion._take_up, WheelScale.apply
 
-    def certain(self: Motion, *taken_up: Any) -> None:
+    def certain(self: Motion, *taken_up: Any) -> None:  # noqa: ANN401 - handed on
         take_up(self, *taken_up)
         self.row.bound_growth = 0.0
 

@@ -83,14 +83,19 @@ def _refuse_what_cannot_run(course: Course, way: Way, best: Floats) -> None:
         raise ValueError(f"{course.final_mps:.2f} m/s at the end cannot be reached")
 
 
+def shares_of(sums: Floats) -> Floats:
+    """Running sums as shares of the last; even where nothing comes together, as in a run that never changes speed."""
+    return sums / sums[-1] if sums[-1] > 0.0 else np.linspace(0.0, 1.0, sums.size)
+
+
 def places_m(laid: Laid, points: int) -> Floats:
     """The mesh's points: wherever the limit changes, else dense where the fastest run is slow or changes speed."""
     at_m, z = laid.way.at_m, laid.fastest
     speed = np.sqrt(2.0 * z)
     time_s = times_s(at_m, z)
     change = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(speed)))))
-    place = EVEN_SHARE * (at_m - at_m[0]) / (at_m[-1] - at_m[0]) + TIME_SHARE * time_s / time_s[-1]
-    place += (1.0 - EVEN_SHARE - TIME_SHARE) * change / change[-1]
+    place = EVEN_SHARE * shares_of(at_m - at_m[0]) + TIME_SHARE * shares_of(time_s)
+    place += (1.0 - EVEN_SHARE - TIME_SHARE) * shares_of(change)
     kept = np.concatenate(([0], np.flatnonzero(np.diff(laid.way.limit)) + 1, [len(at_m) - 1]))
     if len(kept) > points // 2:  # a limit that changes at every metre: what lies under it all counts
         kept = np.array([0, len(at_m) - 1])

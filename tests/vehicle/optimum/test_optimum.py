@@ -14,7 +14,7 @@ from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum import Course, Optimum, TooShort, least_energy, least_time
 from vehicle.optimum.bound import Term, bound_of, lower_bound_j
 from vehicle.optimum.laws import laws_at
-from vehicle.optimum.mesh import laid
+from vehicle.optimum.mesh import laid, shares_of
 from vehicle.optimum.proof import consumed_j, possible, proven
 from vehicle.optimum.way import times_s
 from vehicle.running_time import predicted_run
@@ -297,3 +297,9 @@ def test_regeneration_that_counts_saves_and_a_missing_friction_brake_costs(ev_e3
     assert whole_j <= least_energy(alone, time_s).energy_j * (1.0 + 1e-4)
     assert whole_j < least_energy(none, time_s).energy_j
     assert np.max(least_energy(alone, time_s).brake_n) < 10.0
+
+
+def test_a_run_that_never_changes_speed_is_laid_out_evenly() -> None:
+    """Its changes of speed come to nothing: a share of nothing is no number."""
+    assert shares_of(np.zeros(5)).tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert shares_of(np.array([0.0, 1.0, 4.0])).tolist() == [0.0, 0.25, 1.0]
