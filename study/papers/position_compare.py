@@ -153,15 +153,17 @@ def row_of(measures: Measures) -> Row:
 
 
 def acting_row(runs: Sequence[Ran]) -> Row:
-    """Every fault changes what the unit believes somewhere: one that does nothing shows nothing."""
+    """Every fault changes what the unit believes or notes somewhere: one that does nothing shows nothing."""
     idle: list[str] = []
     for carried in SETS:
         own = [ran for ran in runs if ran.carried is carried]
         if not own:
             continue
-        plain = own[0].result.trace
+        plain, told = own[0].result.trace, [note for _, _, note in own[0].result.notes]
         for ran in own[1:]:
             trace = ran.result.trace
+            if [note for _, _, note in ran.result.notes] != told:
+                continue
             if trace.size == plain.size and all(
                 np.allclose(trace[name], plain[name], atol=ACTS_M)
                 for name in ("position_m", "estimate_error_m", "bound_ahead_m", "bound_behind_m")
