@@ -46,6 +46,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.unable import Unable
 from onboard.fixes import Fixes
+from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import Heard, TagDoubt
 from onboard.localisation.wheel_scale import Held
@@ -295,6 +296,7 @@ class Motion:
         moved_m = round(correction_m, 3)
         self.notes.append(notes.TagRead(tag_id=tag_id, purpose=tag.purpose, correction_m=moved_m))
         self._expect_tag(tag.position_m)
+        begin_slack(self.readers.sign, row, self._parameters.tag_accuracy_m + row.pulse_m)
         self._fixes.tag_believed()
         self._found = self._found or found
         return [TagPassed(index, found)]

@@ -82,6 +82,12 @@ def carry_slack(own: LeaningRow, unit: UnitRow) -> None:
     own.bounds_m = half_m
 
 
+def begin_slack(own: SignRow, unit: UnitRow, slack_m: float) -> None:
+    """The estimate is as good as the tag just believed says, m, whatever the bounds span besides (decision 035)."""
+    own.bounds_m = (unit.bound_ahead_m + unit.bound_behind_m) / 2.0
+    own.slack_m = min(slack_m, own.bounds_m)
+
+
 @compiled
 def sighted(own: SignRow, unit: UnitRow, front_m: float, within_m: float) -> int:
     """One frame that shows a sign, so that the front is at `front_m` or within so much of it.

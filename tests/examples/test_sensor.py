@@ -30,7 +30,7 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
             "from onboard.localisation.fix import NOTHING, TAKEN, told\n",
             "from onboard.localisation.radar_run import RadarReading, RadarRunRow, radar_run\n",
         ),
-        ("Reader(sign, SignReading, SignRow),", " Reader(radar_run, RadarReading, RadarRunRow)"),
+        ("Reader(sign, SignReading, SignRow),", " Reader(radar_run, RadarReading, RadarRunRow),"),
     )
     return clone
 

@@ -159,12 +159,13 @@ def claims_only_where_it_stands(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def believes_any_tag(patch: pytest.MonkeyPatch) -> None:
-    def take_any(row: UnitRow, fix: Fix, span_m: tuple[float, float] | None = None) -> Taken | Refused:
+    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> Taken | Refused:
         row.position_known = 0  # so that nothing is compared
-        return take(row, fix, span_m)
+        return take(row, fix)
 
     patch.setattr(tags, "missed_by_m", lambda *_: 0.0)
     patch.setattr(tags, "take", take_any)
+    patch.setattr(tags.TagDoubt, "believes", lambda *_: True)
 
 
 @switch
