@@ -56,6 +56,7 @@ class UnitRow(Protocol):
     odometer_scale: Annotated[float, "calibration against the distance between tags"]
     tachometer_doubt_s: Annotated[float, "for how long its readings have not fitted what was commanded"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
+    may_slip_s: Annotated[float, "above 0: what it calls a slide may still be the slip that it saw before"]
     speed_mps: float
     believes_wheels: Annotated[int, "1: the estimate goes by what they count also while they slide or slip"]
     train_mps: Annotated[float, "the train's own speed: the wheel's, but while that slides"]

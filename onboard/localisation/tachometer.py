@@ -22,6 +22,7 @@ LOST_SHARE = 0.5  # slide protection keeps the wheel above this share of the tra
 LOST_FROM_MPS = 1.0
 GAINED_MPS = 2.5  # wheels spin up by less than this, and than their speed again, within a step
 SURE_BRAKE_MPS2 = 0.05  # assumed: locked wheels on a rail with adhesion 0.02, down 15 permille
+BY_TURNS_S = 1.0  # a slip that was seen may go on this long under the name of a slide
 ANSWERS_MPS2 = 0.1  # half the service brake slows a train by more than this on any gradient here
 
 
@@ -42,7 +43,10 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
     elif unseen_m > 0.0:
         slid_m = unseen_m
     if unit.wheel_slide > 0:
+        unit.may_slip_s = BY_TURNS_S
+    if unit.wheel_slide != 0 and unit.may_slip_s > 0.0:
         slipped_m = abs(run_m)
+    unit.may_slip_s -= step_s
     unit.bound_ahead_m += slid_m
     unit.bound_behind_m += slipped_m
     unit.slid_ahead_m += slid_m
