@@ -39,7 +39,7 @@ def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, 
     unseen_m = unseen_run_m(unit, train, run_m * unit.odometer_scale, speed_mps, step_s)
     slid_m = slipped_m = 0.0
     if unit.wheel_slide != 0:  # on such a rail wheels slip and slide by turns
-        slid_m = max(abs(run_m) * share / (1.0 - share), unseen_m)
+        slid_m = max(abs(run_m) * (unit.odometer_scale + unit.bound_growth) * share / (1.0 - share), unseen_m)
     elif unseen_m > 0.0:
         slid_m = unseen_m
     if unit.wheel_slide > 0:
