@@ -24,7 +24,11 @@ AT_ONCE: Final = {
     "bounds_do_not_grow": (Checker.WITHIN_BOUNDS,),
     # who claims too little is told so by the register, or runs where it holds nothing
     "claims_only_where_it_stands": ("dead: agreement", Checker.INSIDE_HOLDING),
-    "does_not_wait_for_proof": ("unsafe: ran onto points", Checker.PROVEN_BEFORE_ENTRY),
+    "does_not_wait_for_proof": (
+        "unsafe: ran onto points",
+        "unsafe: ran through points",
+        Checker.PROVEN_BEFORE_ENTRY,
+    ),
     "releases_at_the_front": (Checker.RELEASE_BEHIND_REAR,),
 }
 SOON: Final = {
