@@ -84,8 +84,8 @@ def _refuse_what_cannot_run(course: Course, way: Way, best: Floats) -> None:
 
 
 def shares_of(sums: Floats) -> Floats:
-    """Running sums as shares of the last; even where nothing comes together, as in a run that never changes speed."""
-    return sums / sums[-1] if sums[-1] > 0.0 else np.linspace(0.0, 1.0, sums.size)
+    """Running sums as shares of the last; even where that is nothing (one speed) or has no end (a stand)."""
+    return sums / sums[-1] if 0.0 < sums[-1] < np.inf else np.linspace(0.0, 1.0, sums.size)
 
 
 def places_m(laid: Laid, points: int) -> Floats:

@@ -303,3 +303,4 @@ def test_a_run_that_never_changes_speed_is_laid_out_evenly() -> None:
     """Its changes of speed come to nothing: a share of nothing is no number."""
     assert shares_of(np.zeros(5)).tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
     assert shares_of(np.array([0.0, 1.0, 4.0])).tolist() == [0.0, 0.25, 1.0]
+    assert shares_of(np.array([0.0, 1.0, np.inf])).tolist() == [0.0, 0.5, 1.0]
