@@ -7,9 +7,9 @@ offset is not that of its points runs across from one track to the other.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from network.errors import InputError
 from network.files import line_checks as check
@@ -43,6 +43,8 @@ from network.model import (
 )
 from network.timetable import Timetable, platform_of
 from network.units import metres, mps
+
+LaidT = TypeVar("LaidT", bound=schema.OnTrackTable)
 
 TRACK_MARGIN_M: Final = (
     5.0  # between a standing train's rear and the section's end; assumed, for the stop error
@@ -266,7 +268,7 @@ def _stations(
     file: str, entry: LineFile, alignments: Mapping[str, Alignment], pieces: Mapping[str, Piece]
 ) -> dict[str, Station]:
     _unique(file, "stations", [s.id for s in entry.stations])
-    kinds = {s.id: s.kind for s in entry.sections}
+    kinds = _kinds(entry)
     owner: dict[str, str] = {}
     stations: dict[str, Station] = {}
     for i, station in enumerate(entry.stations):
@@ -339,44 +341,41 @@ def _sections(
     return sections
 
 
+def _laid(
+    file: str, table: str, entries: Sequence[LaidT], kinds: Mapping[str, str], pieces: Mapping[str, Piece]
+) -> Iterator[tuple[LaidT, str, float, tuple[Direction, ...]]]:
+    """Entries of a table of things on the track, each with its piece, kilometrage (m) and directions."""
+    for i, entry in enumerate(entries):
+        piece = check.tag_piece(file, f"{table}[{i}]", entry, pieces, kinds)
+        yield entry, piece.id, metres(entry.km), _directions(entry.directions)
+
+
 def _tags(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, Tag]:
     _unique(file, "tags", [t.id for t in entry.tags])
-    kinds = {s.id: s.kind for s in entry.sections}
-    tags: dict[int, Tag] = {}
-    for i, tag in enumerate(entry.tags):
-        piece = check.tag_piece(file, f"tags[{i}]", tag, pieces, kinds)
-        directions = _directions(tag.directions)
-        tags[tag.id] = Tag(tag.id, piece.id, metres(tag.km), TagPurpose(tag.purpose), directions)
-    return tags
+    laid = _laid(file, "tags", entry.tags, _kinds(entry), pieces)
+    return {
+        tag.id: Tag(tag.id, piece_id, at_m, TagPurpose(tag.purpose), to) for tag, piece_id, at_m, to in laid
+    }
 
 
 def _beacons(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, Beacon]:
     _unique(file, "beacons", [b.id for b in entry.beacons])
-    kinds = {s.id: s.kind for s in entry.sections}
-    beacons: dict[int, Beacon] = {}
-    for i, beacon in enumerate(entry.beacons):
-        piece = check.tag_piece(file, f"beacons[{i}]", beacon, pieces, kinds)
-        directions = _directions(beacon.directions)
-        beacons[beacon.id] = Beacon(
-            beacon.id,
-            piece.id,
-            metres(beacon.km),
-            directions,
-            beacon.tells_id,
-            beacon.used,
-            beacon.window_m,
-        )
-    return beacons
+    laid = _laid(file, "beacons", entry.beacons, _kinds(entry), pieces)
+    return {
+        beacon.id: Beacon(beacon.id, piece_id, at_m, to, beacon.tells_id, beacon.used, beacon.window_m)
+        for beacon, piece_id, at_m, to in laid
+    }
 
 
 def _markers(file: str, entry: LineFile, pieces: Mapping[str, Piece]) -> dict[int, MarkerGroup]:
     _unique(file, "markers", [m.id for m in entry.markers])
-    kinds = {s.id: s.kind for s in entry.sections}
-    groups: dict[int, MarkerGroup] = {}
-    for i, markers in enumerate(entry.markers):
-        piece = check.tag_piece(file, f"markers[{i}]", markers, pieces, kinds)
-        directions = _directions(markers.directions)
-        groups[markers.id] = MarkerGroup(
-            markers.id, markers.pattern, piece.id, metres(markers.km), directions
-        )
-    return groups
+    laid = _laid(file, "markers", entry.markers, _kinds(entry), pieces)
+    return {
+        group.id: MarkerGroup(group.id, group.pattern, piece_id, at_m, to)
+        for group, piece_id, at_m, to in laid
+    }
+
+
+def _kinds(entry: LineFile) -> dict[str, str]:
+    """Kind of each section, by id."""
+    return {section.id: section.kind for section in entry.sections}

@@ -108,6 +108,17 @@ class Fault(Record, Generic[V]):
         return self.model_dump(exclude={"target"})
 
 
+class UnitFault(Fault[V], Generic[V]):
+    """A kind of failure of one train's equipment, named by the stock that has it."""
+
+    aims_at = "unit"
+    target: str
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.units
+
+
 def fold(base: V, faults: Iterable[Fault[V]]) -> V:
     """The value in force: what the faults, in their order, make of the base."""
     for fault in faults:

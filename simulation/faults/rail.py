@@ -5,19 +5,13 @@ from __future__ import annotations
 from pydantic import Field
 
 from network.files.quantities import Share
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 
 
-class RailFault(Fault[float]):
+class RailFault(UnitFault[float]):
     """The adhesion under a train, as a share of what the weather leaves."""
 
-    aims_at = "unit"
     changes = "rail"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> float:
         return 1.0

@@ -14,19 +14,13 @@ from pydantic import Field
 
 from network.files.quantities import Motors as MotorCount
 from network.files.quantities import Share
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 
 
-class DoorsFault(Fault[bool]):
+class DoorsFault(UnitFault[bool]):
     """Whether the doors show that they are closed and locked."""
 
-    aims_at = "unit"
     changes = "doors"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> bool:
         return True
@@ -52,16 +46,10 @@ class BrakeState:
     reserve: float = 1.0
 
 
-class BrakeFault(Fault[BrakeState]):
+class BrakeFault(UnitFault[BrakeState]):
     """What is wrong with a train's brakes."""
 
-    aims_at = "unit"
     changes = "brake"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> BrakeState:
         return BrakeState()
@@ -84,16 +72,10 @@ class Brake(BrakeFault):
         return BrakeState(good=False, reserve=brake.reserve * self.reserve)
 
 
-class MotorsFault(Fault[int]):
+class MotorsFault(UnitFault[int]):
     """How many motors of a train are cut out (主電動機開放)."""
 
-    aims_at = "unit"
     changes = "motors"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> int:
         return 0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 from onboard.board import SensedRow
 from onboard.localisation.beacons import BeaconsRow
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 from simulation.sensor_settings import BeaconTrust
 from simulation.sensors.noise import source_of
 from simulation.sensors.scene import SceneRow
@@ -73,17 +73,11 @@ def beacon_receiver(
     shown.noticed, shown.odometer_m = 1, own.latched_m
 
 
-class DeafReceiver(Fault[bool]):
+class DeafReceiver(UnitFault[bool]):
     """The receiver notices no beacon."""
 
     kind = "no_beacon"
-    aims_at = "unit"
     changes = "beacon receiver"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> bool:
         return False
@@ -95,18 +89,12 @@ class DeafReceiver(Fault[bool]):
         world.trains.sensors["beacon_receiver"][world.slot(self.target)].deaf = int(deaf)
 
 
-class FalseBeacon(Fault[bool]):
+class FalseBeacon(UnitFault[bool]):
     """The receiver notices a beacon, without a number, where none lies."""
 
     kind = "false_beacon"
-    aims_at = "unit"
     changes = "false beacon"
     momentary: ClassVar[bool] = True
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> bool:
         return False

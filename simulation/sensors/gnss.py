@@ -24,7 +24,7 @@ from pydantic import Field
 from network.files.quantities import CorrelationWay, ReceiverBias, ReceiverLatency
 from network.profile import NO_SKY, OPEN_SKY
 from onboard.board import SensedRow
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from simulation.settings import Carried
@@ -175,16 +175,10 @@ class Reception:
     late_s: float = 0.0
 
 
-class GnssFault(Fault[Reception]):
+class GnssFault(UnitFault[Reception]):
     """What the receiver of a train shows; nothing where it has none."""
 
-    aims_at = "unit"
     changes = "gnss"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> Reception:
         return Reception()

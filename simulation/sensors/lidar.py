@@ -18,7 +18,7 @@ from onboard.board import SensedRow
 from onboard.localisation.lidar import SETBACK_M, LidarRow
 from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import Fault, Names, UnitFault, World
 from simulation.sensors.lidar_scan import SIGN_SHEETING
 from simulation.sensors.line_scans import COLUMNS, PLACES_M, SMEARS_M, SPEEDS_MPS, line_scans
 from simulation.sensors.noise import normal, source_of, uniform
@@ -183,16 +183,10 @@ def lidar(own: LidarSensorRow, _sensors: Any, scene: SceneRow, sensed: SensedRow
         shown.bears_m[k] = bears_m(own, cycle, speed_mps)
 
 
-class LidarFault(Fault[float]):
+class LidarFault(UnitFault[float]):
     """How far a train's LiDAR sees through what is before it: visibility in m."""
 
-    aims_at = "unit"
     changes = "lidar"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, world: World) -> float:
         return world.trains.setup.lidar.visibility_m

@@ -22,7 +22,7 @@ from pydantic import Field, PrivateAttr
 from network.files.quantities import ReadingFactor
 from onboard.board import SensedRow
 from radio.chance import generator
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 from simulation.sensors.scene import SceneRow
 from simulation.world.scatter import Individual
 from vehicle.compiled import compiled
@@ -114,16 +114,10 @@ class Reading:
     stuck_mps: float | None = None
 
 
-class TachometerFault(Fault[Reading]):
+class TachometerFault(UnitFault[Reading]):
     """What the tachometer of a train shows."""
 
-    aims_at = "unit"
     changes = "tachometer"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> Reading:
         return Reading()

@@ -23,7 +23,7 @@ from scipy.linalg import expm
 from network.files.quantities import NoiseFactor, YawRateDegps
 from onboard.board import SensedRow
 from radio.chance import generator
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 from simulation.sensors.noise import normal, source_of
 from simulation.sensors.scene import SceneRow
 from vehicle.compiled import compiled
@@ -136,16 +136,10 @@ class Gyro:
     noise_factor: float = 1.0
 
 
-class GyroFault(Fault[Gyro]):
+class GyroFault(UnitFault[Gyro]):
     """What the yaw gyro of a train shows; a train without one does not mind."""
 
-    aims_at = "unit"
     changes = "gyro"
-    target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> Gyro:
         return Gyro()

@@ -12,6 +12,7 @@ from typing import Final
 import msgspec
 
 from host.units import Units
+from network.path import Path
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
 from onboard.driving.tuning import Learned
 from onboard.driving.tuning import StopRecord as StopWaves
@@ -29,6 +30,38 @@ from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
 
+def new_keeper(trains: Trains, slot: int, *, learns: bool) -> StopKeeper:
+    """A train's memory of its stops, with what it has learned on days before; it outlives the unit's boots."""
+    train, stock_id = trains.kinds[slot], trains.stock_ids[slot]
+    learned = trains.setup.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
+    fill_design(trains.designs[slot], train, trains.behaviours[slot], learned)
+    return StopKeeper(trains.tascs[slot], trains.designs[slot], trains.waves[slot], learned, learns)
+
+
+def new_motion(trains: Trains, slot: int, keeper: StopKeeper) -> Motion:
+    """The driving part of a unit that is switched on."""
+    setup = trains.setup
+    motion = Motion(
+        setup.believed_line,
+        setup.unit,
+        trains.units[slot],
+        trains.kinds[slot],
+        trains.behaviours[slot],
+        keeper,
+        trains.readers[slot],
+        trains.laws[slot],
+        setup.planning,
+    )
+    motion.reads_tags = trains.reads_tags(slot)
+    return motion
+
+
+def path_data(trains: Trains, slot: int, path: Path) -> PathData:
+    """A unit's path database of a path."""
+    rows, pool = trains.rows_of(slot, path), trains.pool
+    return PathData(pool.pattern_of(rows), rows.offset, rows.known_first, rows.known_end - rows.known_first)
+
+
 class OnBoard:
     """The units of all stocks, by slot."""
 
@@ -40,32 +73,12 @@ class OnBoard:
         self._trains: Final = trains
         self._units: Final = units
         self._plans: dict[tuple[str, int], Plan] = {}
-        self._keepers = [self._new_keeper(slot) for slot in range(len(trains.stock_ids))]
-        self._motions = [self._new_motion(slot) for slot in range(len(trains.stock_ids))]
-
-    def _new_keeper(self, slot: int) -> StopKeeper:
-        """The train's memory of its stops, with what it has learned on days before; it outlives the unit's boots."""
-        trains, tuning = self._trains, self._setup.tuning
-        train, stock_id = trains.kinds[slot], trains.stock_ids[slot]
-        learned = self._setup.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(train)))
-        fill_design(trains.designs[slot], train, trains.behaviours[slot], learned)
-        return StopKeeper(trains.tascs[slot], trains.designs[slot], trains.waves[slot], learned, tuning.learn)
-
-    def _new_motion(self, slot: int) -> Motion:
-        trains, setup = self._trains, self._setup
-        motion = Motion(
-            setup.believed_line,
-            setup.unit,
-            trains.units[slot],
-            trains.kinds[slot],
-            trains.behaviours[slot],
-            self._keepers[slot],
-            trains.readers[slot],
-            trains.laws[slot],
-            setup.planning,
-        )
-        motion.reads_tags = trains.reads_tags(slot)
-        return motion
+        self._keepers = [
+            new_keeper(trains, slot, learns=setup.tuning.learn) for slot in range(len(trains.stock_ids))
+        ]
+        self._motions = [
+            new_motion(trains, slot, self._keepers[slot]) for slot in range(len(trains.stock_ids))
+        ]
 
     # what people and sensors tell it ------------------------------------------------------------------------------
 
@@ -152,7 +165,7 @@ class OnBoard:
         self._units.restart(self._trains.stock_ids[slot])
         self._trains.truths[slot].powered = 1
         before = self._motions[slot]
-        self._motions[slot] = self._new_motion(slot)
+        self._motions[slot] = new_motion(self._trains, slot, self._keepers[slot])
         self._motions[slot].load_share = before.load_share
         self._motions[slot].vehicle = before.vehicle
 
@@ -206,10 +219,4 @@ class OnBoard:
         return self._plans[key]
 
     def _path(self, slot: int, mission: Mission) -> PathData:
-        rows = self._trains.rows_of(slot, mission.path)
-        return PathData(
-            self._trains.pool.pattern_of(rows),
-            rows.offset,
-            rows.known_first,
-            rows.known_end - rows.known_first,
-        )
+        return path_data(self._trains, slot, mission.path)

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 
 from network.timetable import Timetable
 from onboard import notes
-from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
-from onboard.driving.tuning import Learned
 from onboard.duty.records import Command, Limit, Order, PositionLost, Sensed, Stopped, TagPassed
-from onboard.motion import Motion, PathData
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
 from simulation.world.kernel import MOVING_STEPS_MAX, advance, new_sheet
+from simulation.world.on_board import new_keeper, new_motion, path_data
 from simulation.world.records import PASSED_FRONT, PASSED_REAR, PASSED_TAG, TRACE, TRACE_EVERY_STEPS
 from simulation.world.roster import Duty, drawn_up
 from simulation.world.trains import Trains
@@ -112,26 +110,8 @@ class PositionRun:
         self._lost = False
         trains = self.trains
         trains.place(SLOT, self.duty)
-        kind = trains.kinds[SLOT]
-        learned = setup.learned.get(stock_id, Learned(stock_id, believed_dead_time_s(kind)))
-        fill_design(trains.designs[SLOT], kind, trains.behaviours[SLOT], learned)
-        keeper = StopKeeper(trains.tascs[SLOT], trains.designs[SLOT], trains.waves[SLOT], learned, False)
-        self.motion: Final = Motion(
-            setup.believed_line,
-            setup.unit,
-            trains.units[SLOT],
-            kind,
-            trains.behaviours[SLOT],
-            keeper,
-            trains.readers[SLOT],
-            trains.laws[SLOT],
-            setup.planning,
-        )
-        self.motion.reads_tags = trains.reads_tags(SLOT)
-        rows = trains.rows_of(SLOT, believed.path)
-        data = PathData(
-            trains.pool.pattern_of(rows), rows.offset, rows.known_first, rows.known_end - rows.known_first
-        )
+        self.motion: Final = new_motion(trains, SLOT, new_keeper(trains, SLOT, learns=False))
+        data = path_data(trains, SLOT, believed.path)
         self.motion.stand_at_start(believed, data, float(trains.tachometers[SLOT].odometer_m))
         self._sheet, self._trace = new_sheet(1), np.zeros(2 * MOVING_STEPS_MAX, dtype=TRACE)
         self._traces: list[Rows] = []
