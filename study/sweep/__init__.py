@@ -1,0 +1,1 @@
+"""Thousands of days: what is varied, who runs them, what they show together."""
