@@ -201,9 +201,11 @@ class PlainTrack:
 
     def _extent(self, train: _Train, piece_id: str) -> Extent:
         """Where a train lies along one of the pieces that it lies on."""
-        before = train.behind[: train.behind.index(piece_id) + 1] if piece_id in train.behind else []
-        front_m = train.offset_m + sum(self._lengths_m[passed] for passed in before)
-        return Extent(train.direction, front_m, front_m - train.length_m, train.speed_mps * self._step_s)
+        leads = piece_id == train.pieces[0]
+        passed = () if leads else train.behind[: train.behind.index(piece_id) + 1]
+        front_m = train.offset_m + sum(self._lengths_m[passed_id] for passed_id in passed)
+        rear_m = front_m - train.length_m
+        return Extent(train.direction, front_m, rear_m, train.speed_mps * self._step_s, leads)
 
     def truth(self, unit_id: str) -> Truth:
         """Where the front is."""

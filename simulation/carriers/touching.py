@@ -1,14 +1,17 @@
 """When two trains on plain track touch, by front and rear on each piece: SUMO's judgement, made again without SUMO.
 
-On one piece of track (`Look`):
+On each piece of track that two trains lie on and one of them has its front on (`Look`):
 
 - from behind: the rear of the one ahead is more than `OVERLAP_M` behind the front of the one that follows;
 - head-on: they have a point in common, each reaching back by what it runs in a step at its speed, so that none gets
-  through another between two steps;
-- fouling: one is on the normal leg of points and one on the reverse leg, both short of the legs' ends, where trains
-  clear each other (車両接触限界; that it is there is assumed). SUMO does not see this: its tracks have no width.
+  through another between two steps.
 
 Points in between make no difference: a train lies on every piece from its front to its rear, by the way it came.
+What is found is what SUMO finds, in the same step, save that SUMO, where three trains lie on one piece, compares one
+whose front is beyond with the hindmost alone. What SUMO has no eyes for can be looked for besides:
+
+- fouling: one lies on the normal leg of points and one on the reverse leg. Trains clear each other from the legs' ends
+  on (車両接触限界), which is assumed. In a run the checkers judge the same by the section of the points, on any carrier.
 """
 
 from __future__ import annotations
@@ -35,17 +38,21 @@ class Look(Flag):
 class Extent(NamedTuple):
     """Where a train lies, along the piece in question: front and rear from where its direction enters that, m.
 
-    Either may be beyond the piece's ends. `step_m`: what it runs in a step at the speed that it has now.
+    Either may be beyond the piece's ends; `leads`: the front is on it. `step_m`: what it runs in a step at the speed
+    that it has now.
     """
 
     direction: Direction
     front_m: float
     rear_m: float
     step_m: float
+    leads: bool
 
 
 def touch(one: Extent, other: Extent, length_m: float, look: Look) -> bool:
     """Whether two trains that both lie on a piece of that length touch."""
+    if not one.leads and not other.leads:
+        return False
     if one.direction is other.direction:
         first, second = (one, other) if one.front_m > other.front_m else (other, one)
         return Look.FROM_BEHIND in look and first.rear_m - second.front_m < -OVERLAP_M
