@@ -321,7 +321,16 @@ FLANGEWAY: Final = Quantity(
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
+SWEEP_DAYS: Final = Quantity(
+    "days of a sweep", "", ((1, 1_000_000),), "assumed: ten times what a night on a hundred processors runs"
+)
 SEED: Final = Quantity("seed", "", ((0, 2**63 - 1),), "what 63 bits hold")
+CONFIDENCE: Final = Quantity(
+    "confidence", "", ((0.5, 0.9999),), "assumed: less says nothing, more than the days drawn can tell"
+)
+DRAWN_VALUE: Final = Quantity(
+    "value of a distribution", "", ((-1e12, 1e12),), "assumed: of any key, whose own range counts"
+)
 
 # shares and factors ------------------------------------------------------------------------------------------
 SHARE: Final = Quantity("share", "", ((0.0, 1.0),), "by its meaning")
@@ -452,7 +461,10 @@ Creep = Annotated[float, CREEP]
 Conicity = Annotated[float, CONICITY]
 Flangeway = Annotated[float, FLANGEWAY]
 Days = Annotated[int, DAYS]
+SweepDays = Annotated[int, SWEEP_DAYS]
 Seed = Annotated[int, SEED]
+Confidence = Annotated[float, CONFIDENCE]
+DrawnValue = Annotated[float, DRAWN_VALUE]
 Share = Annotated[float, SHARE]
 ShareAbove0 = Annotated[float, SHARE_ABOVE_0]
 Probability = Annotated[float, PROBABILITY]
