@@ -25,6 +25,7 @@ class SumoCarrier:
 
     def __init__(self, net: Path, begin_s: float, api: SumoApi | None = None) -> None:
         self._sumo = in_process() if api is None else api
+        self._open = True
         self._sumo.start([*sumo_command(net), "--begin", f"{begin_s:.1f}"])
         self._collisions: dict[tuple[str, str], str] = {}
         self._lengths_m: dict[str, float] = {}
@@ -135,5 +136,7 @@ class SumoCarrier:
         return tuple(self._collisions.values())
 
     def close(self) -> None:
-        """End the simulation."""
-        self._sumo.close()
+        """End the simulation. May be called more than once."""
+        if self._open:
+            self._open = False
+            self._sumo.close()
