@@ -96,7 +96,7 @@ class Warm:
 
     def scenario(self, spec: DaySpec) -> Scenario:
         """The scenario of a day, with its seed. Raises InputError."""
-        key = (spec.scenario, spec.inputs, repr(spec.point))
+        key = (spec.scenario, spec.inputs, repr(spec.point), repr(spec.drawn))
         found = self._scenarios.get(key)
         if found is None:
             found = self._scenario_of(spec)

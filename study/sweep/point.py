@@ -20,7 +20,7 @@ _FILE: Final = "sweep"  # of errors: what a sweep file says was checked as it wa
 def point_id(spec: DaySpec) -> str:
     """What the scenario of a day's point is called: after the scenario that is varied."""
     stem = Path(spec.scenario).stem[: IDENTIFIER_LENGTH_MAX - SHORT - 1]
-    return f"{stem}-{spec.inputs[:SHORT]}" if spec.inputs else stem
+    return f"{stem}-{spec.inputs[:SHORT] or 'point'}"
 
 
 def scenario_text(spec: DaySpec, *, seeded: bool = True) -> str:
