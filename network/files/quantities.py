@@ -321,6 +321,18 @@ FLANGEWAY: Final = Quantity(
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
+PER_DAY: Final = Quantity(
+    "number in a day", "", ((0.0, 1000.0),), "assumed: more than one a minute is no event any more"
+)
+MTBF_H: Final = Quantity(
+    "hours between failures", "h", ((0.1, 1e8),), "assumed: a broken thing; ten thousand years of service"
+)
+MTBF_KM: Final = Quantity(
+    "kilometres between failures", "km", ((0.1, 1e8),), "assumed: a broken thing; a hundred trains' lives"
+)
+MTBF_OPERATIONS: Final = Quantity(
+    "operations between failures", "", ((1.0, 1e9),), "assumed: each one fails; never in a life"
+)
 SEED: Final = Quantity("seed", "", ((0, 2**63 - 1),), "what 63 bits hold")
 
 # shares and factors ------------------------------------------------------------------------------------------
@@ -345,6 +357,16 @@ READING_FACTOR: Final = Quantity("factor of a reading", "", ((0.0, 10.0),), "ass
 BIT_ERROR_FACTOR: Final = Quantity(
     "factor of bit errors", "", ((0.0, 10_000.0),), "assumed: from Sugiyama, table 7, to nearly every bit"
 )
+LOG_SIGMA: Final = Quantity(
+    "standard deviation of a logarithm",
+    "",
+    ((0.01, 3.0),),
+    "assumed: a hundredth; from a twentieth to twentyfold",
+)
+SHAPE: Final = Quantity(
+    "shape of a distribution", "", ((0.1, 50.0),), "assumed: nearly all at once to nearly none scattered"
+)
+DELAY_FACTOR: Final = Quantity("factor of a delay", "", ((0.0, 100.0),), "assumed: none to a hundred times")
 STRETCH: Final = Quantity(
     "factor of a running time", "", ((0.1, 10.0),), "assumed: ten times as fast or slow"
 )
@@ -452,6 +474,10 @@ Creep = Annotated[float, CREEP]
 Conicity = Annotated[float, CONICITY]
 Flangeway = Annotated[float, FLANGEWAY]
 Days = Annotated[int, DAYS]
+PerDay = Annotated[float, PER_DAY]
+MtbfH = Annotated[float, MTBF_H]
+MtbfKm = Annotated[float, MTBF_KM]
+MtbfOperations = Annotated[float, MTBF_OPERATIONS]
 Seed = Annotated[int, SEED]
 Share = Annotated[float, SHARE]
 ShareAbove0 = Annotated[float, SHARE_ABOVE_0]
@@ -463,4 +489,7 @@ WheelFactor = Annotated[float, WHEEL_FACTOR]
 Slowness = Annotated[float, SLOWNESS]
 ReadingFactor = Annotated[float, READING_FACTOR]
 BitErrorFactor = Annotated[float, BIT_ERROR_FACTOR]
+LogSigma = Annotated[float, LOG_SIGMA]
+Shape = Annotated[float, SHAPE]
+DelayFactor = Annotated[float, DELAY_FACTOR]
 Stretch = Annotated[float, STRETCH]
