@@ -18,8 +18,7 @@ from network.timetable import Timetable
 from simulation.late.day import counts_of, late_day
 from simulation.result import RunResult, StopRecord
 from simulation.setup import Setup
-from study.measures.deadlock import deadlocked
-from study.measures.delays import Delay, delays_of
+from study.measures import deadlock, delays
 from study.measures.recovery import LATE_S, late_stretches, recoveries_s
 
 LIMITS_S: Final = (
@@ -27,6 +26,9 @@ LIMITS_S: Final = (
     180.0,
     300.0,
 )  # on time to the minute; UIC's and a common limit of punctuality, assumed
+
+
+EVENTS: Final = frozenset({*delays.READS, *deadlock.READS})  # of the journal, from which they are made
 
 
 class DayFigures(msgspec.Struct, frozen=True):
@@ -71,23 +73,23 @@ class DayFigures(msgspec.Struct, frozen=True):
 def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     """The figures of a day that was run."""
     figures = figures_of_stops(result.stops, setup.timetable)
-    delays = delays_of(result, setup)
+    grown = delays.delays_of(result, setup)
     stretches = late_stretches(result)
-    begun_s = [one.at_s for one in delays if one.primary_s >= LATE_S]
+    begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
     recoveries = recoveries_s(begun_s, stretches)
     lengths_s = [stretch.length_s for stretch in stretches]
     return msgspec.structs.replace(
         figures,
-        primary_s=_sum(delays, "primary_s"),
-        secondary_s=_sum(delays, "secondary_s"),
-        other_s=_sum(delays, "other_s"),
+        primary_s=_sum(grown, "primary_s"),
+        secondary_s=_sum(grown, "secondary_s"),
+        other_s=_sum(grown, "other_s"),
         primary_delays=len(begun_s),
         recovery_s=_rounded(max(lengths_s, default=0.0)),
         recovery_mean_s=_rounded(math.fsum(recoveries) / len(recoveries)) if recoveries else 0.0,
         late_time_s=_rounded(math.fsum(lengths_s)),
         recovered=all(stretch.over for stretch in stretches),
         drawn=tuple(counts_of(late_day(setup)).items()),
-        deadlock=deadlocked(result),
+        deadlock=deadlock.deadlocked(result),
     )
 
 
@@ -123,8 +125,8 @@ def figures_of_stops(stops: Iterable[StopRecord], timetable: Timetable) -> DayFi
     )
 
 
-def _sum(delays: Sequence[Delay], name: str) -> float:
-    return _rounded(math.fsum(getattr(delay, name) for delay in delays))
+def _sum(found: Sequence[delays.Delay], name: str) -> float:
+    return _rounded(math.fsum(getattr(delay, name) for delay in found))
 
 
 def _rounded(value: float) -> float:

@@ -24,6 +24,14 @@ from wayside.said import Accepted, Granted, Refused
 SIGNS_ON_S: Final = (
     5.0  # a train that comes to its portal is on the line so soon, if nothing stands in its way
 )
+READS: Final = (
+    Accepted,
+    CameLate,
+    DoorsHeld,
+    Entered,
+    Granted,
+    Refused,
+)  # events that a journal must have kept
 Span = tuple[float, float]
 
 
