@@ -30,7 +30,8 @@ CODE: Final = (
     "host",
     "simulation",
     "study/scenario",
-    "study/measures/day_figures.py",
+    "study/measures",
+    "study/run",
     "study/sweep/day.py",
     "study/sweep/point.py",
 )

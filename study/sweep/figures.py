@@ -37,6 +37,11 @@ _ALL: Final = (
     Figure("p95_late_s", "lateness that 5 % of arrivals exceed", "s", lambda day: day.p95_late_s),
     Figure("worst_late_s", "latest arrival", "s", lambda day: day.worst_late_s),
     Figure("lost_train_minutes", "train-minutes lost", "min", lambda day: day.lost_train_minutes),
+    Figure("primary_s", "lateness from what was drawn or failed", "s", lambda day: day.primary_s),
+    Figure("secondary_s", "lateness from waiting for other trains", "s", lambda day: day.secondary_s),
+    Figure("recovery_mean_s", "mean time until no train is late", "s", lambda day: day.recovery_mean_s),
+    Figure("recovery_s", "longest time with a late train", "s", lambda day: day.recovery_s),
+    Figure("late_time_s", "time with a late train", "s", lambda day: day.late_time_s),
     *(
         Figure(
             f"within_{limit_s:.0f}_s",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 from network.errors import InputError
@@ -16,12 +16,13 @@ from study.sweep.digest import code_digest
 from study.sweep.figures import FIGURES
 from study.sweep.local import Pump
 from study.sweep.plan import Plan, Point
-from study.sweep.records import DayRecord
+from study.sweep.records import DayOutcome, DayRecord
 from study.sweep.statistics import Estimate, Running
 from study.sweep.store import Found, Refused, Store, day_name
 from study.sweep.worker import RUNNER, Done, Task
 
 CODE_SHOWN: Final = 8
+BAD: Final = (DayOutcome.BROKEN, DayOutcome.CRASHED)  # the others are what a sweep is to find out
 
 
 class _Course:
@@ -78,7 +79,6 @@ class State:
     cpu_s: float = 0.0
     peak_bytes: int = 0
     last: Done | None = None
-    differing: list[DayRecord] = field(default_factory=list[DayRecord])
 
     @property
     def total(self) -> int:
@@ -104,6 +104,35 @@ class State:
         return self.courses[point.number].days < self.plan.days
 
 
+    @property
+    def done(self) -> bool:
+        """Whether nothing is left to run."""
+        return all(course.done for course in self.courses)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What makes the sweep a failure, a sentence each: carriers that differ, rules that are broken, crashes."""
+        texts = [
+            f"day {record.index} of {label} (seed {record.spec.seed}) is another day on SUMO: {record.again}, not"
+            f" {record.digest}"
+            for label, record in self._counted()
+            if record.differs
+        ]
+        for outcome in BAD:
+            days = [record for _, record in self._counted() if record.outcome is outcome]
+            if days:
+                first = days[0]
+                texts.append(
+                    f"{len(days)} days: {outcome.value}; the first has seed {first.spec.seed}: {first.why}"
+                )
+        return tuple(texts)
+
+    def _counted(self) -> Iterator[tuple[str, DayRecord]]:
+        for point in self.plan.points:
+            for record in self.counted(point):
+                yield point.label, record
+
+
 Show = Callable[[State], None]
 
 
@@ -123,7 +152,6 @@ def begun(plan: Plan, store: Store, *, anyway: bool) -> State:
     for course in courses:
         course.advance(state.records)
     state.before = state.there
-    state.differing += [record for record in state.records.values() if record.differs]
     return state
 
 
@@ -138,13 +166,11 @@ def go(state: State, store: Store, pump: Pump, show: Show | None = None, runner:
             state.cpu_s += done.cpu_s
             state.peak_bytes = max(state.peak_bytes, done.peak_bytes)
             state.last = done
-            if record.differs:
-                state.differing.append(record)
             for course in state.courses:
                 course.advance(state.records)
             if show is not None:
                 show(state)
-            if all(course.done for course in state.courses):
+            if state.done:
                 return
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from network.errors import InputError
-from study.measures.day_figures import day_figures
 from study.outcome import Outcome, outcome_of
 from study.run.crash import named
 from study.run.directory import JOURNAL_FILE, replaced
 from study.run.run import CarrierKind, Link, Run, execute, write_run
-from study.sweep.day import Warm, outcome_of_day
+from study.sweep.day import Warm, record_of
 from study.sweep.records import DayOutcome, DayRecord
 from study.sweep.store import RUNS, day_name
 
@@ -34,10 +34,8 @@ def kept_day(task: Task, warm: Warm) -> DayRecord:
         why = f"{named(error)}; again: {warm.replay_of(spec)}"
         return DayRecord(spec, task.index, DayOutcome.CRASHED, why, None)
     _keep(run, Path(task.out) / RUNS / day_name(spec, task.index).removesuffix(".json"), task.keep)
-    outcome, why = outcome_of_day(run.result)
-    result = run.result
-    figures = day_figures(result.stops)
-    return DayRecord(spec, task.index, outcome, why, figures, result.digest, result.motion_digest)
+    setup = run.scenario.setup
+    return record_of(spec, task.index, run.result, replace(setup, day=setup.tuning.days))
 
 
 def _keep(run: Run, out: Path, keep: tuple[str, ...]) -> None:
