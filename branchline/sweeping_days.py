@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +15,7 @@ from branchline.ending import end, judged, print_json
 from branchline.options import Json
 from branchline.progress import progress_of_days, tell
 from network.errors import InputError
+from study.outcome import CutShortError
 
 if TYPE_CHECKING:
     from study.sweep.go import State
@@ -82,22 +85,60 @@ def sweep(
             if scheduler is None
             else ClusterPump(scheduler, directory, store.token)
         )
-        stopped: GivenUpError | None = None
         try:
             with nullcontext() if state.done else progress_of_days(plan.table.id) as show:
-                go(state, store, pump, None if show is None else lambda state: show(state.progress()))
+                go(state, store, pump, None if show is None else partial(_show, show))
         except GivenUpError as error:
-            stopped = error
-        if stopped is not None:
-            raise given_up(stopped, state, directory)
+            raise CutShortError(str(error), str(directory)) from error
         tell("writing the report")
         page = write_sweep_report(state, directory)
     good = not state.failures
-    summary = summary_of(state, directory)
     if as_json:
-        print_json(summary, judged(good))
+        print_json(summary_of(state, directory), judged(good))
     else:
         _print_sweep(state, page)
     for text in state.failures:
         tell(f"broken: {text}")
     end(judged(good))
+
+
+def _show(show: Callable[[int, int, str], None], state: State) -> None:
+    """One more day is there."""
+    show(state.there, state.total, state.found_text())
+
+
+def _print_plan(plan: Plan, as_json: bool) -> None:
+    """What would be run."""
+    if as_json:
+        points = [{"point": p.number, "label": p.label, "inputs": p.inputs} for p in plan.points]
+        figures: dict[str, Any] = {"sweep": plan.table.id, "days_of_each": plan.days, "points": points}
+        print_json(figures, judged(True))
+        return
+    lines = [f"{plan.table.name}: {len(plan.points)} points, {plan.days} days of each"]
+    lines += [f"  {point.number:4}  {point.label}" for point in plan.points]
+    sys.stdout.write("\n".join(lines) + "\n")
+
+
+def _print_sweep(state: State, page: Path) -> None:
+    """A line a point, and where the report is."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from study.sweep.figures import FIGURES
+    from study.sweep.records import DayOutcome
+    from study.sweep.table import point_rows
+
+    watched = state.plan.table.watch
+    table = Table(title=state.plan.table.name, title_justify="left")
+    for name in ("point", "days", *(FIGURES[name].label for name in watched), "not good"):
+        table.add_column(name)
+    for row in point_rows(state):
+        means = [row.figures[name].mean for name in watched]
+        bad = [
+            f"{count} {outcome.name.lower()}"
+            for outcome, count in row.counts.items()
+            if count and outcome is not DayOutcome.GOOD
+        ]
+        table.add_row(row.point.label, str(row.days), *(mean.text for mean in means), ", ".join(bad))
+    Console().print(table)
+    sys.stdout.write(f"report: {page}\n")

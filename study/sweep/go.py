@@ -99,6 +99,13 @@ class State:
         """Of a watched figure at a point, over the days that are complete."""
         return self.courses[point].estimate(name)
 
+    def found_text(self) -> str:
+        """The first figure watched, at the point whose interval is the widest, for the line that runs."""
+        name = self.plan.table.watch[0]
+        found = [course.estimate(name) for course in self.courses]
+        widest = max(found, key=lambda one: one.width or 0.0)
+        return f"{FIGURES[name].title} {widest.text} {FIGURES[name].unit}".rstrip()
+
     def stopped_early(self, point: Point) -> bool:
         """Whether the stop rule has spared days of a point."""
         return self.courses[point.number].days < self.plan.days

@@ -38,6 +38,13 @@ class Estimate:
         """Whether the interval lies on one side of 0: a difference that chance alone hardly makes."""
         return self.low is not None and self.high is not None and (self.low > 0.0 or self.high < 0.0)
 
+    @property
+    def text(self) -> str:
+        """For a person: the value, and half its interval."""
+        if self.value is None:
+            return "-"
+        return f"{self.value:.4g}" + ("" if self.width is None else f" ± {self.width / 2.0:.2g}")
+
     def as_dict(self) -> dict[str, float | int | None]:
         """For JSON."""
         return {"days": self.days, "value": self.value, "low": self.low, "high": self.high}
