@@ -321,9 +321,7 @@ FLANGEWAY: Final = Quantity(
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
-SWEEP_DAYS: Final = Quantity(
-    "days of a sweep", "", ((1, 1_000_000),), "assumed: ten times what a night on a hundred processors runs"
-)
+SWEEP_DAYS: Final = Quantity("days of a sweep", "", ((1, 1_000_000),), "assumed: several nights")
 PER_DAY: Final = Quantity(
     "number in a day", "", ((0.0, 1000.0),), "assumed: more than one a minute is no event any more"
 )
@@ -337,12 +335,8 @@ MTBF_OPERATIONS: Final = Quantity(
     "operations between failures", "", ((1.0, 1e9),), "assumed: each one fails; never in a life"
 )
 SEED: Final = Quantity("seed", "", ((0, 2**63 - 1),), "what 63 bits hold")
-CONFIDENCE: Final = Quantity(
-    "confidence", "", ((0.5, 0.9999),), "assumed: less says nothing, more than the days drawn can tell"
-)
-DRAWN_VALUE: Final = Quantity(
-    "value of a distribution", "", ((-1e12, 1e12),), "assumed: of any key, whose own range counts"
-)
+CONFIDENCE: Final = Quantity("confidence", "", ((0.5, 0.9999),), "assumed: less says nothing")
+DRAWN_VALUE: Final = Quantity("drawn value", "", ((-1e12, 1e12),), "assumed: its key has a range")
 
 # shares and factors ------------------------------------------------------------------------------------------
 SHARE: Final = Quantity("share", "", ((0.0, 1.0),), "by its meaning")

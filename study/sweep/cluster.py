@@ -1,7 +1,7 @@
-"""Days on other machines, by a Dask scheduler that is there already: it says who runs which day, and knows nothing else.
+"""Days on other machines, by a Dask scheduler that is there already: it says who runs which day, and knows no more.
 
-A worker files its days itself, in the directory that all machines share. What a worker, the scheduler or the client takes
-with it when it goes is at most the days at hand. Extra `cluster`.
+A worker files its days itself, in the directory that all machines share. What a worker, the scheduler or the client
+takes with it when it goes is at most the days at hand. Extra `cluster`.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from collections.abc import Generator, Iterator
 from contextlib import ExitStack, suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
 from network.errors import InputError
-from study.sweep.local import Failed, GivenUpError, Said, failed_by, filed
+from study.sweep.local import GivenUpError, failed_by, filed
 from study.sweep.store import check_shared, day_name
 from study.sweep.worker import RETRIES, Done, Task, crashed, run_task
 
@@ -76,7 +76,7 @@ class ClusterPump:
             pure=False,
         )
         future.add_done_callback(self._ended.put)
-        return str(future.key)
+        return future.key
 
     def _next(self, client: Client) -> Future:
         """The next day that has ended. Raises GivenUpError when the scheduler is gone."""
@@ -90,11 +90,11 @@ class ClusterPump:
 
     def _done(self, future: Future, task: Task) -> Done:
         """What came of a day; one that has failed as often as it may is filed as crashed."""
-        error = cast("BaseException | None", future.exception() if future.status == "error" else None)
+        error = future.exception() if future.status == "error" else None
         if isinstance(error, NoMoreError):
             raise GivenUpError(str(error))
         if error is None:
-            return msgspec.msgpack.decode(cast("bytes", future.result()), type=Done)
+            return msgspec.msgpack.decode(future.result(), type=Done)
         begun = msgspec.structs.replace(task, tries=RETRIES + 1)
         return filed(crashed(begun, " ".join(f"{type(error).__name__}: {error}".split())), self._out)
 
@@ -104,15 +104,19 @@ class ClusterPump:
             client.wait_for_workers(1, timeout=WORKERS_S)
         except TimeoutError as error:
             raise InputError("command line", OPTION, self._address, "a scheduler that has workers") from error
-        workers = cast("dict[str, dict[str, Any]]", client.scheduler_info(n_workers=-1)["workers"])
+        workers: dict[str, dict[str, Any]] = client.scheduler_info(n_workers=-1)["workers"]
         for name, info in sorted(workers.items()):
             if info["nthreads"] != 1:
-                expected = f"workers of one thread, since a process has one SUMO; {name} has {info['nthreads']}"
+                expected = (
+                    f"workers of one thread, since a process has one SUMO; {name} has {info['nthreads']}"
+                )
                 raise InputError("command line", OPTION, self._address, expected)
         said = client.run(sees, str(self._out), self._token, on_error="return")
-        for name, text in sorted(cast("dict[str, object]", said).items()):
+        for name, text in sorted(said.items()):
             if text != "":
-                raise InputError("command line", OPTION, self._address, f"a worker that can run days; {name}: {text}")
+                raise InputError(
+                    "command line", OPTION, self._address, f"a worker that can run days; {name}: {text}"
+                )
         return len(workers)
 
 
@@ -122,10 +126,10 @@ def run_there(packed: bytes) -> bytes:
     try:
         return msgspec.msgpack.encode(run_task(task))
     except Exception as error:
-        said: Said = failed_by(error)
-        if isinstance(said, Failed) and said.given_up:
-            raise NoMoreError(said.why) from None
-        raise FailedDayError(said.why if isinstance(said, Failed) else str(error)) from None
+        failed = failed_by(error)
+        if failed.given_up:
+            raise NoMoreError(failed.why) from None
+        raise FailedDayError(failed.why) from None
 
 
 def sees(out: str, token: str) -> str:
@@ -143,7 +147,9 @@ def _client(address: str) -> Client:
     try:
         return Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise InputError("command line", OPTION, address, f"a scheduler that answers ({_short(error)})") from error
+        raise InputError(
+            "command line", OPTION, address, f"a scheduler that answers ({_short(error)})"
+        ) from error
 
 
 def _close(client: Client) -> None:

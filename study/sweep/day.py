@@ -10,7 +10,7 @@ import shlex
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -37,7 +37,7 @@ from sumo_cfg.truth_map import NetMap, read_net
 
 SCENARIOS_KEPT: Final = 4  # a worker is given days of one point after the other
 # All that an outcome is told by beside what the checkers found, and figures are made of.
-KEPT_EVENTS: Final = (Unsafe, *sorted(EVENTS, key=lambda kind: kind.__name__))
+KEPT_EVENTS: Final = (Unsafe, *EVENTS)
 
 ScenarioOf = Callable[[DaySpec], Scenario]
 ReplayOf = Callable[[DaySpec], str]
@@ -59,9 +59,7 @@ def scenario_of(spec: DaySpec) -> Scenario:
 
 def replay_of(spec: DaySpec) -> str:
     """The command that runs a day again, with its report."""
-    return (
-        f"branchline run {shlex.quote(spec.scenario)} --seed {spec.seed} --carrier {shlex.quote(spec.carrier)}"
-    )
+    return f"branchline run {shlex.quote(spec.scenario)} --seed {spec.seed} --carrier {shlex.quote(spec.carrier)}"
 
 
 class Warm:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
 from hashlib import blake2b
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 from pydantic import BaseModel
 
-from network.files.raw import is_list, is_row
+from network.files.raw import is_row
 from simulation.setup import Setup
 from study.sweep.records import HASH_BYTES
 
@@ -63,32 +64,35 @@ def code_digest() -> str:
 def _parts(value: object) -> Iterator[bytes]:
     """The bytes of a value with its type before it; a type that is not known is a bug."""
     yield f"<{type(value).__name__}".encode()
-    if isinstance(value, np.ndarray | np.void):
-        yield f"{value.dtype}{value.shape}".encode()
-        yield value.tobytes()
-    elif isinstance(value, np.generic):
-        yield value.tobytes()
-    elif isinstance(value, Enum):
-        yield value.name.encode()
-    elif value is None or isinstance(value, str | int | float | bytes | Path):
-        yield repr(value).encode()
-    elif isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _parts(key)
-            yield from _parts(item)
-    elif is_dataclass(value) and not isinstance(value, type):
-        for field in fields(value):
-            yield field.name.encode()
-            yield from _parts(getattr(value, field.name))
-    elif isinstance(value, BaseModel):
-        for name in type(value).model_fields:
-            yield name.encode()
-            yield from _parts(getattr(value, name))
-    elif isinstance(value, AbstractSet):
-        yield from sorted(b"".join(_parts(item)) for item in value)
-    elif is_row(value) or is_list(value) or isinstance(value, tuple):
-        for item in value:
-            yield from _parts(item)
+    if isinstance(value, AbstractSet):
+        some = cast("AbstractSet[object]", value)
+        yield from sorted(b"".join(_parts(item)) for item in some)
+    elif (children := _children(value)) is not None:
+        for child in children:
+            yield from _parts(child)
     else:
-        raise TypeError(f"{type(value)} has no digest")
+        yield _plain(value)
     yield b">"
+
+
+def _children(value: object) -> Iterable[object] | None:
+    """What a value is made of, in its own order; None for one that is whole."""
+    if isinstance(value, Mapping):
+        return chain.from_iterable(cast("Mapping[object, object]", value).items())
+    if is_dataclass(value) and not isinstance(value, type):
+        return [part for field in fields(value) for part in (field.name, getattr(value, field.name))]
+    if isinstance(value, BaseModel):
+        return [part for name in type(value).model_fields for part in (name, getattr(value, name))]
+    return value if is_row(value) else None
+
+
+def _plain(value: object) -> bytes:
+    if isinstance(value, np.ndarray | np.void):
+        return f"{value.dtype}{value.shape}".encode() + value.tobytes()
+    if isinstance(value, np.generic):
+        return value.tobytes()
+    if isinstance(value, Enum):
+        return value.name.encode()
+    if value is None or isinstance(value, str | int | float | bytes | Path):
+        return repr(value).encode()
+    raise TypeError(f"{type(value)} has no digest")

@@ -107,7 +107,9 @@ def draw_tornado(found: Sequence[Effect], figure: Figure, confidence: float) -> 
 
 def _box(axes: Axes, place: int, row: PointRow, figure: Figure) -> None:
     found = row.figures[figure.name]
-    low, quarter, middle, three, high = (found.quantiles[share].value or 0.0 for share in sorted(found.quantiles))
+    low, quarter, middle, three, high = (
+        found.quantiles[share].value or 0.0 for share in sorted(found.quantiles)
+    )
     axes.plot([low, high], [place, place], color=PALE, lw=1.0, zorder=1)
     axes.barh(place, three - quarter, left=quarter, height=0.56, color=BOX, zorder=2)
     axes.plot([middle, middle], [place - 0.28, place + 0.28], color=INK, lw=1.2, zorder=3)

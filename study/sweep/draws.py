@@ -1,7 +1,7 @@
 """What is drawn for a day: by seed and name alone, so that neither the grid nor another draw changes it.
 
-The value is that quantile of its distribution which the chance of the day says: the same chance gives a later day with a
-wider distribution, not another day.
+The value is that quantile of its distribution which the chance of the day says: with a wider distribution the same
+chance gives a value further out, not another one.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _ALLOWED: Final[Mapping[str, tuple[str, ...]]] = {
     "exponential": ("low", "high"),
 }
 _SETTINGS: Final = ("low", "high", "mean", "median", "mode", "sigma", "values", "weights")
-_NO: Final = (None, [])
+_NO: Final[tuple[object, ...]] = (None, [])
 
 
 def check_draw(file: str, key: str, draw: DrawTable) -> None:
@@ -44,7 +44,9 @@ def check_draw(file: str, key: str, draw: DrawTable) -> None:
         if name in needed and not given:
             raise InputError(file, f"{key}.{name}", None, f"this key, which {draw.distribution} needs")
         if given and name not in (*needed, *_ALLOWED.get(draw.distribution, ())):
-            raise InputError(file, f"{key}.{name}", getattr(draw, name), f"no such key of {draw.distribution}")
+            raise InputError(
+                file, f"{key}.{name}", getattr(draw, name), f"no such key of {draw.distribution}"
+            )
     low, high = draw.low, draw.high
     if low is not None and high is not None and high <= low:
         raise InputError(file, f"{key}.high", high, f"more than low = {low:g}")
@@ -56,8 +58,12 @@ def check_draw(file: str, key: str, draw: DrawTable) -> None:
         value = getattr(draw, name)
         if value is not None and value <= 0.0 and draw.distribution in ("exponential", "lognormal"):
             raise InputError(file, f"{key}.{name}", value, "more than 0")
-    if draw.weights and (len(draw.weights) != len(draw.values) or min(draw.weights) < 0.0 or not any(draw.weights)):
-        raise InputError(file, f"{key}.weights", draw.weights, "a share for each value, none below 0, not all 0")
+    if draw.weights and (
+        len(draw.weights) != len(draw.values) or min(draw.weights) < 0.0 or not any(draw.weights)
+    ):
+        raise InputError(
+            file, f"{key}.weights", draw.weights, "a share for each value, none below 0, not all 0"
+        )
 
 
 def drawn_value(draw: DrawTable, seed: int) -> Any:  # noqa: ANN401 - what a key says
@@ -81,15 +87,15 @@ def _uniform(draw: DrawTable, chance: float) -> float:
 
 
 def _normal(draw: DrawTable, chance: float) -> float:
-    return float(stats.norm.ppf(chance, draw.mean, draw.sigma))
+    return float(stats.norm.ppf(chance, draw.mean or 0.0, draw.sigma or 1.0))
 
 
 def _lognormal(draw: DrawTable, chance: float) -> float:
-    return float(stats.lognorm.ppf(chance, draw.sigma, scale=draw.median))
+    return float(stats.lognorm.ppf(chance, draw.sigma or 1.0, scale=draw.median or 1.0))
 
 
 def _exponential(draw: DrawTable, chance: float) -> float:
-    return float(stats.expon.ppf(chance, scale=draw.mean))
+    return float(stats.expon.ppf(chance, scale=draw.mean or 1.0))
 
 
 def _triangular(draw: DrawTable, chance: float) -> float:

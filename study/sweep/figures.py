@@ -52,7 +52,9 @@ _ALL: Final = (
         )
         for index, limit_s in enumerate(LIMITS_S)
     ),
-    Figure("arrived_trains", "trains that arrive", "", lambda day: float(day.arrived_trains), more_is_better=True),
+    Figure(
+        "arrived_trains", "trains that arrive", "", lambda day: float(day.arrived_trains), more_is_better=True
+    ),
     Figure("missing_trains", "trains that never arrive", "", lambda day: float(len(day.missing))),
 )
 FIGURES: Final[Mapping[str, Figure]] = {figure.name: figure for figure in _ALL}

@@ -110,7 +110,6 @@ class State:
         """Whether the stop rule has spared days of a point."""
         return self.courses[point.number].days < self.plan.days
 
-
     @property
     def done(self) -> bool:
         """Whether nothing is left to run."""

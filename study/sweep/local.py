@@ -62,7 +62,7 @@ class _Worker:
 
     def __init__(self, days: int) -> None:
         context = multiprocessing.get_context("spawn")
-        self.pipe, theirs = cast("tuple[Connection, Connection]", context.Pipe())
+        self.pipe, theirs = context.Pipe()
         self.process: SpawnProcess = context.Process(target=serve, args=(theirs,), daemon=True)
         self.process.start()
         theirs.close()
@@ -195,7 +195,7 @@ def filed(record: DayRecord, out: Path) -> Done:
 
 
 def serve(pipe: Connection) -> None:
-    """What a process of ours does until nobody has a day for it any more: the client has closed the pipe, or is dead."""
+    """What a process of ours does until nobody has a day for it: the client has closed the pipe, or is dead."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the client ends it
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # stdout has the client's one object and nothing else
     pipe.send_bytes(msgspec.msgpack.encode(Ready()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
@@ -95,7 +96,9 @@ def load_plan(name: str, days: int | None = None, carrier: str | None = None) ->
     if not SWEEP_DAYS.holds(count):
         raise InputError("command line", "--days", days, f"{SWEEP_DAYS.text()} ({SWEEP_DAYS.name})")
     if not SEED.holds(table.seeds.first + count):
-        raise InputError(name, "seeds.first", table.seeds.first, f"a first seed {count} below the last there is")
+        raise InputError(
+            name, "seeds.first", table.seeds.first, f"a first seed {count} below the last there is"
+        )
     scenario = _found(folder, table.scenario)
     try:
         find_scenario(scenario)
@@ -153,7 +156,9 @@ def _check_key(file: str, where: str, key: str, said: dict[tuple[str, ...], str]
     """A key path that a scenario may have, and that nothing else of the sweep says, or says a part of."""
     steps = steps_of(key, file, where)
     if steps[0] in _OWN:
-        raise InputError(file, where, key, f"another key than {', '.join(sorted(_OWN))}, which each day has its own")
+        raise InputError(
+            file, where, key, f"another key than {', '.join(sorted(_OWN))}, which each day has its own"
+        )
     for other, by in said.items():
         shorter = min(len(other), len(steps))
         if other[:shorter] == steps[:shorter]:
@@ -186,14 +191,13 @@ def _axes(file: str, folder: Path, table: SweepFile) -> tuple[Axis, ...]:
 def _points(plan: Plan) -> tuple[Point, ...]:
     """All points, the last axis going through its places first; each is loaded, with the ends of what is drawn."""
     shape = [range(len(axis.places)) for axis in plan.axes]
-    count = 1
-    for places in shape:
-        count *= len(places)
+    count = math.prod(map(len, shape))
     if count > POINTS_MAX:
         raise InputError(plan.file, "axis", f"{count} points", f"a grid of at most {POINTS_MAX} points")
     points: list[Point] = []
     with scratch(TEMPORARY) as folder:
-        for number, places in enumerate(product(*shape)):
+        for number, chosen in enumerate(product(*shape)):
+            places = tuple(chosen)
             taken = [axis.places[place] for axis, place in zip(plan.axes, places, strict=True)]
             said = tuple(item for place in taken for item in place.said)
             label = ", ".join(
@@ -208,7 +212,7 @@ def _points(plan: Plan) -> tuple[Point, ...]:
 
 
 def _extremes(plan: Plan) -> Iterator[tuple[str, Any]]:
-    """The least and greatest value that each draw takes on any day, and each choice: the ranges of keys have no gaps."""
+    """The least and greatest value that each draw takes on any day, and each choice."""
     seeds = range(plan.table.seeds.first, plan.table.seeds.first + plan.days)
     for draw in plan.table.draw:
         if draw.distribution == "choice":
@@ -229,7 +233,9 @@ def _loaded(plan: Plan, point: Point, drawn: Said, folder: Path) -> str:
         what = [f"{key} = {value_text(value)}" for key, value in (*point.said, *drawn)]
         expected = error.expected if own else f"a point that can be run; {error}"
         key = error.key if own else point.label
-        raise InputError(plan.file, key, error.value if own else None, f"{expected} (at {', '.join(what)})") from error
+        raise InputError(
+            plan.file, key, error.value if own else None, f"{expected} (at {', '.join(what)})"
+        ) from error
 
 
 def _found(folder: Path, value: Any) -> Any:  # noqa: ANN401 - a value of a file, as it is

@@ -56,7 +56,11 @@ def write_sweep_report(state: State, out: Path) -> Path:
     summary = summary_of(state, out)
     _write(out / SUMMARY_FILE, json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     with drawing():
-        parts = [_headline(state), *_figure_parts(state, rows, out), _points_part(state, rows)]
+        parts: list[Part | None] = [
+            _headline(state),
+            *_figure_parts(state, rows, out),
+            _points_part(state, rows),
+        ]
         parts += [_worth_part(state, worth), _assumed_part(state)]
         _write(out / PAGE_FILE, _page(state, [part for part in parts if part is not None]))
     return out / PAGE_FILE
@@ -138,8 +142,11 @@ def _picture(picture: Picture, name: str, out: Path) -> str:
 
 
 def _quantiles_grid(rows: Sequence[PointRow], figure: Figure, confidence: float) -> Grid:
-    head = ("point", "days", "mean", f"{confidence * 100:g} % interval", "5 %", "median", "interval", "95 %", "interval")
-    head = (*head, "less the first point", "interval")
+    level = f"{confidence * 100:g} % interval"
+    head = (
+        *("point", "days", "mean", level, "5 %", "median", "interval", "95 %", "interval"),
+        *("less the first point", "interval"),
+    )
     cells: list[tuple[str, ...]] = []
     for row in rows:
         found = row.figures[figure.name]
@@ -158,7 +165,8 @@ def _quantiles_grid(rows: Sequence[PointRow], figure: Figure, confidence: float)
 def _effects_grid(found: Sequence[Effect], figure: Figure) -> Grid:
     head = ("axis", "place", "pairs of days", f"{figure.title} less the first place", "interval")
     cells = tuple(
-        (e.axis, e.place, str(e.less_first.days), _text(e.less_first.value), _between(e.less_first)) for e in found
+        (e.axis, e.place, str(e.less_first.days), _text(e.less_first.value), _between(e.less_first))
+        for e in found
     )
     return Grid(head, cells, 2)
 

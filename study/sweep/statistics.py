@@ -104,7 +104,9 @@ def share_of(hits: int, days: int, confidence: float) -> Estimate:
     if not days:
         return Estimate(0, None)
     interval = stats.binomtest(hits, days).proportion_ci(confidence, method="wilson")
-    return Estimate(days, _rounded(hits / days), _rounded(float(interval.low)), _rounded(float(interval.high)))
+    return Estimate(
+        days, _rounded(hits / days), _rounded(float(interval.low)), _rounded(float(interval.high))
+    )
 
 
 def difference_of(pairs: Sequence[tuple[float, float]], confidence: float) -> Estimate:

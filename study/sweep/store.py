@@ -18,7 +18,7 @@ import os
 import re
 import secrets
 import tempfile
-from collections.abc import Collection, Generator, Mapping
+from collections.abc import Collection, Generator
 from contextlib import contextmanager, suppress
 from hashlib import blake2b
 from importlib.metadata import version
@@ -176,7 +176,9 @@ def check_shared(out: Path, token: str) -> None:
     try:
         header = msgspec.json.decode((out / HEADER_FILE).read_bytes(), type=Header)
     except (OSError, msgspec.MsgspecError) as error:
-        raise NotSharedError(f"{os.uname().nodename} has no sweep in {out}: {NotSharedError.NEEDED}") from error
+        raise NotSharedError(
+            f"{os.uname().nodename} has no sweep in {out}: {NotSharedError.NEEDED}"
+        ) from error
     if header.token != token:
         raise NotSharedError(f"{os.uname().nodename} has another sweep in {out}: {NotSharedError.NEEDED}")
 
@@ -234,8 +236,6 @@ def _header_of(plan: Plan, token: str) -> Header:
         table,
         points,
     )
-
-
 
 
 def _lock(lock: int, out: Path) -> None:

@@ -26,9 +26,9 @@ class AxisPoint(Record):
     """`[[axis.point]]`: one place of an axis that says several things at once."""
 
     label: Annotated[Title, about("what people call it")]
-    says: Annotated[
-        dict[str, Any], about("values of the scenario by key path; nothing: as it is", "")
-    ] = Field(default_factory=dict, alias="set")
+    says: Annotated[dict[str, Any], about("values of the scenario by key path; nothing: as it is", "")] = (
+        Field(default_factory=dict, alias="set")
+    )
 
 
 class AxisTable(Record):
@@ -39,9 +39,9 @@ class AxisTable(Record):
 
     name: Annotated[Title, about("what people call it")]
     key: Annotated[str | None, about("key path in a scenario file, as TOML writes it; patches too")] = None
-    values: Annotated[
-        list[Any], Field(max_length=VALUES_MAX), about("what the key says, place by place")
-    ] = Field(default_factory=list)
+    values: Annotated[list[Any], Field(max_length=VALUES_MAX), about("what the key says, place by place")] = (
+        Field(default_factory=list)
+    )
     labels: Annotated[
         list[Title], Field(max_length=VALUES_MAX), about("what people call each value; left out: the value")
     ] = Field(default_factory=list)

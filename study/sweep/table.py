@@ -1,4 +1,4 @@
-"""What a sweep shows, as tables: points with their intervals, differences from the first point, effects of each axis."""
+"""What a sweep shows, as tables: points with intervals, differences from the first point, effects of each axis."""
 
 from __future__ import annotations
 
@@ -140,7 +140,8 @@ def effects(state: State, name: str) -> tuple[Effect, ...]:
             for place in range(len(axis.places))
         ]
         for place, side in zip(axis.places[1:], sides[1:], strict=True):
-            common = sorted(set.intersection(*(set(days) for days in (*sides[0], *side))))
+            of_all = [frozenset(days) for days in (*sides[0], *side)]
+            common = sorted(index for index in of_all[0] if all(index in days for days in of_all))
             pairs = [(_mean_on(sides[0], index), _mean_on(side, index)) for index in common]
             estimate = difference_of(pairs, state.plan.table.confidence)
             found.append(Effect(axis.name, place.label, FIGURES[name], estimate))

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from network.errors import InputError
 from network.exchange.timetable_writer import text_toml
-from network.files.raw import is_table
+from network.files.raw import is_row, is_table
 
 _BARE: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-")
 
@@ -58,7 +58,7 @@ def value_text(value: object) -> str:
     if is_table(value):
         items = ", ".join(f"{_key(key)} = {value_text(item)}" for key, item in value.items())
         return f"{{ {items} }}" if items else "{}"
-    if isinstance(value, list | tuple):
+    if is_row(value):
         return f"[{', '.join(map(value_text, value))}]"
     if isinstance(value, str):
         return text_toml(value)

@@ -77,13 +77,15 @@ def run_task(task: Task) -> Done:
 
 
 def real_day(task: Task) -> DayRecord:
-    """The day on its carrier, and where it is asked for on SUMO too. A crash may be the machine's: it is tried again."""
+    """The day on its carrier, and where that is asked for on SUMO too. A crash is tried again, should it be chance."""
     warm = _warm()
-    for tries in range(1, RETRIES + 2 - min(task.tries, RETRIES)):
+    tries = 0
+    while True:
+        tries += 1
         record = kept_day(task, warm) if task.keep else run_day(task.spec, task.index, warm)
-        record = msgspec.structs.replace(record, tries=tries)
-        if record.outcome is not DayOutcome.CRASHED:
+        if record.outcome is not DayOutcome.CRASHED or task.tries + tries > RETRIES:
             break
+    record = msgspec.structs.replace(record, tries=tries)
     if not task.again or not record.digest:
         return record
     spec = msgspec.structs.replace(task.spec, carrier=CarrierKind.SUMO.value)

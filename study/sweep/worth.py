@@ -1,4 +1,4 @@
-"""Days worth looking at: what went wrong, the worst, and an ordinary one to compare them with; each runs again by itself."""
+"""Days worth looking at: what went wrong, the worst, and an ordinary one beside them; each runs again by itself."""
 
 from __future__ import annotations
 
@@ -72,7 +72,11 @@ def _all(state: State) -> Iterator[tuple[str, Point, DayRecord]]:
     figure = FIGURES[name]
     for point in points:
         ranked = sorted(
-            ((value, record.index, record) for record in days[point.number] if (value := value_of(record, name)) is not None),
+            (
+                (value, record.index, record)
+                for record in days[point.number]
+                if (value := value_of(record, name)) is not None
+            ),
             reverse=not figure.more_is_better,
         )
         yield from (
