@@ -11,7 +11,7 @@ from typing import Final, overload
 import msgspec
 
 from network.errors import InputError
-from simulation.events import Entry, Event
+from simulation.events import Entry, Event, EventType
 
 _ENCODER: Final = msgspec.json.Encoder()
 _EVENT: Final[msgspec.json.Decoder[Event]] = msgspec.json.Decoder(Event)
@@ -35,7 +35,7 @@ class Journal:
     stay, as entries: watchers and digest still have all of them, and there are no lines to write.
     """
 
-    def __init__(self, file: Path | None = None, *, kept: tuple[type[Event], ...] | None = None) -> None:
+    def __init__(self, file: Path | None = None, *, kept: tuple[EventType, ...] | None = None) -> None:
         self._entries: list[Entry] = []  # without a file: all of them
         self._lines: list[bytes] = []  # those not in the file
         self._kept = kept

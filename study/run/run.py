@@ -124,9 +124,7 @@ class Course:
     journal: Callable[[], Journal] = Journal
 
 
-def through(
-    scenario: Scenario, course: Course, progress: Progress | None = None
-) -> tuple[Setup, RunResult]:
+def through(scenario: Scenario, course: Course, progress: Progress | None = None) -> tuple[Setup, RunResult]:
     """Run a scenario to its end: the setup of its last day, and what that left behind. Raises Crashed for a bug."""
     setup = scenario.setup
     # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.

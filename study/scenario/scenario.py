@@ -38,6 +38,7 @@ from study.scenario.fleet_file import (
     learned_of,
 )
 from study.scenario.inputs import Inputs
+from study.scenario.late_choice import check_late
 from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
@@ -137,7 +138,9 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         limits=model.limits,
         operation=model.operation,
         battery=model.battery,
+        late=model.late,
     )
+    check_late(str(path), setup)
     check_markers(str(path), setup)
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))

@@ -10,7 +10,7 @@ import shlex
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -24,7 +24,8 @@ from simulation.events import Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Checker
 from simulation.result import Ending, RunResult
-from study.measures.day_figures import day_figures
+from simulation.setup import Setup
+from study.measures.day_figures import EVENTS, DayFigures, day_figures
 from study.outcome import Outcome, outcome_of
 from study.run.crash import named
 from study.run.outcome import broken_rules, unfinished
@@ -35,7 +36,8 @@ from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import NetMap, read_net
 
 SCENARIOS_KEPT: Final = 4  # a worker is given days of one point after the other
-KEPT_EVENTS: Final = (Unsafe,)  # all that an outcome is told by, beside what the checkers found
+# All that an outcome is told by beside what the checkers found, and figures are made of.
+KEPT_EVENTS: Final = (Unsafe, *EVENTS)
 
 ScenarioOf = Callable[[DaySpec], Scenario]
 ReplayOf = Callable[[DaySpec], str]
@@ -57,9 +59,7 @@ def scenario_of(spec: DaySpec) -> Scenario:
 
 def replay_of(spec: DaySpec) -> str:
     """The command that runs a day again, with its report."""
-    return (
-        f"branchline run {shlex.quote(spec.scenario)} --seed {spec.seed} --carrier {shlex.quote(spec.carrier)}"
-    )
+    return f"branchline run {shlex.quote(spec.scenario)} --seed {spec.seed} --carrier {shlex.quote(spec.carrier)}"
 
 
 class Warm:
@@ -96,7 +96,7 @@ class Warm:
 
     def scenario(self, spec: DaySpec) -> Scenario:
         """The scenario of a day, with its seed. Raises InputError."""
-        key = (spec.scenario, spec.inputs, repr(spec.point))
+        key = (spec.scenario, spec.inputs, repr(spec.point), repr(spec.drawn))
         found = self._scenarios.get(key)
         if found is None:
             found = self._scenario_of(spec)
@@ -144,11 +144,21 @@ def _run(spec: DaySpec, index: int, warm: Warm, made: list[Carrier]) -> DayRecor
 
     with scratch(TEMPORARY) as folder:
         course = Course(noted, seen, folder, journal=lambda: Journal(kept=KEPT_EVENTS))
-        _, result = through(scenario, course)
+        setup, result = through(scenario, course)
+    return record_of(spec, index, result, setup)
+
+
+def record_of(spec: DaySpec, index: int, result: RunResult, setup: Setup) -> DayRecord:
+    """What is kept of a day that came to an end."""
+    figures = day_figures(result, setup)
     outcome, why = outcome_of_day(result)
-    return DayRecord(
-        spec, index, outcome, why, day_figures(result.stops), result.digest, result.motion_digest
-    )
+    if outcome is DayOutcome.NOT_ARRIVED and figures.deadlock:
+        outcome, why = DayOutcome.DEADLOCK, f"{_ring(figures)}; {why}"
+    return DayRecord(spec, index, outcome, why, figures, result.digest, result.motion_digest)
+
+
+def _ring(figures: DayFigures) -> str:
+    return f"{', '.join(figures.deadlock)} wait for one another"
 
 
 def outcome_of_day(result: RunResult) -> tuple[DayOutcome, str]:
