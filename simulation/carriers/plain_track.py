@@ -18,7 +18,9 @@ from network.model import Direction, Line
 from simulation.carriers.carrier import Truth
 from simulation.carriers.touching import Extent, Look, text_of, touch
 
-Before = Callable[[str, Direction], str | None]  # the piece from which a direction enters a piece; None: no track
+Before = Callable[
+    [str, Direction], str | None
+]  # the piece from which a direction enters a piece; None: no track
 
 
 @dataclass(slots=True, eq=False)
@@ -129,7 +131,10 @@ class PlainTrack:
         taken: set[str] = set()
         for train, offset_m, _ in ends:
             entered = 0
-            while offset_m >= (length_m := self._lengths_m[train.pieces[entered]]) and train.pieces[entered + 1 :]:
+            while (
+                offset_m >= (length_m := self._lengths_m[train.pieces[entered]])
+                and train.pieces[entered + 1 :]
+            ):
                 offset_m -= length_m
                 entered += 1
                 at = train.pieces[entered]
@@ -188,7 +193,9 @@ class PlainTrack:
         found: set[tuple[str, str]] = set()
         for piece_id, trains in self._on.items():
             for one, other in combinations(trains, 2):
-                if touch(*(self._extent(t, piece_id) for t in (one, other)), self._lengths_m[piece_id], self._look):
+                if touch(
+                    *(self._extent(t, piece_id) for t in (one, other)), self._lengths_m[piece_id], self._look
+                ):
                     found.add(_pair(one, other))
             for other in self._on.get(self._legs.get(piece_id, ""), ()):
                 found |= {_pair(one, other) for one in trains if one is not other}
