@@ -25,6 +25,7 @@ from branchline.measuring import bench
 from branchline.plotting import plot
 from branchline.reproducing import reproduce
 from branchline.running import run
+from branchline.sweeping_days import sweep
 from branchline.timing import running_times
 from study.outcome import Outcome
 
@@ -34,7 +35,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare, plot, duties):
+for command in (run, drill, bench, reproduce, check, compare, plot, duties, sweep):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import TextIO
@@ -86,14 +87,63 @@ def progress_of_runs(title: str) -> Generator[Callable[[int, int], None]]:
         yield show
 
 
-def _told_by_quarters(title: str) -> Callable[[int, int], None]:
+def _told_by_quarters(title: str, what: str = "runs") -> Callable[..., None]:
     told = 0
 
-    def tell_quarter(done: int, total: int) -> None:
+    def tell_quarter(done: int, total: int, more: str = "") -> None:
         nonlocal told
         quarter = 4 * done // max(total, 1)
         if quarter > told:
             told = quarter
-            tell(f"{title}: {done} of about {total} runs")
+            tell(f"{title}: {done} of about {total} {what}{more}")
 
     return tell_quarter
+
+
+@contextmanager
+def progress_of_days(title: str) -> Generator[Callable[[int, int, str], None]]:
+    """How many days of a sweep are there, the time left at the pace so far, and how sure a figure is by now."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    pace = _Pace()
+    if not console.is_terminal:
+        said = _told_by_quarters(title, "days")
+
+        def tell_days(there: int, total: int, found: str) -> None:
+            pace.run += 1
+            said(there, total, f"; {pace.left_text(there, total)}; {found}")
+
+        yield tell_days
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[left]}  {task.fields[found]}"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True, refresh_per_second=2) as bar:
+        task = bar.add_task(title, total=None, left="", found="")
+
+        def show(there: int, total: int, found: str) -> None:
+            pace.run += 1
+            bar.update(task, completed=there, total=total, left=pace.left_text(there, total), found=found)
+
+        yield show
+
+
+class _Pace:
+    """How long the rest takes at the pace of the days run so far."""
+
+    def __init__(self) -> None:
+        self.run = 0
+        self._began_s = time.monotonic()
+
+    def left_text(self, there: int, total: int) -> str:
+        each_s = (time.monotonic() - self._began_s) / max(self.run, 1)
+        left_s = round(each_s * max(total - there, 0))
+        hours, minutes, seconds = left_s // 3600, left_s % 3600 // 60, left_s % 60
+        text = f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {seconds:02d} s"
+        return f"{60.0 / max(each_s, 1e-9):.0f} days a minute, {text} left"

@@ -19,6 +19,7 @@ class Due(IntEnum):
     UNIT_TIMER = 3
     DUTY = 4  # a stock takes up its next duty
     SCRIPT = 5  # something fails, heals, or is done by a person
+    PEOPLE = 6  # passengers and doors at a stop
 
 
 @dataclass(order=True, frozen=True, slots=True)

@@ -14,7 +14,7 @@ from onboard.duty.records import Accepted, Finished, Leave, Told
 from onboard.notes import MissionDone
 from simulation.agenda import Agenda, Due
 from simulation.cabs import Cabs
-from simulation.events import WORLD, Entered, Left, Reversed
+from simulation.events import WORLD, CameLate, Entered, Left, Reversed
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers
 from simulation.result import Waiting
@@ -85,7 +85,7 @@ class Duties:
                 continue
             self._wayside.input(step, MANAGER_ID, ConfirmOutside(stock_id, "controller"))
             if duties:
-                self._agenda.put(round(duties[0].enter_s / STEP_S), Due.DUTY, stock_id)
+                self._agenda.put(round(duties[0].comes_s / STEP_S), Due.DUTY, stock_id)
             else:
                 self._stage[slot] = Stage.DONE
 
@@ -136,12 +136,12 @@ class Duties:
         for slot, stock_id in enumerate(self._trains.stock_ids):
             stage, duty = self._stage[slot], self._trains.duties[slot]
             if stage is Stage.WAITING:
-                late_s = max(late_s, now_s - self._duties[stock_id][self._next[stock_id] - 1].enter_s)
+                late_s = max(late_s, now_s - self._duties[stock_id][self._next[stock_id] - 1].comes_s)
             elif stage is Stage.ON_LINE and duty is not None:
                 at = self._books.next_target(slot) - 1
                 due_s = duty.mission.targets[at].departure_s
                 if due_s is None and at + 1 < len(duty.mission.targets):
-                    due_s = duty.enter_s
+                    due_s = duty.comes_s
                 late_s = max(late_s, 0.0 if due_s is None else now_s - due_s)
         return late_s
 
@@ -165,6 +165,9 @@ class Duties:
         self._next[stock_id] += 1
         if not on_line and duty.enters:
             self._stage[slot] = Stage.WAITING
+            if duty.late_s > 0.0:
+                late = CameLate(unit_id=stock_id, train=duty.train.number, late_s=duty.late_s)
+                self._journal.write(step / STEPS_PER_S, WORLD, late)
         elif not on_line:
             self._put_on_line(slot, duty, step)
         else:
@@ -276,5 +279,5 @@ class Duties:
             self._stage[slot] = Stage.DONE
             return
         self._stage[slot] = Stage.OUTSIDE
-        enter_step = round(self._duties[stock_id][following].enter_s / STEP_S)
-        self._agenda.put(max(enter_step, step + 1), Due.DUTY, stock_id)
+        comes_step = round(self._duties[stock_id][following].comes_s / STEP_S)
+        self._agenda.put(max(comes_step, step + 1), Due.DUTY, stock_id)

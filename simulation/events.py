@@ -157,6 +157,28 @@ class Unsafe(Noted, frozen=True, kw_only=True, tag="unsafe"):
     text: str
 
 
+class CameLate(Noted, frozen=True, kw_only=True, tag="came_late"):
+    """A train comes to its portal `late_s` later than planned."""
+
+    unit_id: str
+    train: str
+    late_s: float
+
+
+class DoorsHeld(Noted, frozen=True, kw_only=True, tag="doors_held"):
+    """Doors stay open beyond the time to leave: for passengers, and then because they do not close.
+
+    `until_s`: when they are closed. `people_s` and `doors_s`: how long each keeps them, s.
+    """
+
+    unit_id: str
+    train: str
+    station: str
+    until_s: float
+    people_s: float
+    doors_s: float
+
+
 class Collision(Noted, frozen=True, kw_only=True, tag="collision"):
     """The carrier found two trains in one place."""
 
@@ -179,6 +201,8 @@ WorldEvent = (
     | PowerOn
     | FaultBegan
     | FaultOver
+    | CameLate
+    | DoorsHeld
     | Unsafe
     | Collision
 )

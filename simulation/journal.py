@@ -11,7 +11,7 @@ from typing import Final, overload
 import msgspec
 
 from network.errors import InputError
-from simulation.events import Entry, Event
+from simulation.events import Entry, Event, EventType
 
 _ENCODER: Final = msgspec.json.Encoder()
 _EVENT: Final[msgspec.json.Decoder[Event]] = msgspec.json.Decoder(Event)
@@ -31,12 +31,14 @@ _HEAD: Final = msgspec.json.Decoder(_Head)
 class Journal:
     """Lines are flat: `t` (simulated s), `who`, `what`, then data. Watchers see each entry as it is written.
 
-    With a `file` it grows there, in whole lines, and only its end is in memory.
+    With a `file` it grows there, in whole lines, and only its end is in memory. With `kept` only events of those types
+    stay, as entries: watchers and digest still have all of them, and there are no lines to write.
     """
 
-    def __init__(self, file: Path | None = None) -> None:
+    def __init__(self, file: Path | None = None, *, kept: tuple[EventType, ...] | None = None) -> None:
         self._entries: list[Entry] = []  # without a file: all of them
         self._lines: list[bytes] = []  # those not in the file
+        self._kept = kept
         self._waiting_bytes = 0
         self._file = file
         self._hash = blake2b(digest_size=16)
@@ -64,10 +66,14 @@ class Journal:
         line = encode_entry(entry)
         self._hash.update(line)
         self._hash.update(b"\n")
-        self._lines.append(line)
-        if self._file is None:
+        if self._kept is not None:
+            if isinstance(event, self._kept):
+                self._entries.append(entry)
+        elif self._file is None:
+            self._lines.append(line)
             self._entries.append(entry)
         else:
+            self._lines.append(line)
             self._waiting_bytes += len(line)
             if self._waiting_bytes >= SPILL_BYTES:
                 self.spill()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -29,6 +30,7 @@ from simulation.faults.fault import VehiclePart
 from simulation.faults.injector import Injector
 from simulation.faults.script import Script
 from simulation.journal import Journal
+from simulation.late.day import late_day
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
@@ -37,6 +39,7 @@ from simulation.world.charging import Charging
 from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
+from simulation.world.platforms import Platforms
 from simulation.world.points import WaysideWorld
 from simulation.world.records import (
     PASSED_FRONT,
@@ -109,6 +112,10 @@ class Simulation:
             self._agenda,
             self.journal,
         )
+        day = late_day(setup)
+        self._platforms = Platforms(
+            setup, day, self.trains, self.on_board, self._cabs, self._books, self._agenda, self.journal
+        )
         self._charging = None
         if setup.battery is not None:
             self._charging = Charging(setup, setup.battery, self.trains, self._books, duties)
@@ -127,7 +134,7 @@ class Simulation:
         self._signs = Signs(self.trains, self._books.next_target)
         self._cabs.looked_ahead = self._signs.look_ahead
         self.injector: Final = Injector(
-            setup.script,
+            replace(setup.script, faults=(*setup.script.faults, *day.failures)),
             setup.seed,
             self.trains,
             self.on_board,
@@ -229,6 +236,8 @@ class Simulation:
                 self._cabs.crew_looks(self.trains.slot_of[subject.removeprefix(CREW)], step)
             case Due.SCRIPT:
                 self.injector.due(step, subject)
+            case Due.PEOPLE:
+                self._platforms.due(step, subject)
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
 
@@ -386,7 +395,11 @@ class Simulation:
 
     def _unit_vehicle(self, stock_id: str, part: VehiclePart, value: float) -> None:
         """Doors, brake or motors of a train show another state from now on."""
-        self._cabs.vehicle_shows(self.trains.slot_of[stock_id], self._step, part, value)
+        slot = self.trains.slot_of[stock_id]
+        if part == "doors_closed":
+            self._platforms.fault(slot, self._step, closed=bool(value))
+        else:
+            self._cabs.vehicle_shows(slot, self._step, part, value)
 
     def _charger_is(self, station_id: str, works: bool) -> None:
         """A charger fails or is mended; every unit is asked anew whether its train can go on."""

@@ -25,6 +25,7 @@ from radio.keys import KeyRing, key_ring
 from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
 from simulation.gnss_settings import Gnss
+from simulation.late.settings import NO_LATE, Late
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
@@ -92,6 +93,7 @@ class Setup:
     limits: Limits = field(default_factory=Limits)
     operation: Operation = field(default_factory=Operation)
     battery: BatterySettings | None = None  # None: all trains run from a wire
+    late: Late = NO_LATE  # from which distributions the disturbances of the day are drawn
 
     @property
     def believed_line(self) -> Line:

@@ -11,7 +11,7 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr
 
-from network.files.quantities import AddedDelay, Probability
+from network.files.quantities import AddedDelay, Distance, Probability
 from network.files.toml_input import one_of
 from radio.air import Delivery
 from simulation.faults.fault import Fault, Names, World
@@ -174,6 +174,39 @@ class Flip(ChanceLinkFault):
         bit = int(self.chance.integers(8 * len(data)))
         data[bit // 8] ^= 1 << bit % 8
         return (replace(delivery, data=bytes(data)),)
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A stretch of a section's axis, on all its tracks: from so far into it, by kilometrage, and how long, m."""
+
+    section_id: str
+    from_m: float
+    length_m: float
+
+
+class DeadZone(Fault[tuple[Stretch, ...]]):
+    """The radio does not reach a stretch of line, on all tracks beside each other, and no unit knows of it."""
+
+    kind = "dead_zone"
+    aims_at = "section"
+    changes = "coverage"
+    target: str
+    from_m: Distance = Field(description="where it begins, from the section's end of lower kilometrage")
+    length_m: Distance = Field(description="how long it is, beyond the section where that is shorter")
+
+    @classmethod
+    def targets(cls, names: Names) -> tuple[str, ...]:
+        return names.sections
+
+    def base(self, _world: World) -> tuple[Stretch, ...]:
+        return ()
+
+    def over(self, dead: tuple[Stretch, ...]) -> tuple[Stretch, ...]:
+        return (*dead, Stretch(self.target, self.from_m, self.length_m))
+
+    def put(self, world: World, dead: tuple[Stretch, ...]) -> None:
+        world.trains.dead_zones.put(self.target, dead)
 
 
 def _later(delivery: Delivery, seconds: float) -> Delivery:

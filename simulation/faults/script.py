@@ -86,11 +86,12 @@ def _same(actual: object, wanted: object) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """A time (s since midnight), or an event and a delay after it."""
+    """A time (s since midnight), or an event, the `nth` of its kind, and a delay after it."""
 
     at_s: float | None = None
     on: Matcher | None = None
     after_s: float = 0.0
+    nth: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,9 +213,10 @@ class Watch:
         self.train_of: dict[str, str] = {}
         self._open = {key: trigger for key, trigger in triggers.items() if trigger.on is not None}
         self._due = due
+        self._seen: dict[int, int] = {}
 
     def see(self, entry: Entry) -> None:
-        """An entry was written. A trigger fires once."""
+        """An entry was written. A trigger fires once, at the event that it counts to."""
         if isinstance(entry.event, MissionBegun):
             self.train_of[entry.who] = entry.event.train
         if not self._open:
@@ -225,5 +227,8 @@ class Watch:
             if trigger.on is not None and trigger.on.matches(entry, self.train_of)
         ]
         for key in fired:
+            self._seen[key] = self._seen.get(key, 0) + 1
+            if self._seen[key] < self._open[key].nth:
+                continue
             trigger = self._open.pop(key)
             self._due(key, entry.t_s + trigger.after_s)

@@ -9,7 +9,7 @@ from simulation.faults.chargers import ChargerDead
 from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff, Restart
 from simulation.faults.fault import Fault
-from simulation.faults.links import Cut, Delay, Duplicate, Flip, Loss, Reorder
+from simulation.faults.links import Cut, DeadZone, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.vehicle import Brake, Doors, Motors
@@ -31,6 +31,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Duplicate,
     Reorder,
     Flip,
+    DeadZone,
     Scale,
     StuckOutput,
     NoOutput,

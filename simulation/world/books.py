@@ -5,6 +5,7 @@ Where a train has called is judged by where it truly stands, never by what its u
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 from network.model import SectionKind
@@ -33,6 +34,8 @@ class Books:
         self._at: dict[int, int] = {}  # slot: the target where the train truly called last
         self._called: dict[int, StopRecord] = {}  # its record
         self._moved: set[int] = set()  # slots that have moved since
+        # Who is told that a train stands at a target, and since when.
+        self.stands: Callable[[int, int, float], None] = lambda _slot, _at, _now_s: None
 
     @property
     def energy(self) -> list[EnergyRecord]:
@@ -56,6 +59,7 @@ class Books:
         first = duty.mission.targets[0]
         if first.station_id is not None:
             self._open_stop[slot] = self._record(slot, duty, 0)
+            self.stands(slot, 0, step / STEPS_PER_S)
 
     def next_target(self, slot: int) -> int:
         """Index of the first target at which the train has not called yet; one too many where it has at all."""
@@ -117,6 +121,7 @@ class Books:
         record.arrival_s, record.departure_s = now_s, None
         record.error_m = float(self._trains.truths[slot].position_m) - target.mark_m
         self._open_stop[slot] = record if target.departure_s is not None else None
+        self.stands(slot, self._at[slot], now_s)
 
     def _drew_up(self, slot: int, duty: Duty, at: int) -> bool:
         """Whether a train that called well short of its mark has come nearer to it."""

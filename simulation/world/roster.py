@@ -8,6 +8,7 @@ from itertools import zip_longest
 from network.model import Line, SectionKind, TagPurpose
 from network.timetable import AtPortal, Stabled, Timetable, TimetableTrain
 from onboard.duty.mission import Mission, plan_mission
+from simulation.late.entry import entry_late_s
 from simulation.setup import Setup
 
 PORTAL_STAND_M = 40.0  # a train enters with its rear this far inside the portal's outer end, at most
@@ -24,12 +25,28 @@ class Duty:
     enter_s: float
     leaves: bool
     becomes: str | None  # the next train of a set that stays on the line, at once or after a rest
+    late_s: float = 0.0  # by how much later than planned it comes to its portal
+
+    @property
+    def comes_s(self) -> float:
+        """When it stands before its portal, s; `enter_s` is when it should."""
+        return self.enter_s + self.late_s
 
 
 def drawn_up(setup: Setup, line: Line) -> dict[str, tuple[Duty, ...]]:
     """Duties of a setup's day on its line, or on the one that its units believe in. Raises as `draw_up` does."""
     lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
-    return draw_up(line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    duties = draw_up(line, setup.timetable, lengths_m, setup.operation.portal_lead_s)
+    if not setup.late.entry:
+        return duties
+    late_s = {
+        number: entry_late_s(setup.late, setup.seed, setup.today, train)
+        for number, train in setup.timetable.trains.items()
+    }
+    return {
+        stock_id: tuple(replace(duty, late_s=late_s[duty.train.number]) for duty in drawn)
+        for stock_id, drawn in duties.items()
+    }
 
 
 def draw_up(

@@ -31,6 +31,7 @@ from simulation.settings import Carried
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.collation import charted
 from simulation.world.collation import fit as fit_collation
+from simulation.world.dead_zones import DeadZones
 from simulation.world.irregularities import Irregularities
 from simulation.world.path_pool import PathPool, PathRows
 from simulation.world.premises import Premises
@@ -113,6 +114,7 @@ class Trains:
         self.paths: list[Path | None] = [None] * n  # the true path, which wrong points change
         self.duties: list[Duty | None] = [None] * n
         self.premises = Premises(self.tachometers, self.units)
+        self.dead_zones = DeadZones(setup.line)
         self.tag_faults: dict[int, int | None] = {}  # id read instead of the tag's own; None: not read
         self.charger_is: Callable[[str, bool], None] = lambda _station, _works: (
             None
@@ -176,7 +178,8 @@ class Trains:
         slot = self.slot_of.get(stock_id)
         if slot is None or not self.truths[slot].active:
             return True
-        return covered_at(self.setup.line, self.true_path(slot), float(self.truths[slot].position_m))
+        path, front_m = self.true_path(slot), float(self.truths[slot].position_m)
+        return covered_at(self.setup.line, path, front_m) and not self.dead_zones.hides(path, front_m)
 
     def compare(self, slots: Sequence[int], seen: Sequence[Truth]) -> None:
         """Take the carrier's positions as the truth; CarrierDisagrees when a train is not where its speeds lead."""

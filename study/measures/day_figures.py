@@ -1,18 +1,25 @@
-"""A day in a few figures, from the stops as they went: what sweeps compare, and reports give in one line.
+"""A day in a few figures, from its stops and its journal: what sweeps compare, and reports give in one line.
 
-Lateness is always against the plan, s; what never came counts as not on time, and by itself.
+Lateness is always against the plan, s; what never came counts as not on time, and by itself. One pass over stops and
+journal and no tables: a day of a sweep takes seconds. Whose fault lateness was is in `study.measures.delays`, when it
+was over in `study.measures.recovery`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import msgspec
 import numpy as np
 
-from simulation.result import StopRecord
+from network.timetable import Timetable
+from simulation.late.day import counts_of, late_day
+from simulation.result import RunResult, StopRecord
+from simulation.setup import Setup
+from study.measures import deadlock, delays
+from study.measures.recovery import LATE_S, late_stretches, recoveries_s
 
 LIMITS_S: Final = (
     60.0,
@@ -21,11 +28,21 @@ LIMITS_S: Final = (
 )  # on time to the minute; UIC's and a common limit of punctuality, assumed
 
 
+EVENTS: Final = frozenset({*delays.READS, *deadlock.READS})  # of the journal, from which they are made
+
+
 class DayFigures(msgspec.Struct, frozen=True):
     """Figures of one day. Lateness of arrivals of trains with passengers, s; None where no arrival was planned.
 
     `within`: share of the planned arrivals later than plan by less than each of LIMITS_S. `lost_train_minutes`: by how
-    much trains came late to their last stop, together; trains that never came there are `missing`.
+    much trains came late to their last stop, together; trains that never came there, or never ran, are `missing`.
+
+    `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited for
+    another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which spare
+    time takes back. `primary_delays` of LATE_S and more; `recovery_mean_s`: from each of those until no train is late
+    any more, `recovery_s`: the longest time without a moment in which none was, `late_time_s`: all such time;
+    `recovered`: whether the day ended so. `drawn`: how many things were drawn, by key path of their table. `deadlock`:
+    trains that wait for one another in a ring at the end.
     """
 
     planned_trains: int
@@ -41,41 +58,75 @@ class DayFigures(msgspec.Struct, frozen=True):
     worst_train: str
     worst_station: str
     lost_train_minutes: float
+    primary_s: float = 0.0
+    secondary_s: float = 0.0
+    other_s: float = 0.0
+    primary_delays: int = 0
+    recovery_s: float = 0.0
+    recovery_mean_s: float = 0.0
+    late_time_s: float = 0.0
+    recovered: bool = True
+    drawn: tuple[tuple[str, int], ...] = ()
+    deadlock: tuple[str, ...] = ()
 
 
-def day_figures(stops: Iterable[StopRecord]) -> DayFigures:
-    """The figures of a day's stops."""
-    calls = [stop for stop in stops if stop.revenue]
-    last = {stop.number: stop for stop in calls}
-    missing = tuple(sorted(number for number, stop in last.items() if stop.arrival_s is None))
-    planned = [stop for stop in calls if stop.planned_arrival_s is not None]
-    came = [stop for stop in planned if stop.arrival_s is not None]
-    late = {id(stop): _late_s(stop) for stop in came}
-    late_s = np.array([late[id(stop)] for stop in came])
-    worst = max(came, key=lambda stop: late[id(stop)], default=None)
-    ends = [_late_s(stop) for stop in last.values() if stop.arrival_s is not None]
-    return DayFigures(
-        planned_trains=len(last),
-        arrived_trains=len(last) - len(missing),
-        missing=missing,
-        planned_arrivals=len(planned),
-        arrivals=len(came),
-        within=tuple(sum(s < limit_s for s in late.values()) / max(len(planned), 1) for limit_s in LIMITS_S),
-        mean_late_s=_rounded(float(late_s.mean())) if came else None,
-        median_late_s=_rounded(float(np.median(late_s))) if came else None,
-        p95_late_s=_rounded(float(np.quantile(late_s, 0.95))) if came else None,
-        worst_late_s=None if worst is None else _rounded(late[id(worst)]),
-        worst_train="" if worst is None else worst.number,
-        worst_station="" if worst is None else worst.station_id,
-        lost_train_minutes=_rounded(math.fsum(max(s, 0.0) for s in ends) / 60.0),
+def day_figures(result: RunResult, setup: Setup) -> DayFigures:
+    """The figures of a day that was run."""
+    figures = figures_of_stops(result.stops, setup.timetable)
+    grown = delays.delays_of(result, setup)
+    stretches = late_stretches(result)
+    begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
+    recoveries = recoveries_s(begun_s, stretches)
+    lengths_s = [stretch.length_s for stretch in stretches]
+    return msgspec.structs.replace(
+        figures,
+        primary_s=_sum(grown, "primary_s"),
+        secondary_s=_sum(grown, "secondary_s"),
+        other_s=_sum(grown, "other_s"),
+        primary_delays=len(begun_s),
+        recovery_s=_rounded(max(lengths_s, default=0.0)),
+        recovery_mean_s=_rounded(math.fsum(recoveries) / len(recoveries)) if recoveries else 0.0,
+        late_time_s=_rounded(math.fsum(lengths_s)),
+        recovered=all(stretch.over for stretch in stretches),
+        drawn=tuple(counts_of(late_day(setup)).items()),
+        deadlock=deadlock.deadlocked(result),
     )
 
 
-def _late_s(stop: StopRecord) -> float:
-    """Of a stop that was reached."""
-    if stop.arrival_s is None or stop.planned_arrival_s is None:
-        return 0.0
-    return stop.arrival_s - stop.planned_arrival_s
+def figures_of_stops(stops: Iterable[StopRecord], timetable: Timetable) -> DayFigures:
+    """Punctuality of a day's stops against the plan; what needs more than them is left as on a punctual day."""
+    came_s = {(stop.number, stop.station_id): stop.arrival_s for stop in stops if stop.arrival_s is not None}
+    trains = [train for train in timetable.trains.values() if train.revenue]
+    missing = [t.number for t in trains if (t.number, t.calls[-1].station_id) not in came_s]
+    planned = {
+        (train.number, call.station_id): float(call.arrival_s)
+        for train in trains
+        for call in train.calls[1:]
+        if call.stops and call.arrival_s is not None
+    }
+    late = {stop: came_s[stop] - planned_s for stop, planned_s in planned.items() if stop in came_s}
+    late_s = np.array(list(late.values()))
+    worst = max(late, key=lambda stop: late[stop], default=None)
+    ends_s = [late.get((train.number, train.calls[-1].station_id), 0.0) for train in trains]
+    return DayFigures(
+        planned_trains=len(trains),
+        arrived_trains=len(trains) - len(missing),
+        missing=tuple(sorted(missing)),
+        planned_arrivals=len(planned),
+        arrivals=len(late),
+        within=tuple(sum(s < limit_s for s in late.values()) / max(len(planned), 1) for limit_s in LIMITS_S),
+        mean_late_s=_rounded(float(late_s.mean())) if late else None,
+        median_late_s=_rounded(float(np.median(late_s))) if late else None,
+        p95_late_s=_rounded(float(np.quantile(late_s, 0.95))) if late else None,
+        worst_late_s=None if worst is None else _rounded(late[worst]),
+        worst_train="" if worst is None else worst[0],
+        worst_station="" if worst is None else worst[1],
+        lost_train_minutes=_rounded(math.fsum(max(s, 0.0) for s in ends_s) / 60.0),
+    )
+
+
+def _sum(found: Sequence[delays.Delay], name: str) -> float:
+    return _rounded(math.fsum(getattr(delay, name) for delay in found))
 
 
 def _rounded(value: float) -> float:

@@ -62,7 +62,7 @@ from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
 from sumo_cfg.build import net_for
 from sumo_cfg.scenery import scenery_xml
-from sumo_cfg.truth_map import read_net
+from sumo_cfg.truth_map import NetMap, read_net
 from wayside.config import manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
@@ -107,6 +107,54 @@ class Run:
     broken: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Course:
+    """How a scenario is run: what carries the trains and who takes part. `folder` is for what parties keep.
+
+    `make` makes the carrier of the last day, `make_before` that of the days of learning before it (None: the same).
+    """
+
+    make: Callable[[float], Carrier]
+    net: NetMap
+    folder: Path
+    link: Link = Link.SIMULATED
+    units: UnitsAt = UnitsAt.SIMULATOR
+    make_before: Callable[[float], Carrier] | None = None
+    watch: Callable[[Parties], Parties] | None = None
+    journal: Callable[[], Journal] = Journal
+
+
+def through(scenario: Scenario, course: Course, progress: Progress | None = None) -> tuple[Setup, RunResult]:
+    """Run a scenario to its end: the setup of its last day, and what that left behind. Raises Crashed for a bug."""
+    setup = scenario.setup
+    # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
+    master_key = secrets.token_bytes(KEY_BYTES)
+    on_board = unit_configs(setup, master_key)
+    specs = specs_of(setup, master_key)
+    apart = course.units is UnitsAt.PROCESSES
+    if apart:
+        specs = (*specs, *unit_specs(on_board))
+    while True:
+        last = setup.day >= scenario.setup.tuning.days
+        state = course.folder / f"day-{setup.day}"
+        state.mkdir()
+        with parties_of(course.link, setup.line.id, specs, state) as parties:
+            simulation = Simulation(
+                setup,
+                course.make if last else course.make_before or course.make,
+                parties if course.watch is None else course.watch(parties),
+                course.net,
+                PartyUnits(parties) if apart else LocalUnits(on_board),
+                course.link.value,
+                course.journal(),
+            )
+            with bugs_named(scenario.id, simulation, processes=course.link is Link.ZENOH):
+                result = simulation.run(progress)
+        if last:
+            return setup, result
+        setup = setup.next_day(result.learned)
+
+
 def execute(
     scenario: Scenario,
     link: Link,
@@ -126,40 +174,26 @@ def execute(
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
     `delay_ms` is how long sumo-gui takes over a step.
     """
-    setup = scenario.setup
     with scratch(TEMPORARY) as folder:
+        setup = scenario.setup
         net = net_for(setup.line, folder)
-        # Random, so that nobody can know it: what the bytes of a code are decides nothing in a run.
-        master_key = secrets.token_bytes(KEY_BYTES)
-        on_board = unit_configs(setup, master_key)
-        specs = specs_of(setup, master_key)
-        if units is UnitsAt.PROCESSES:
-            specs = (*specs, *unit_specs(on_board))
         window = Window(folder / SCENERY_FILE, delay_ms)
         make = carrier_factory(carrier, setup.line, net, window)
         # Days of learning pass without a window.
         make_before = carrier_factory(CarrierKind.SUMO, setup.line, net) if carrier.shown else make
         wrapped = wrap or _as_it_is
         started = time.perf_counter()
-        while True:
-            last = setup.day >= scenario.setup.tuning.days
-            state = folder / f"day-{setup.day}"
-            state.mkdir()
-            with parties_of(link, setup.line.id, specs, state) as parties:
-                simulation = Simulation(
-                    setup,
-                    (lambda begin_s: wrapped(make(begin_s))) if last else make_before,
-                    parties if watch is None else watch(parties),
-                    read_net(net),
-                    PartyUnits(parties) if units is UnitsAt.PROCESSES else LocalUnits(on_board),
-                    link.value,
-                    Journal(journal),
-                )
-                with bugs_named(scenario.id, simulation, processes=link is Link.ZENOH):
-                    result = simulation.run(progress)
-            if last:
-                break
-            setup = setup.next_day(result.learned)
+        course = Course(
+            lambda begin_s: wrapped(make(begin_s)),
+            read_net(net),
+            folder,
+            link,
+            units,
+            make_before,
+            watch,
+            lambda: Journal(journal),
+        )
+        setup, result = through(scenario, course, progress)
         wall_s = time.perf_counter() - started
     fleet = {stock_id: Make.of(kind) for stock_id, kind in setup.trains.items()}
     booked = tables_of(result, setup.line, fleet, planned_legs(setup), planned_passings(setup))
@@ -279,12 +313,13 @@ def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
     missing = unfinished(result)
     broken += missing
     if missing:
-        broken += [_waiting_text(waiting) for waiting in result.waiting]
+        broken += [waiting_text(waiting) for waiting in result.waiting]
         broken += [finding.sentence for finding in feasibility(setup).impossible]
     return tuple(broken)
 
 
-def _waiting_text(waiting: Waiting) -> str:
+def waiting_text(waiting: Waiting) -> str:
+    """Who stands where and waits for what, in a sentence."""
     who = f"{waiting.number} ({waiting.stock_id})"
     if not waiting.stands:
         return f"{who} was on its way in {waiting.place}"
@@ -327,7 +362,7 @@ def carrier_factory(
         return lambda begin_s: SumoCarrier(net, begin_s)
     from simulation.carriers.plain_track import PlainTrack
 
-    return lambda _begin_s: PlainTrack({piece.id: piece.length_m for piece in line.pieces.values()}, STEP_S)
+    return lambda _begin_s: PlainTrack.of(line, STEP_S)
 
 
 @contextmanager

@@ -38,6 +38,7 @@ from study.scenario.fleet_file import (
     learned_of,
 )
 from study.scenario.inputs import Inputs
+from study.scenario.late_choice import check_late
 from study.scenario.law_choice import laws_of
 from study.scenario.layers import Pile, pile_of
 from study.scenario.scenario_file import ScenarioFile
@@ -72,10 +73,21 @@ def find_scenario(name: str) -> Path:
     return find_file(_folder(), "scenario", name)
 
 
-def load_scenario(name: str, seed: int | None = None) -> Scenario:
-    """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
+def with_seed(scenario: Scenario, seed: int) -> Scenario:
+    """The same scenario with another seed, as `load_scenario` would give it. InputError for a seed that is none."""
+    _check_seed(seed)
+    inputs = replace(scenario.inputs, scenario={**scenario.inputs.scenario, "seed": seed})
+    return replace(scenario, setup=replace(scenario.setup, seed=seed), inputs=inputs)
+
+
+def _check_seed(seed: int | None) -> None:
     if seed is not None and not SEED.holds(seed):
         raise InputError("command line", "--seed", seed, f"{SEED.text()} ({SEED.name})")
+
+
+def load_scenario(name: str, seed: int | None = None) -> Scenario:
+    """Read a scenario with all that it names. InputError says which file, key and value is at fault."""
+    _check_seed(seed)
     path = find_scenario(name)
     pile = pile_of(path, lambda above, base: _named(above, "extends", base, find_scenario))
     model = pile.validated(path)
@@ -126,7 +138,9 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         limits=model.limits,
         operation=model.operation,
         battery=model.battery,
+        late=model.late,
     )
+    check_late(str(path), setup)
     check_markers(str(path), setup)
     setup = replace(setup, script=script_of(str(path), setup, model.fault, model.act, model.expect))
     assumed = (*model.assumed, *line.assumed, *timetable.assumed, *_train_assumptions(trains))

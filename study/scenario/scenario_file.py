@@ -19,6 +19,7 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
+from simulation.late.settings import NO_LATE, Late
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
@@ -87,6 +88,7 @@ class PatchTable(Record):
     limits: Annotated[TableWords | None, about("on [limits]")] = None
     operation: Annotated[TableWords | None, about("on [operation]")] = None
     battery: Annotated[TableWords | None, about("on [battery]")] = None
+    late: Annotated[TableWords | None, about("on [late]")] = None
     fault: Annotated[ListWords | None, about("on [[fault]]")] = None
     act: Annotated[ListWords | None, about("on [[act]]")] = None
     expect: Annotated[ListWords | None, about("on [[expect]]")] = None
@@ -130,6 +132,7 @@ class ScenarioFile(Record):
     battery: Annotated[
         BatterySettings | None, about("trains that have a battery run on it; left out: all run from a wire")
     ] = None
+    late: Late = NO_LATE
     belief: Annotated[BeliefTable | None, about("what units go by where it is not what is so")] = None
     patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(
         default_factory=PatchTable

@@ -16,7 +16,6 @@ from network.errors import InputError
 from network.files.names import Title
 from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
-from network.graph import all_routes
 from network.timetable import clock
 from simulation.faults.fault import Names
 from simulation.faults.script import (
@@ -30,10 +29,10 @@ from simulation.faults.script import (
     Trigger,
 )
 from simulation.faults.table import FAULTS
+from simulation.names import names_in
 from simulation.setup import Setup
 from study.scenario.event_file import matcher_in
 from study.scenario.fleet_file import PEOPLE
-from wayside.config import MANAGER_ID
 
 _CLOCK: Final = re.compile(r"(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
 
@@ -83,22 +82,7 @@ class ExpectTable(Record):
 
 def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
     """Every name that a script of the scenario may use; people besides the usual ones are those who act in it."""
-    line, timetable = setup.line, setup.timetable
-    terminals = sorted({points.terminal_id for points in line.points.values()})
-    return Names(
-        units=tuple(diagram.stock_id for diagram in timetable.diagrams),
-        devices=(MANAGER_ID, *terminals),
-        tags=tuple(str(tag) for tag in line.tags),
-        markers=tuple(str(group) for group in line.markers),
-        points=tuple(line.points),
-        sections=tuple(line.sections),
-        stations=tuple(line.stations),
-        trains=tuple(timetable.trains),
-        people=tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))),
-        routes=tuple(route.id for route in all_routes(line)),
-        pieces=tuple(line.pieces),
-        chargers=() if setup.battery is None else tuple(line.chargers),
-    )
+    return names_in(setup, tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))))
 
 
 def script_of(

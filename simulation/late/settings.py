@@ -1,0 +1,142 @@
+"""`[late]`: from which distributions the disturbances of a day are drawn; without the table a day has none.
+
+Each table is a source of its own, with a seeded stream of its own for every train, stop or device: whether another one
+is there, or what it says, changes no draw of it. A table says where its figures come from (`source`).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Self
+
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
+
+from network.files.kinds import TEXTS_MAX, TimeOfDay, about
+from network.files.names import Identifier, Prose
+from network.files.quantities import DelayFactor, Distance, MtbfH, MtbfKm, MtbfOperations, PerDay, Share
+from network.files.toml_input import Record
+from simulation.late.spread import Spread
+
+Ids = Annotated[tuple[str, ...], Field(strict=False, max_length=TEXTS_MAX)]
+Source = Annotated[Prose, about("where the figures come from: a publication, or assumed and why")]
+Switch = Annotated[bool, about("whether it counts: off, nothing is drawn from it")]
+
+
+class EntryDelays(Record):
+    """`[late.entry.<name>]`: trains that come late to their portal. The first that fits a train counts."""
+
+    on: Switch = True
+    portals: Annotated[Ids, about("portal sections; none: all")] = ()
+    share: Annotated[Share, about("of the trains that come late", "all of them")] = 1.0
+    seconds: Annotated[Spread, about("how late those are")]
+    source: Source
+
+
+class Peak(Record):
+    """`late.dwell.peaks`: a part of the day in which passengers take longer, or less long."""
+
+    from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
+    to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
+    times: Annotated[DelayFactor, about("what is drawn is multiplied by this")]
+
+    @field_validator("to_s")
+    @classmethod
+    def _later(cls, to_s: float, info: ValidationInfo) -> float:
+        if to_s <= info.data.get("from_s", -1.0):
+            raise ValueError("a time after that of from")
+        return to_s
+
+
+class DwellScatter(Record):
+    """`[late.dwell]`: passengers need longer than the shortest stop; what the plan's stop has to spare takes it up."""
+
+    on: Switch = True
+    share: Annotated[Share, about("of the stops", "all of them")] = 1.0
+    seconds: Annotated[Spread, about("beyond the shortest stop")]
+    stations: Annotated[
+        dict[str, DelayFactor], about("what is drawn is multiplied by this, by station; elsewhere 1")
+    ] = Field(default_factory=dict)
+    peaks: Annotated[
+        tuple[Peak, ...],
+        Field(strict=False, max_length=TEXTS_MAX),
+        about("parts of the day, by the planned departure; the first that holds counts"),
+    ] = ()
+    source: Source
+
+    def factor(self, station_id: str, departure_s: float) -> float:
+        """By what a draw for that stop is multiplied."""
+        peak = next((peak.times for peak in self.peaks if peak.from_s <= departure_s < peak.to_s), 1.0)
+        return self.stations.get(station_id, 1.0) * peak
+
+
+class DoorDelays(Record):
+    """`[late.doors]`: doors that do not close at once as the train is to leave: nothing takes that up."""
+
+    on: Switch = True
+    share: Annotated[Share, about("of the stops")]
+    seconds: Annotated[Spread, about("until they close")]
+    source: Source
+
+
+class DeadZones(Record):
+    """`[late.dead_zones]`: stretches of line that the radio does not reach for a while, and units do not know of."""
+
+    on: Switch = True
+    per_day: Annotated[
+        PerDay, about("mean number in a day; the number is Poisson's, time and place are even")
+    ]
+    length_low_m: Annotated[Distance, about("least length")]
+    length_high_m: Annotated[Distance, about("greatest length, evenly between")]
+    seconds: Annotated[Spread, about("how long it lasts")]
+    source: Source
+
+    @field_validator("length_high_m")
+    @classmethod
+    def _not_shorter(cls, high_m: float, info: ValidationInfo) -> float:
+        if high_m < (low_m := info.data.get("length_low_m", 0.0)):
+            raise ValueError(f"at least length_low_m = {low_m:g}")
+        return high_m
+
+
+class Failures(Record):
+    """`[late.failures.<name>]`: what breaks by chance and is repaired: a fault of docs/faults.md, with its own keys.
+
+    It breaks after times, runs or throws that are exponential (geometric) with that mean: it does not age in a day.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    on: Switch = True
+    kind: Annotated[Identifier, about("kind of fault, of docs/faults.md; its own keys stand beside this one")]
+    targets: Annotated[Ids, about("what may break; none: everything that this kind may aim at")] = ()
+    mtbf_h: Annotated[
+        MtbfH | None, about("mean hours between failures: of a unit, on the line; of others, of the day")
+    ] = None
+    mtbf_km: Annotated[MtbfKm | None, about("units: mean kilometres between failures")] = None
+    mtbf_operations: Annotated[MtbfOperations | None, about("points: mean throws between failures")] = None
+    seconds: Annotated[
+        Spread | None, about("until it is repaired; left out only of kinds that are over at once")
+    ] = None
+    source: Source
+
+    @model_validator(mode="after")
+    def _one_mean(self) -> Self:
+        if sum(value is not None for value in (self.mtbf_h, self.mtbf_km, self.mtbf_operations)) != 1:
+            raise ValueError("one of mtbf_h, mtbf_km and mtbf_operations")
+        return self
+
+
+class Late(Record):
+    """`[late]`: what makes a day late."""
+
+    entry: Annotated[dict[Identifier, EntryDelays], about("trains that come late, by name")] = Field(
+        default_factory=dict
+    )
+    dwell: Annotated[DwellScatter | None, about("passengers; left out: they need no longer")] = None
+    doors: Annotated[DoorDelays | None, about("doors; left out: they close at once")] = None
+    dead_zones: Annotated[DeadZones | None, about("the radio; left out: it reaches as the line says")] = None
+    failures: Annotated[dict[Identifier, Failures], about("what breaks, by name")] = Field(
+        default_factory=dict
+    )
+
+
+NO_LATE: Final = Late()  # a scenario without that table

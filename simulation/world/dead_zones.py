@@ -1,0 +1,33 @@
+"""Stretches of line that the radio does not reach for now, though the line's coverage says so (不感地帯)."""
+
+from __future__ import annotations
+
+from network.model import Line
+from network.path import Path
+from simulation.faults.links import Stretch
+
+
+class DeadZones:
+    """Those in force, by the section that each is named after."""
+
+    def __init__(self, line: Line) -> None:
+        self._line = line
+        self._by_section: dict[str, list[tuple[str, float, float]]] = {}  # alignment, from and to, m
+
+    def put(self, section_id: str, stretches: tuple[Stretch, ...]) -> None:
+        """These are the stretches that are named after a section."""
+        pieces = [self._line.pieces[piece_id] for piece_id in self._line.sections[section_id].piece_ids]
+        begins_m = min(piece.from_m for piece in pieces)
+        self._by_section[section_id] = [
+            (pieces[0].alignment_id, begins_m + one.from_m, begins_m + one.from_m + one.length_m)
+            for one in stretches
+        ]
+
+    def hides(self, path: Path, position_m: float) -> bool:
+        """Whether a front at a path coordinate, m, stands in one."""
+        if not any(self._by_section.values()):
+            return False
+        step = path.step_at(position_m)
+        at_m, alignment_id = step.kilometrage_m(position_m), self._line.pieces[step.piece_id].alignment_id
+        every = (zone for zones in self._by_section.values() for zone in zones)
+        return any(on == alignment_id and from_m <= at_m <= to_m for on, from_m, to_m in every)

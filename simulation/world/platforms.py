@@ -1,0 +1,143 @@
+"""People and doors at stops: on a late day passengers need longer, and doors do not close at once (客扱い, 戸閉).
+
+The world keeps the doors open, and the unit sees by its input that they are; it knows neither why nor until when, and
+does not leave. Nothing is shown of what the plan's stop takes up by itself. Doors that a fault holds open stay open.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from simulation.agenda import Agenda, Due
+from simulation.cabs import Cabs
+from simulation.events import WORLD, DoorsHeld
+from simulation.journal import Journal
+from simulation.late.day import LateDay, Stay
+from simulation.setup import STEPS_PER_S, Setup, step_not_before
+from simulation.world.books import Books
+from simulation.world.on_board import OnBoard
+from simulation.world.trains import Trains
+
+BEFORE_S: Final = 2.0  # doors are seen to be open from so long before the train could leave
+LOOKS_AGAIN_S: Final = 5.0  # while the unit does not know that it is at its mark
+OPEN: Final = "open"
+CLOSE: Final = "close"
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """Doors at one stop. `ready_s`: when it could leave without; `boarded_s`: when all are on; `until_s`: shut."""
+
+    number: str
+    at: int
+    station_id: str
+    ready_s: float
+    boarded_s: float
+    until_s: float
+
+
+def held_until(
+    stay: Stay, stood_s: float, departure_s: float, dwell_s: float, *, begins: bool
+) -> tuple[float, float, float]:
+    """When a train could leave by dwell and plan alone, when its passengers are on, and when its doors are shut, s.
+
+    It came to a stand at `stood_s`; one that begins there has had its passengers on before.
+    """
+    ready_s = max(departure_s, stood_s if begins else stood_s + dwell_s)
+    boarded_s = ready_s if begins else max(ready_s, stood_s + dwell_s + stay.people_s)
+    return ready_s, boarded_s, boarded_s + stay.doors_s
+
+
+class Platforms:
+    """The doors of all trains: what people do with them, and what faults do."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        day: LateDay,
+        trains: Trains,
+        on_board: OnBoard,
+        cabs: Cabs,
+        books: Books,
+        agenda: Agenda,
+        journal: Journal,
+    ) -> None:
+        self._dwell_s = setup.unit.dwell_min_s
+        self._stays = day.stays
+        self._trains = trains
+        self._on_board = on_board
+        self._cabs = cabs
+        self._books = books
+        self._agenda = agenda
+        self._journal = journal
+        self._held: dict[int, Held] = {}  # by slot: what is to be, or is
+        self._open: set[int] = set()  # slots whose doors people hold open
+        self._faulty: set[int] = set()  # slots whose doors a fault holds open
+        if self._stays:
+            books.stands = self._stands
+
+    def fault(self, slot: int, step: int, *, closed: bool) -> None:
+        """A fault has the doors show that they are open, or is over."""
+        (self._faulty.discard if closed else self._faulty.add)(slot)
+        self._show(slot, step)
+
+    def due(self, step: int, subject: str) -> None:
+        """Doors are to be held open, or to close."""
+        what, stock_id = subject.split(" ", 1)
+        slot = self._trains.slot_of[stock_id]
+        held = self._held.get(slot)
+        if what == CLOSE:
+            if slot in self._open and (held is None or held.until_s * STEPS_PER_S <= step + 0.5):
+                self._open.discard(slot)
+                self._show(slot, step)
+        elif held is not None:
+            self._hold(slot, held, step)
+
+    def _stands(self, slot: int, at: int, now_s: float) -> None:
+        """A train has come to a stand at a stop, or begins there."""
+        self._held.pop(slot, None)
+        duty = self._trains.duties[slot]
+        if duty is None:
+            return
+        target = duty.mission.targets[at]
+        stay = self._stays.get((duty.train.number, target.station_id or ""))
+        if stay is None or target.departure_s is None or not target.passengers:
+            return
+        ready_s, boarded_s, until_s = held_until(
+            stay, now_s, target.departure_s, self._dwell_s, begins=at == 0
+        )
+        if until_s <= ready_s:
+            return
+        self._held[slot] = Held(duty.train.number, at, target.station_id or "", ready_s, boarded_s, until_s)
+        self._put(max(now_s + 1.0, ready_s - BEFORE_S), OPEN, slot)
+
+    def _hold(self, slot: int, held: Held, step: int) -> None:
+        """Hold the doors open, if the train still stands there and its unit knows that it does."""
+        now_s, stock_id, duty = step / STEPS_PER_S, self._trains.stock_ids[slot], self._trains.duties[slot]
+        there = duty is not None and duty.train.number == held.number
+        if not there or now_s >= held.until_s or self._books.stands_at(slot) != held.at:
+            return
+        shown = self._on_board.shown(slot)
+        if not (self._cabs.answers(slot) and shown.at_mark and shown.at == held.at):
+            self._put(now_s + LOOKS_AGAIN_S, OPEN, slot)
+            return
+        told = DoorsHeld(
+            unit_id=stock_id,
+            train=held.number,
+            station=held.station_id,
+            until_s=round(held.until_s, 1),
+            people_s=round(held.boarded_s - held.ready_s, 1),
+            doors_s=round(held.until_s - held.boarded_s, 1),
+        )
+        self._journal.write(now_s, WORLD, told)
+        self._open.add(slot)
+        self._show(slot, step)
+        self._put(held.until_s, CLOSE, slot)
+
+    def _put(self, at_s: float, what: str, slot: int) -> None:
+        self._agenda.put(step_not_before(at_s), Due.PEOPLE, f"{what} {self._trains.stock_ids[slot]}")
+
+    def _show(self, slot: int, step: int) -> None:
+        closed = slot not in self._open and slot not in self._faulty
+        self._cabs.vehicle_shows(slot, step, "doors_closed", closed)

@@ -1,0 +1,77 @@
+"""When a line was late, and how long until no train was any more (遅延の回復).
+
+A train is late from LATE_S after a departure that it should have made, until it leaves a stop less late than that or
+has come to its last. Stretches of such times, of all trains together, are cut where for a moment no train is late.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+from simulation.result import RunResult, StopRecord
+from simulation.setup import STEPS_PER_S
+
+LATE_S: Final = 60.0  # a departure that much after plan is late, as `study.run.scores` has it
+
+
+@dataclass(frozen=True, slots=True)
+class LateStretch:
+    """From when to when at least one train was late, s; `over`: the run did not end with it."""
+
+    from_s: float
+    to_s: float
+    over: bool = True
+
+    @property
+    def length_s(self) -> float:
+        """How long, s."""
+        return self.to_s - self.from_s
+
+
+def late_stretches(result: RunResult) -> tuple[LateStretch, ...]:
+    """All of a run's, in order, without overlap."""
+    by_train: dict[str, list[StopRecord]] = defaultdict(list)
+    for stop in result.stops:
+        by_train[stop.number].append(stop)
+    end_s = result.end_step / STEPS_PER_S
+    return joined(one for stops in by_train.values() for one in _of_train(stops, end_s))
+
+
+def _of_train(stops: Sequence[StopRecord], end_s: float) -> list[LateStretch]:
+    """When a train was late: from a departure that it missed to the next one that it made, or to its last stop."""
+    found: list[LateStretch] = []
+    for stop, following in pairwise([*stops, None]):
+        if stop is None or stop.planned_departure_s is None:
+            continue
+        from_s = stop.planned_departure_s + LATE_S
+        if (stop.departure_s if stop.departure_s is not None else end_s) < from_s:
+            continue
+        if following is None:  # it never came to where it was to go
+            found.append(LateStretch(from_s, end_s, over=False))
+            continue
+        to_s = following.departure_s if following.planned_departure_s is not None else following.arrival_s
+        found.append(LateStretch(from_s, end_s if to_s is None else max(to_s, from_s), to_s is not None))
+    return found
+
+
+def joined(stretches: Iterable[LateStretch]) -> tuple[LateStretch, ...]:
+    """Stretches that overlap or meet made one."""
+    found: list[LateStretch] = []
+    for one in sorted(stretches, key=lambda stretch: stretch.from_s):
+        last = found[-1] if found else None
+        if last is None or one.from_s > last.to_s:
+            found.append(one)
+        else:
+            found[-1] = LateStretch(last.from_s, max(last.to_s, one.to_s), last.over and one.over)
+    return tuple(found)
+
+
+def recoveries_s(begun_s: Iterable[float], stretches: Sequence[LateStretch]) -> tuple[float, ...]:
+    """For each delay, by when it was there: how long until no train was late any more, s; 0 where none was."""
+    return tuple(
+        next((one.to_s - at_s for one in stretches if one.from_s <= at_s < one.to_s), 0.0) for at_s in begun_s
+    )

@@ -1,0 +1,162 @@
+"""Days on other machines, by a Dask scheduler that is there already: it says who runs which day, and knows no more.
+
+A worker files its days itself, in the directory that all machines share. What a worker, the scheduler or the client
+takes with it when it goes is at most the days at hand. Extra `cluster`.
+"""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Generator, Iterator
+from contextlib import ExitStack, suppress
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from network.errors import InputError
+from study.sweep.local import GivenUpError, failed_by, filed
+from study.sweep.store import check_shared, day_name
+from study.sweep.worker import RETRIES, Done, Task, crashed, run_task
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+CONNECT_S: Final = 20.0  # a scheduler that has not answered by then is not there
+WORKERS_S: Final = 60  # within this time a worker must have come
+LOOK_S: Final = 1.0  # so often it is looked whether the scheduler is still there
+AHEAD: Final = 2  # days given to the scheduler for each worker, so that none waits for the client
+OPTION: Final = "--scheduler"
+
+
+class FailedDayError(Exception):
+    """A day failed on a worker of the cluster; the scheduler has it run again, so often as it may."""
+
+
+class NoMoreError(Exception):
+    """A worker of the cluster can run no day at all."""
+
+
+class ClusterPump:
+    """The workers of a scheduler, whoever they are. The scheduler's own ways are kept: `retries`, lost workers."""
+
+    def __init__(self, address: str, out: Path, token: str) -> None:
+        if find_spec("distributed") is None:
+            raise InputError("command line", OPTION, address, "the extra: pip install 'branchline[cluster]'")
+        self._address: Final = address
+        self._out: Final = out
+        self._token: Final = token
+        self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
+
+    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+        """See `study.sweep.local.Pump`."""
+        with ExitStack() as stack:
+            client = _client(self._address)
+            stack.callback(_close, client)
+            room = AHEAD * self._check(client)
+            at_hand: dict[str, Task] = {}
+            while True:
+                while len(at_hand) < room and (task := next(tasks, None)) is not None:
+                    at_hand[self._submit(client, task)] = task
+                if not at_hand:
+                    return
+                future = self._next(client)
+                task = at_hand.pop(future.key, None)
+                if task is not None:
+                    yield self._done(future, task)
+
+    def _submit(self, client: Client, task: Task) -> str:
+        """Give a day to the scheduler; the name that it has there."""
+        future = client.submit(
+            run_there,
+            msgspec.msgpack.encode(task),
+            key=f"{self._token}-{day_name(task.spec, task.index)}",
+            retries=RETRIES,
+            pure=False,
+        )
+        future.add_done_callback(self._ended.put)
+        return future.key
+
+    def _next(self, client: Client) -> Future:
+        """The next day that has ended. Raises GivenUpError when the scheduler is gone."""
+        while True:
+            with suppress(queue.Empty):
+                future = self._ended.get(timeout=LOOK_S)
+                if future.status != "cancelled":
+                    return future
+            if client.status != "running":
+                raise GivenUpError(f"the scheduler at {self._address} is gone")
+
+    def _done(self, future: Future, task: Task) -> Done:
+        """What came of a day; one that has failed as often as it may is filed as crashed."""
+        error = future.exception() if future.status == "error" else None
+        if isinstance(error, NoMoreError):
+            raise GivenUpError(str(error))
+        if error is None:
+            return msgspec.msgpack.decode(future.result(), type=Done)
+        begun = msgspec.structs.replace(task, tries=RETRIES + 1)
+        return filed(crashed(begun, " ".join(f"{type(error).__name__}: {error}".split())), self._out)
+
+    def _check(self, client: Client) -> int:
+        """How many days can run at a time. InputError for workers that cannot run them."""
+        try:
+            client.wait_for_workers(1, timeout=WORKERS_S)
+        except TimeoutError as error:
+            raise InputError("command line", OPTION, self._address, "a scheduler that has workers") from error
+        workers: dict[str, dict[str, Any]] = client.scheduler_info(n_workers=-1)["workers"]
+        for name, info in sorted(workers.items()):
+            if info["nthreads"] != 1:
+                expected = (
+                    f"workers of one thread, since a process has one SUMO; {name} has {info['nthreads']}"
+                )
+                raise InputError("command line", OPTION, self._address, expected)
+        said = client.run(sees, str(self._out), self._token, on_error="return")
+        for name, text in sorted(said.items()):
+            if text != "":
+                raise InputError(
+                    "command line", OPTION, self._address, f"a worker that can run days; {name}: {text}"
+                )
+        return len(workers)
+
+
+def run_there(packed: bytes) -> bytes:
+    """On a worker: run a day and file it. An error of the day is raised, and the scheduler has it run again."""
+    task = msgspec.msgpack.decode(packed, type=Task)
+    try:
+        return msgspec.msgpack.encode(run_task(task))
+    except Exception as error:
+        failed = failed_by(error)
+        if failed.given_up:
+            raise NoMoreError(failed.why) from None
+        raise FailedDayError(failed.why) from None
+
+
+def sees(out: str, token: str) -> str:
+    """On a worker: empty if it sees the client's directory, else what it sees."""
+    try:
+        check_shared(Path(out), token)
+    except Exception as error:
+        return str(error)
+    return ""
+
+
+def _client(address: str) -> Client:
+    from distributed import Client
+
+    try:
+        return Client(address, timeout=CONNECT_S, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "command line", OPTION, address, f"a scheduler that answers ({_short(error)})"
+        ) from error
+
+
+def _close(client: Client) -> None:
+    """Whether the scheduler is still there or not."""
+    with suppress(Exception):
+        client.close(timeout=1)
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())[:200]

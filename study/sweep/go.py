@@ -1,0 +1,206 @@
+"""A sweep under way: which days are still to run, which count, and when a point has enough of them.
+
+Days of a point count in the order of their seeds, up to the first at which the stop rule holds: the table is the same
+in whatever order days come back, and on however many machines. Days beyond it stay on disk and do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Final
+
+from network.errors import InputError
+from study.sweep.digest import code_digest
+from study.sweep.figures import FIGURES
+from study.sweep.local import Pump
+from study.sweep.plan import Plan, Point
+from study.sweep.records import DayOutcome, DayRecord
+from study.sweep.statistics import Estimate, Running
+from study.sweep.store import Found, Refused, Store, day_name
+from study.sweep.worker import RUNNER, Done, Task
+
+CODE_SHOWN: Final = 8
+BAD: Final = (DayOutcome.BROKEN, DayOutcome.CRASHED)  # the others are what a sweep is to find out
+
+
+class _Course:
+    """One point: its days as they come, and how far they are complete from the first one on."""
+
+    def __init__(self, plan: Plan, point: Point) -> None:
+        self.point: Final = point
+        self.names: Final = tuple(day_name(plan.spec(point, index), index) for index in range(plan.days))
+        self.days = plan.days  # that count; the stop rule makes it fewer
+        self._plan = plan
+        self._complete = 0
+        self._running = {name: Running() for name in _watched(plan)}
+
+    def advance(self, records: Mapping[str, DayRecord]) -> None:
+        """Take the days that now follow on those before."""
+        while self._complete < self.days and (record := records.get(self.names[self._complete])) is not None:
+            self._complete += 1
+            for name, running in self._running.items():
+                value = None if record.figures is None else FIGURES[name].of(record.figures)
+                if value is not None:
+                    running.add(value)
+            if self._enough():
+                self.days = self._complete
+
+    def estimate(self, name: str) -> Estimate:
+        """Of a watched figure, so far."""
+        return self._running[name].estimate(self._plan.table.confidence)
+
+    @property
+    def done(self) -> bool:
+        """Whether all days that count are there."""
+        return self._complete >= self.days
+
+    def _enough(self) -> bool:
+        stop = self._plan.stop
+        if stop is None or self._complete < stop.least_days:
+            return False
+        width = self.estimate(stop.figure).width
+        return width is not None and width < stop.narrower_than
+
+
+@dataclass(slots=True)
+class State:
+    """How far a sweep is. `before`: days that were there as it began; `last`: the day that came last."""
+
+    plan: Plan
+    courses: tuple[_Course, ...]
+    records: dict[str, DayRecord]
+    before: int
+    refused: tuple[Refused, ...] = ()
+    others: int = 0
+    run: int = 0
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    peak_bytes: int = 0
+    last: Done | None = None
+
+    @property
+    def total(self) -> int:
+        """Days that count, as far as is known."""
+        return sum(course.days for course in self.courses)
+
+    @property
+    def there(self) -> int:
+        """Days of those that are there."""
+        return sum(name in self.records for course in self.courses for name in course.names[: course.days])
+
+    def counted(self, point: Point) -> tuple[DayRecord, ...]:
+        """The days of a point that count and are there, by seed."""
+        course = self.courses[point.number]
+        return tuple(self.records[name] for name in course.names[: course.days] if name in self.records)
+
+    def estimate(self, name: str, point: int = 0) -> Estimate:
+        """Of a watched figure at a point, over the days that are complete."""
+        return self.courses[point].estimate(name)
+
+    def found_text(self) -> str:
+        """The first figure watched, at the point whose interval is the widest, for the line that runs."""
+        name = self.plan.table.watch[0]
+        found = [course.estimate(name) for course in self.courses]
+        widest = max(found, key=lambda one: one.width or 0.0)
+        return f"{FIGURES[name].title} {widest.text} {FIGURES[name].unit}".rstrip()
+
+    def stopped_early(self, point: Point) -> bool:
+        """Whether the stop rule has spared days of a point."""
+        return self.courses[point.number].days < self.plan.days
+
+    @property
+    def done(self) -> bool:
+        """Whether nothing is left to run."""
+        return all(course.done for course in self.courses)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What makes the sweep a failure, a sentence each: carriers that differ, rules that are broken, crashes."""
+        texts = [
+            f"day {record.index} of {label} (seed {record.spec.seed}) is another day on SUMO: {record.again}, not"
+            f" {record.digest}"
+            for label, record in self._counted()
+            if record.differs
+        ]
+        for outcome in BAD:
+            days = [record for _, record in self._counted() if record.outcome is outcome]
+            if days:
+                first = days[0]
+                texts.append(
+                    f"{len(days)} days: {outcome.value}; the first has seed {first.spec.seed}: {first.why}"
+                )
+        return tuple(texts)
+
+    def _counted(self) -> Iterator[tuple[str, DayRecord]]:
+        for point in self.plan.points:
+            for record in self.counted(point):
+                yield point.label, record
+
+
+Show = Callable[[State], None]
+
+
+def begun(plan: Plan, store: Store, *, anyway: bool) -> State:
+    """What there is already. InputError for days that other code has run, unless they are to count `anyway`."""
+    courses = tuple(_Course(plan, point) for point in plan.points)
+    found: Found = store.found({name for course in courses for name in course.names})
+    codes = {record.code for record in found.records.values()} - {code_digest()}
+    if codes and not anyway:
+        shown = ", ".join(sorted(code[:CODE_SHOWN] for code in codes))
+        expected = (
+            f"a directory whose days were run by this code ({code_digest()[:CODE_SHOWN]}), or --anyway; it has"
+            f" days of {shown}"
+        )
+        raise InputError("command line", "--out", store.out, expected)
+    state = State(plan, courses, found.records, 0, found.refused, found.others)
+    for course in courses:
+        course.advance(state.records)
+    state.before = state.there
+    return state
+
+
+def go(state: State, store: Store, pump: Pump, show: Show | None = None, runner: str = RUNNER) -> None:
+    """Run what is missing. Raises GivenUpError; whatever ends it, the days that are filed stay."""
+    with closing(pump.run(_tasks(state, store, runner))) as days:
+        for done in days:
+            record = done.record
+            state.records[day_name(record.spec, record.index)] = record
+            state.run += 1
+            state.wall_s += done.wall_s
+            state.cpu_s += done.cpu_s
+            state.peak_bytes = max(state.peak_bytes, done.peak_bytes)
+            state.last = done
+            for course in state.courses:
+                course.advance(state.records)
+            if show is not None:
+                show(state)
+            if state.done:
+                return
+
+
+def _tasks(state: State, store: Store, runner: str) -> Iterator[Task]:
+    """The days that are missing, seed by seed at all points; a point that has enough is left out from then on."""
+    plan = state.plan
+    given: set[str] = set()
+    for index in range(plan.days):
+        for course in state.courses:
+            name = course.names[index]
+            if index >= course.days or name in state.records or name in given:
+                continue
+            given.add(name)
+            yield Task(
+                str(store.out),
+                store.token,
+                plan.spec(course.point, index),
+                index,
+                plan.again(index),
+                tuple(plan.table.keep),
+                runner=runner,
+            )
+
+
+def _watched(plan: Plan) -> tuple[str, ...]:
+    stop = () if plan.stop is None else (plan.stop.figure,)
+    return tuple(dict.fromkeys((*plan.table.watch, *stop)))
