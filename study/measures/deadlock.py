@@ -8,7 +8,6 @@ from simulation.events import MANAGER
 from simulation.result import Ending, RunResult
 from wayside.said import Granted, Refused
 
-
 READS: Final = (Granted, Refused)  # events that a journal must have kept
 
 
