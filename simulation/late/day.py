@@ -27,7 +27,7 @@ from simulation.names import names_in
 from simulation.setup import Setup
 from simulation.world.roster import Duty, drawn_up
 
-THROWS_MAX: Final = 5000  # in a day, of one machine: what would fail only later is not drawn
+THROWS_A_PASSAGE: Final = 2  # at most, assumed, of points by a train: what would fail only later is not drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,9 +169,11 @@ def _dead_zones(setup: Setup, duties: Mapping[str, Sequence[Duty]]) -> Iterator[
         length_m = round(float(chance.uniform(table.length_low_m, table.length_high_m)), 1)
         lasts_s = table.seconds.draw_s(chance)
         index = next(i for i, end_m in enumerate(ends_m) if at_m <= end_m)
-        begins_m = round(at_m - (ends_m[index] - lengths_m[index]), 1)
-        fault = DeadZone(target=sections[index], from_m=begins_m, length_m=length_m)
-        where = f"{length_m:.0f} m from {begins_m:.0f} m into {sections[index]}"
+        into_m = at_m - (ends_m[index] - lengths_m[index])
+        fault = DeadZone(
+            target=sections[index], from_share=round(into_m / lengths_m[index], 4), length_m=length_m
+        )
+        where = f"{length_m:.0f} m from {into_m:.0f} m into {sections[index]}"
         what = f"the radio does not reach {where} for {lasts_s:.1f} s"
         told = Drawn("late.dead_zones", "radio", sections[index], at_s, lasts_s, what, table.seconds.words)
         yield told, Failure(fault, Trigger(at_s=at_s), max(lasts_s, 0.1))
@@ -201,9 +203,11 @@ def _broken(
         return
     kind: type[Fault[Any]] = FAULTS[table.kind]
     for target in table.targets or kind.targets(names_in(setup)):
-        chance = generator(setup.seed, STREAM, "failures", name, target, *setup.today)
+        names = (STREAM, "failures", name, target)
+        when_chance = generator(setup.seed, *names, "when", *setup.today)
+        chance = generator(setup.seed, *names, "repair", *setup.today)
         fault = kind.model_validate({"target": target, **(table.model_extra or {})})
-        for trigger, when in _triggers(table, target, duties, chance):
+        for trigger, when in _triggers(table, target, duties, when_chance):
             repaired_s = (
                 None if kind.momentary or table.seconds is None else max(table.seconds.draw_s(chance), 0.1)
             )
@@ -226,10 +230,10 @@ def _triggers(
 ) -> Iterator[tuple[Trigger, str]]:
     """When it breaks, by the clock or by counts of throws; in words where it is counted."""
     if table.mtbf_operations is not None:
-        throws = 0
-        while (throws := throws + int(chance.geometric(1.0 / table.mtbf_operations))) <= THROWS_MAX:
+        throws, most = 0, THROWS_A_PASSAGE * _passages(target, duties)
+        while (throws := throws + int(chance.geometric(1.0 / table.mtbf_operations))) <= most:
             on = Matcher(f"points {target} move", (PointsMoving,), data={"points_id": target})
-            yield Trigger(on=on, nth=throws), f" at its throw {throws}"
+            yield Trigger(on=on, nth=throws), f" at its throw {throws}, if it comes to that"
         return
     mean = table.mtbf_h or table.mtbf_km or math.inf
     uses = _in_hours(target, duties) if table.mtbf_km is None else _in_km(target, duties)
@@ -242,6 +246,12 @@ def _triggers(
             yield Trigger(at_s=at_s), ""
             fails_at += float(chance.exponential(mean))
         used += stretch.use
+
+
+def _passages(points_id: str, duties: Mapping[str, Sequence[Duty]]) -> int:
+    """How many trains are to pass points."""
+    missions = (duty.mission for of_stock in duties.values() for duty in of_stock)
+    return sum(any(p == points_id for span in m.spans for p, _, _ in span.points) for m in missions)
 
 
 def _in_hours(target: str, duties: Mapping[str, Sequence[Duty]]) -> list[Exposure]:
