@@ -129,19 +129,16 @@ class PlainTrack:
     def _comes_close(self, ends: Sequence[tuple[_Train, float, float]]) -> bool:
         """Whether any train gets onto a piece that another lies on or gets onto; `ends`: offset and speed after it."""
         taken: set[str] = set()
-        for train, offset_m, _ in ends:
-            entered = 0
-            while (
-                offset_m >= (length_m := self._lengths_m[train.pieces[entered]])
-                and train.pieces[entered + 1 :]
-            ):
-                offset_m -= length_m
-                entered += 1
-                at = train.pieces[entered]
-                beside = self._legs.get(at, at)
-                if at in self._on or at in taken or beside in self._on or beside in taken:
+        for train, front_m, _ in ends:
+            left_m = front_m - self._lengths_m[train.pieces[0]]
+            for piece_id in train.pieces[1:]:
+                if left_m < 0.0:
+                    break
+                beside = self._legs.get(piece_id, piece_id)
+                if not taken.isdisjoint((piece_id, beside)) or piece_id in self._on or beside in self._on:
                     return True
-                taken.add(at)
+                taken.add(piece_id)
+                left_m -= self._lengths_m[piece_id]
         return False
 
     def _run_looking(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
