@@ -74,8 +74,8 @@ def _print_bench(figures: dict[str, Any]) -> None:
     if "sweep" in figures:
         ran = figures["sweep"]
         sys.stdout.write(
-            f"a sweep of {ran['days']} days: {ran['wall_s']:g} s, {100.0 * ran['share']:.0f} % of all cores; its processes"
-            f" had a day at hand {100.0 * ran['at_hand']:.0f} % of the time\n"
+            f"a sweep of {ran['days']} days: {ran['wall_s']:g} s, {100.0 * ran['share']:.0f} % of all cores;"
+            f" its processes had a day at hand {100.0 * ran['at_hand']:.0f} % of the time\n"
         )
     if "optimum" in figures:
         optimum = figures["optimum"]

@@ -189,10 +189,10 @@ class PlainTrack:
         """Write down the trains that touch and did not before; whether there are any."""
         found: set[tuple[str, str]] = set()
         for piece_id, trains in self._on.items():
+            length_m = self._lengths_m[piece_id]
             for one, other in combinations(trains, 2):
-                if touch(
-                    *(self._extent(t, piece_id) for t in (one, other)), self._lengths_m[piece_id], self._look
-                ):
+                extents = self._extent(one, piece_id), self._extent(other, piece_id)
+                if touch(*extents, length_m, self._look):
                     found.add(_pair(one, other))
             for other in self._on.get(self._legs.get(piece_id, ""), ()):
                 found |= {_pair(one, other) for one in trains if one is not other}

@@ -3,8 +3,8 @@
 Each way runs in a fresh process of its own, warmed by one whole day of the same kind, and what is compared is the time
 of its processor, so that other work on the machine counts for less. "SUMO alone" is that of `study.evaluate.bench`.
 The sweep itself is a real one, with as many processes as there are cores, begun cold: its share of the cores is the
-processor time of all its processes by wall time and cores. Beside it stands the share of the time in which a process had
-a day at hand, which says the same on a machine that others use too.
+processor time of all its processes by wall time and cores. Beside it stands the share of the time in which a process
+had a day at hand, which says the same on a machine that others use too.
 """
 
 from __future__ import annotations
