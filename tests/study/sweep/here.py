@@ -22,6 +22,14 @@ class Here:
             yield run_task(task)
 
 
+class OneByOne:
+    """Days in this process, in their order."""
+
+    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+        for task in tasks:
+            yield run_task(task)
+
+
 def swept(file: Path, out: Path, pump: Pump | None = None, days: int | None = None) -> State:
     """Run what is missing."""
     plan = load_plan(str(file), days)
