@@ -78,7 +78,7 @@ def _of_all_commands(
 @app.command()
 def schema(
     kind: Annotated[
-        str | None, typer.Argument(help="line, timetable, train, scenario, drill, station_list.")
+        str | None, typer.Argument(help="line, timetable, train, scenario, drill, sweep, station_list.")
     ] = None,
 ) -> None:
     """Print the JSON Schema of a kind of file; without one, of all kinds by name."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def sweep(
-    file: Annotated[str, typer.Argument(help="A sweep file (.toml); docs/sweeps.md says how to write one.")],
+    file: Annotated[str, typer.Argument(help="A shipped sweep, or a sweep file (.toml): docs/sweeps.md.")],
     out: Annotated[
         Path | None,
         typer.Option("--out", help="Directory; default sweeps/<id>. What is there is not run again."),

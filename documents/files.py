@@ -23,6 +23,7 @@ from network.making.station_list import StationListFile
 from study.scenario.key_examples import below as entries_below
 from study.scenario.key_examples import example_of
 from study.scenario.scenario_file import ScenarioFile
+from study.sweep.sweep_file import SweepFile
 from vehicle.train_file import UNITS, TrainFile
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -79,6 +80,11 @@ KINDS: Final[tuple[tuple[str, type[BaseModel], str], ...]] = (
     ),
     ("Scenario and drill", ScenarioFile, "`study/scenarios/*.toml`, `study/drills/*/*.toml`: one run."),
     (
+        "Sweep",
+        SweepFile,
+        "`study/sweeps/*.toml`: a scenario varied over a grid and over what is drawn, for many days (docs/sweeps.md).",
+    ),
+    (
         "Station list",
         StationListFile,
         "What `branchline new line` makes a line from (docs/make-a.md). A CSV has the keys of `[[stations]]` as its"
@@ -90,6 +96,7 @@ EXAMPLES: Final[Mapping[type[BaseModel], str]] = {
     TimetableFile: "timetable",
     TrainFile: "train",
     ScenarioFile: "scenario",
+    SweepFile: "sweep",
     StationListFile: "station_list",
 }
 Entries: TypeAlias = tuple[Mapping[str, Any], ...]

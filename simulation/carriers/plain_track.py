@@ -129,19 +129,16 @@ class PlainTrack:
     def _comes_close(self, ends: Sequence[tuple[_Train, float, float]]) -> bool:
         """Whether any train gets onto a piece that another lies on or gets onto; `ends`: offset and speed after it."""
         taken: set[str] = set()
-        for train, offset_m, _ in ends:
-            entered = 0
-            while (
-                offset_m >= (length_m := self._lengths_m[train.pieces[entered]])
-                and train.pieces[entered + 1 :]
-            ):
-                offset_m -= length_m
-                entered += 1
-                at = train.pieces[entered]
-                beside = self._legs.get(at, at)
-                if at in self._on or at in taken or beside in self._on or beside in taken:
+        for train, front_m, _ in ends:
+            left_m = front_m - self._lengths_m[train.pieces[0]]
+            for piece_id in train.pieces[1:]:
+                if left_m < 0.0:
+                    break
+                beside = self._legs.get(piece_id, piece_id)
+                if not taken.isdisjoint((piece_id, beside)) or piece_id in self._on or beside in self._on:
                     return True
-                taken.add(at)
+                taken.add(piece_id)
+                left_m -= self._lengths_m[piece_id]
         return False
 
     def _run_looking(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
@@ -192,10 +189,10 @@ class PlainTrack:
         """Write down the trains that touch and did not before; whether there are any."""
         found: set[tuple[str, str]] = set()
         for piece_id, trains in self._on.items():
+            length_m = self._lengths_m[piece_id]
             for one, other in combinations(trains, 2):
-                if touch(
-                    *(self._extent(t, piece_id) for t in (one, other)), self._lengths_m[piece_id], self._look
-                ):
+                extents = self._extent(one, piece_id), self._extent(other, piece_id)
+                if touch(*extents, length_m, self._look):
                     found.add(_pair(one, other))
             for other in self._on.get(self._legs.get(piece_id, ""), ()):
                 found |= {_pair(one, other) for one in trains if one is not other}

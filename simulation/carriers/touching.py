@@ -10,8 +10,8 @@ Points in between make no difference: a train lies on every piece from its front
 What is found is what SUMO finds, in the same step, save that SUMO, where three trains lie on one piece, compares one
 whose front is beyond with the hindmost alone. What SUMO has no eyes for can be looked for besides:
 
-- fouling: one lies on the normal leg of points and one on the reverse leg. Trains clear each other from the legs' ends
-  on (車両接触限界), which is assumed. In a run the checkers judge the same by the section of the points, on any carrier.
+- fouling: one lies on the normal leg of points and one on the reverse leg. That trains clear each other beyond the
+  legs' ends (車両接触限界) is assumed. In a run the checkers judge that by the section of the points, on any carrier.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from network.files.toml_input import one_of
 from network.making.station_list import StationListFile
 from study.scenario.key_examples import with_examples
 from study.scenario.scenario_file import ScenarioFile
+from study.sweep.sweep_file import SweepFile
 from vehicle.train_file import UNITS, TrainFile
 
 DRAFT: Final = "https://json-schema.org/draft/2020-12/schema"
@@ -94,5 +95,6 @@ KINDS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
     "train": _train,
     "scenario": _scenario,
     "drill": _drill,
+    "sweep": lambda: with_examples(SweepFile.model_json_schema(), "sweep"),
     "station_list": lambda: with_examples(StationListFile.model_json_schema(), "station_list"),
 }

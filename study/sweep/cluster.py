@@ -6,8 +6,10 @@ takes with it when it goes is at most the days at hand. Extra `cluster`.
 
 from __future__ import annotations
 
+import logging
 import queue
 from collections.abc import Generator, Iterator
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -23,7 +25,7 @@ from study.sweep.worker import RETRIES, Done, Task, crashed, run_task
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-CONNECT_S: Final = 20.0  # a scheduler that has not answered by then is not there
+CONNECT_S: Final = 20.0  # a scheduler that has not answered by then is not there, or no longer
 WORKERS_S: Final = 60  # within this time a worker must have come
 LOOK_S: Final = 1.0  # so often it is looked whether the scheduler is still there
 AHEAD: Final = 2  # days given to the scheduler for each worker, so that none waits for the client
@@ -86,7 +88,7 @@ class ClusterPump:
                 if future.status != "cancelled":
                     return future
             if client.status != "running":
-                raise GivenUpError(f"the scheduler at {self._address} is gone")
+                raise self._gone()
 
     def _done(self, future: Future, task: Task) -> Done:
         """What came of a day; one that has failed as often as it may is filed as crashed."""
@@ -94,9 +96,19 @@ class ClusterPump:
         if isinstance(error, NoMoreError):
             raise GivenUpError(str(error))
         if error is None:
-            return msgspec.msgpack.decode(future.result(), type=Done)
+            return msgspec.msgpack.decode(self._result(future), type=Done)
         begun = msgspec.structs.replace(task, tries=RETRIES + 1)
         return filed(crashed(begun, " ".join(f"{type(error).__name__}: {error}".split())), self._out)
+
+    def _result(self, future: Future) -> bytes:
+        """What a worker has sent back, by way of the scheduler; the day itself is on disk by now."""
+        try:
+            return future.result()
+        except (OSError, CancelledError) as error:
+            raise self._gone() from error
+
+    def _gone(self) -> GivenUpError:
+        return GivenUpError(f"the scheduler at {self._address} is gone")
 
     def _check(self, client: Client) -> int:
         """How many days can run at a time. InputError for workers that cannot run them."""
@@ -144,6 +156,8 @@ def sees(out: str, token: str) -> str:
 def _client(address: str) -> Client:
     from distributed import Client
 
+    # What becomes of the scheduler is told in a line of our own.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         return Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:

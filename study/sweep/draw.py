@@ -62,6 +62,7 @@ def draw_days(
     axes = picture.subplots()
     if len(shown) == 1:
         _histogram(axes, *shown[0], figure, confidence)
+        picture.legend(loc="outside lower left")
     else:
         for (row, days), colour in zip(shown, UNIT_COLOURS, strict=False):
             ordered = np.sort(np.asarray(days))
@@ -143,7 +144,6 @@ def _histogram(axes: Axes, row: PointRow, days: Sequence[float], figure: Figure,
                 color=BLUE,
             )
     axes.set_ylabel("days")
-    axes.legend(loc="upper right")
 
 
 def _label(text: str) -> str:

@@ -17,6 +17,7 @@ from radio.chance import generator
 from study.sweep.sweep_file import DrawTable
 
 SOURCE: Final = "sweep"
+SIGNIFICANT: Final = 6
 _NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
     "uniform": ("low", "high"),
     "normal": ("mean", "sigma"),
@@ -68,7 +69,16 @@ def check_draw(file: str, key: str, draw: DrawTable) -> None:
 
 def drawn_value(draw: DrawTable, seed: int) -> Any:  # noqa: ANN401 - what a key says
     """The value of a day."""
-    chance = float(generator(seed, SOURCE, draw.name).random())
+    return value_at(draw, chance_of(draw, seed))
+
+
+def chance_of(draw: DrawTable, seed: int) -> float:
+    """The chance of a day, in [0, 1): a greater one never gives a smaller value."""
+    return float(generator(seed, SOURCE, draw.name).random())
+
+
+def value_at(draw: DrawTable, chance: float) -> Any:  # noqa: ANN401 - what a key says
+    """The quantile of that share; SIGNIFICANT digits, so that another machine's last bit makes no other day."""
     if draw.distribution == "choice":
         weights = np.array(draw.weights or [1.0] * len(draw.values))
         edges = np.cumsum(weights) / weights.sum()
@@ -78,7 +88,7 @@ def drawn_value(draw: DrawTable, seed: int) -> Any:  # noqa: ANN401 - what a key
     if draw.distribution not in ("uniform", "triangular"):
         value = max(value, -np.inf if low is None else low)
         value = min(value, np.inf if high is None else high)
-    return round(value) if draw.whole else round(float(value), draw.digits)
+    return round(value) if draw.whole else float(f"{value:.{SIGNIFICANT}g}")
 
 
 def _uniform(draw: DrawTable, chance: float) -> float:

@@ -27,7 +27,7 @@ from study.sweep.store import NotSharedError, write_day
 from study.sweep.worker import RETRIES, Done, Task, crashed, run_task
 
 RECYCLE_DAYS: Final = 200  # assumed: what a library may leak in so many days is little
-MEMORY_MAX_BYTES: Final = 480_000_000  # a process that has grown to this is replaced
+MEMORY_MAX_BYTES: Final = 490_000_000  # a process that has grown to this is replaced
 STARTS_MAX: Final = 3  # processes one after the other that die before their first day: none will live
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from itertools import product
 from pathlib import Path
 from typing import Any, Final
@@ -12,18 +13,20 @@ from typing import Any, Final
 from host.scratch import scratch
 from network.errors import InputError
 from network.files.quantities import SEED, SWEEP_DAYS
+from network.files.shipped import find_file
 from network.files.text_input import existing_file
 from network.files.toml_input import parse_toml, read_text
 from study.run.run import TEMPORARY, CarrierKind
 from study.scenario.scenario import find_scenario
 from study.sweep.digest import inputs_digest
-from study.sweep.draws import check_draw, drawn_value
+from study.sweep.draws import chance_of, check_draw, drawn_value, value_at
 from study.sweep.figures import figure_of
 from study.sweep.point import scenario_of
 from study.sweep.records import DaySpec, Said
 from study.sweep.sweep_file import AxisTable, StopTable, SweepFile
 from study.sweep.toml_text import steps_of, value_text
 
+FOLDER: Final = "sweeps"
 POINTS_MAX: Final = 2000  # assumed: more nobody reads, and each is loaded before the first day runs
 AGAIN_EVERY: Final = 10  # every so many days carried on plain track one runs again on SUMO
 _OWN: Final = frozenset({"id", "name", "seed"})  # a day's scenario has its own
@@ -85,10 +88,9 @@ class Plan:
 
 
 def load_plan(name: str, days: int | None = None, carrier: str | None = None) -> Plan:
-    """Read a sweep file; every point is loaded once, so nothing is found wrong later. InputError."""
-    path = Path(name)
-    if not existing_file(path):
-        raise InputError("command line", "FILE", name, "an existing sweep file (.toml)")
+    """Read a sweep file, shipped or given; every point is loaded once, so nothing is found wrong later. InputError."""
+    path = find_file(Path(str(files("study"))) / FOLDER, "sweep", name)
+    name = str(path)
     table = parse_toml(read_text(path), name, SweepFile)
     folder = path.resolve().parent
     _check(name, table)
@@ -218,8 +220,9 @@ def _extremes(plan: Plan) -> Iterator[tuple[str, Any]]:
         if draw.distribution == "choice":
             yield from ((draw.key, value) for value in draw.values)
             continue
-        values = [drawn_value(draw, seed) for seed in seeds]
-        yield from ((draw.key, value) for value in dict.fromkeys((min(values), max(values))))
+        chances = [chance_of(draw, seed) for seed in seeds]
+        ends = (value_at(draw, min(chances)), value_at(draw, max(chances)))
+        yield from ((draw.key, value) for value in dict.fromkeys(ends))
 
 
 def _loaded(plan: Plan, point: Point, drawn: Said, folder: Path) -> str:

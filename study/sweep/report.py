@@ -129,7 +129,8 @@ def _figure_parts(state: State, rows: Sequence[PointRow], out: Path) -> list[Par
         grids = [_quantiles_grid(rows, figure, confidence)]
         if found:
             grids.append(_effects_grid(found, figure))
-        parts.append(Part(_title(figure), _HOW, tuple(svgs), tuple(grids)))
+        caption = "" if parts else _HOW
+        parts.append(Part(_title(figure), caption, tuple(svgs), tuple(grids)))
     return parts
 
 

@@ -71,9 +71,6 @@ class DrawTable(Record):
     weights: Annotated[
         list[DrawnValue], Field(max_length=VALUES_MAX), about("of choice; left out: all alike")
     ] = Field(default_factory=list)
-    digits: Annotated[
-        int, Field(ge=0, le=9), about("decimals that the value is rounded to", "assumed: a thousandth")
-    ] = 3
     whole: Annotated[bool, about("the value is a whole number", "assumed: most keys take any")] = False
 
 

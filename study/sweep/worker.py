@@ -8,6 +8,7 @@ from __future__ import annotations
 import atexit
 import gc
 import resource
+import shlex
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -103,7 +104,8 @@ def crashed(task: Task, why: str) -> DayRecord:
 def replay_command(spec: DaySpec, out: str = "") -> str:
     """The command that runs a day again, with its report; the file is written beside the sweep's report."""
     file = Path(out) / replay_name(spec)
-    return f"branchline run {file} --seed {spec.seed} --carrier {spec.carrier}"
+    run = f"runs/{point_id(spec)}-{spec.seed}"
+    return f"branchline run {shlex.quote(str(file))} --seed {spec.seed} --carrier {spec.carrier} --out {run}"
 
 
 def replay_name(spec: DaySpec) -> str:

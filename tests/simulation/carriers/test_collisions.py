@@ -215,7 +215,7 @@ def test_a_train_that_is_gone_is_run_into_no_more() -> None:
 
 
 def test_the_rear_is_where_the_train_came_from() -> None:
-    """Over the reverse leg and round the loop: what stands on the normal leg is not run into, on the reverse leg it is."""
+    """Its body is over the reverse leg: what stands there is hit, what stands on the normal leg is not."""
     for side, hit in ((0, 0), (1, 1)):
         track = PlainTrack.of(LINE, STEP_S)
         track.insert("K1", ("stem1", "reverse1", "track2"), DOWN, 5.0, 60.0)

@@ -24,6 +24,7 @@ from simulation.gnss_settings import Gnss
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import Driving, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
+from study.sweep.sweep_file import SweepFile
 from vehicle.train_file import TrainFile, shipped_train
 
 Data = dict[str, Any]
@@ -282,6 +283,35 @@ TIMETABLE: Final = Bundle(
     {"source.json": _mini_tokyo()},
     out="out.toml",
 )
+SWEEP: Final = Bundle(
+    "sweep",
+    ("sweep", "w.toml", "--check", "--json"),
+    {
+        "w.toml": {
+            "id": "damaged",
+            "name": "All that a sweep may say",
+            "scenario": "rtri_test_line",
+            "carrier": "plain",
+            "assumed": ["everything"],
+            "watch": ["mean_late_s"],
+            "confidence": 0.9,
+            "keep": ["journal"],
+            "seeds": {"first": 1, "days": 3},
+            "axis": [
+                {"name": "radio", "key": "air.delay_mean_s", "values": [0.1, 0.2], "labels": ["a", "b"]},
+                {"name": "two", "point": [{"label": "no"}, {"label": "yes", "set": {"timetable": "rtri_two_trains"}}]},
+            ],
+            "draw": [
+                {"name": "stop", "key": "unit.dwell_min_s", "distribution": "uniform", "low": 20.0, "high": 21.0},
+                {"name": "kind", "key": "trains.default", "distribution": "choice", "values": ["ev_e301"]}
+                | {"weights": [1.0]},
+            ],
+            "stop": {"figure": "mean_late_s", "narrower_than": 1.0, "least_days": 2},
+        }
+    },
+    {"w.toml": SweepFile},
+)  # fmt: skip
+RANGED: Final = (SCENARIO, SWEEP)  # between them every kind of figure there is
 # A file is taken as often as it says here; the fit of a geometry takes longest.
 WEIGHTS: Final = (
     (SCENARIO, "s.toml", 28),
@@ -292,4 +322,5 @@ WEIGHTS: Final = (
     (GEOMETRY, "polyline.json", 2),
     (GEOMETRY, "stations.json", 2),
     (TIMETABLE, "source.json", 6),
+    (SWEEP, "w.toml", 4),
 )

@@ -15,7 +15,7 @@ import pytest
 
 from network.files.quantities import ALL
 from tests.system.damaged.attempt import GOOD, faults_of, told
-from tests.system.damaged.bundles import GEOMETRY, SCENARIO, TIMETABLE
+from tests.system.damaged.bundles import GEOMETRY, RANGED, SCENARIO, SWEEP, TIMETABLE
 from tests.system.damaged.damages import case_of
 from tests.system.damaged.places import places_of
 
@@ -28,7 +28,7 @@ Record = Callable[[str, object], None]
 @pytest.fixture(scope="module", autouse=True)
 def _warm() -> None:
     """What is compiled and imported once is no work of a case."""
-    for bundle in (SCENARIO, GEOMETRY, TIMETABLE):
+    for bundle in (SCENARIO, GEOMETRY, TIMETABLE, SWEEP):
         with tempfile.TemporaryDirectory() as folder:
             for name, content in bundle.written().items():
                 (Path(folder) / name).write_bytes(content)
@@ -68,7 +68,8 @@ def test_every_quantity_is_drawn() -> None:
     """A quantity whose table no file of the bundle has would never be tried: put it there."""
     found = {
         place.quantity.name
-        for name, model in SCENARIO.models.items()
-        for place in places_of(model, SCENARIO.files[name])  # type: ignore[type-var]
+        for bundle in RANGED
+        for name, model in bundle.models.items()
+        for place in places_of(model, bundle.files[name])  # type: ignore[type-var]
     }
     assert {quantity.name for quantity in ALL} - found == set()

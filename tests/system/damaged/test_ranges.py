@@ -22,7 +22,7 @@ from simulation.faults.table import FAULTS
 from study.outcome import Outcome
 from study.scenario.scenario_file import ScenarioFile
 from tests.system.damaged.attempt import faults_of, told
-from tests.system.damaged.bundles import SCENARIO, text_of
+from tests.system.damaged.bundles import RANGED, SCENARIO, text_of
 from tests.system.damaged.damages import Case
 from tests.system.damaged.places import Place, places_of, with_value
 from vehicle import train_checks
@@ -32,19 +32,21 @@ from vehicle.train_file import TrainFile, train_of
 def _places() -> dict[str, tuple[str, Place]]:
     """A figure for each key of each file, by a name for it: of a list the first."""
     found: dict[str, tuple[str, Place]] = {}
-    for file, model in SCENARIO.models.items():
-        for place in places_of(model, SCENARIO.files[file]):  # type: ignore[type-var]
+    for file, model in MODEL_OF.items():
+        for place in places_of(model, DATA_OF[file]):  # type: ignore[type-var]
             keys = ".".join(str(part) for part in place.path if not isinstance(part, int))
             found.setdefault(f"{file} {keys}, {place.quantity.name}", (file, place))
     return found
 
 
+MODEL_OF: Final = {file: model for bundle in RANGED for file, model in bundle.models.items()}
+DATA_OF: Final = {file: bundle.files[file] for bundle in RANGED for file in bundle.models}
 PLACES: Final = _places()
 
 
 def _refusal(file: str, data: Mapping[str, Any]) -> InputError | None:
     """What the reader of that kind of file says of the data, without the other files."""
-    model: type[BaseModel] = SCENARIO.models[file]
+    model: type[BaseModel] = MODEL_OF[file]
     try:
         if model is TrainFile:
             train_of(data, file)
@@ -67,7 +69,7 @@ def _wrong(file: str, place: Place) -> list[str]:
     wrong: list[str] = []
     for values, within in ((inside, True), (outside, False)):
         for value in values:
-            error = _refusal(file, with_value(SCENARIO.files[file], place.path, value))
+            error = _refusal(file, with_value(DATA_OF[file], place.path, value))
             blamed = error is not None and f"({place.quantity.name})" in error.expected
             if blamed is within:
                 wrong.append(f"{file}: {place.key} = {value!r} {'refused' if within else 'taken'}: {error}")

@@ -1,0 +1,48 @@
+"""A sweep of planted days in this process, and the table that is on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from pathlib import Path
+
+from study.sweep.go import State, begun, go
+from study.sweep.local import Pump
+from study.sweep.plan import load_plan
+from study.sweep.store import opened
+from study.sweep.table import days_csv
+from study.sweep.worker import Done, Task, run_task
+from tests.study.sweep.planted import RUNNER
+
+
+class Here:
+    """Days in this process, one after the other, the last one first."""
+
+    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+        for task in reversed(list(tasks)):
+            yield run_task(task)
+
+
+class OneByOne:
+    """Days in this process, in their order."""
+
+    def run(self, tasks: Iterator[Task]) -> Generator[Done]:
+        for task in tasks:
+            yield run_task(task)
+
+
+def swept(file: Path, out: Path, pump: Pump | None = None, days: int | None = None) -> State:
+    """Run what is missing."""
+    plan = load_plan(str(file), days)
+    with opened(plan, out) as store:
+        state = begun(plan, store, anyway=False)
+        go(state, store, pump or Here(), runner=RUNNER)
+        return state
+
+
+def table(file: Path, out: Path) -> str:
+    """The table of what is on disk, read anew: nothing is run."""
+    plan = load_plan(str(file))
+    with opened(plan, out) as store:
+        state = begun(plan, store, anyway=False)
+    assert state.done
+    return days_csv(state)

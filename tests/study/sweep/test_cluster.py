@@ -1,0 +1,143 @@
+"""Days by a Dask scheduler on loopback: the same table as anywhere, whoever of the cluster dies on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from network.errors import InputError
+from study.sweep.cluster import ClusterPump
+from study.sweep.go import begun, go
+from study.sweep.plan import load_plan
+from study.sweep.store import opened
+from tests.study.sweep.conftest import WAIT_S, Held
+from tests.study.sweep.here import swept, table
+from tests.study.sweep.planted import RUNNER, begun_counts
+
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.system
+
+ROOT: Final = Path(__file__).resolve().parents[3]
+DASK: Final = (sys.executable, "-m", "dask.__main__")
+ALONE: Final = ("--no-nanny", "--no-dashboard", "--nthreads", "1")
+
+
+class Cluster:
+    """A scheduler and its workers, each a process of ours."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._stack = ExitStack()
+        file = folder / "scheduler.json"
+        self.scheduler = self._start(
+            *("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show"),
+            *("--scheduler-file", str(file)),
+        )
+        self.address = _address_in(self.scheduler)
+        self.workers = [
+            self._start("worker", self.address, *ALONE, "--local-directory", str(folder / f"worker-{number}"))
+            for number in range(2)
+        ]
+
+    def _start(self, *arguments: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen([*DASK, *arguments], cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        self._stack.callback(_end, process)
+        return process
+
+    def close(self) -> None:
+        self._stack.close()
+
+    def client(self, file: Path, out: Path) -> subprocess.Popen[str]:
+        arguments = ("-m", "tests.study.sweep.client", str(file), str(out), self.address)
+        process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        self._stack.callback(_end, process)
+        return process
+
+
+def _address_in(scheduler: subprocess.Popen[str]) -> str:
+    """Where it listens, as it says itself."""
+    assert scheduler.stderr is not None
+    for line in scheduler.stderr:
+        if "Scheduler at:" in line:
+            return line.split()[-1]
+    raise AssertionError("the scheduler has ended")
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    process.kill()
+    process.communicate(timeout=WAIT_S)
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
+    found = Cluster(tmp_path)
+    yield found
+    found.close()
+
+
+def test_same_table_by_a_scheduler(sweep_file: Path, out: Path, expected: str) -> None:
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as cluster:
+        plan = load_plan(str(sweep_file))
+        with opened(plan, out) as store:
+            state = begun(plan, store, anyway=False)
+            go(state, store, ClusterPump(cluster.scheduler_address, out, store.token), runner=RUNNER)
+    assert state.run == 24
+    assert table(sweep_file, out) == expected
+
+
+def test_workers_of_two_threads_are_refused(sweep_file: Path, out: Path) -> None:
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster:
+        pump = ClusterPump(cluster.scheduler_address, out, "no token")
+        with pytest.raises(InputError, match="workers of one thread"):
+            next(pump.run(iter(())))
+
+
+@pytest.mark.nightly
+def test_worker_then_scheduler_killed(
+    sweep_file: Path, out: Path, held: Held, cluster: Cluster, expected: str
+) -> None:
+    held.hold(3, 8)
+    client = cluster.client(sweep_file, out)
+    first = held.next_pid()
+    assert first in {worker.pid for worker in cluster.workers}
+    os.kill(first, signal.SIGKILL)
+    second = held.next_pid()
+    assert second != first
+    before = len(list((out / "days").glob("*.json")))
+    assert before >= 8
+    cluster.scheduler.kill()
+    _, error = client.communicate(timeout=WAIT_S)
+    assert client.returncode == 1
+    assert "GivenUpError: the scheduler at" in error, error
+    os.kill(second, signal.SIGKILL)
+    state = swept(sweep_file, out)
+    assert 0 < state.run <= 24 - before
+    assert table(sweep_file, out) == expected
+    # Of the two that were held one was lost with its worker, one with the second: no other day was begun again.
+    assert sum(begun_counts(out).values()) <= 24 + 2
+
+
+@pytest.mark.nightly
+def test_client_killed(sweep_file: Path, out: Path, held: Held, cluster: Cluster, expected: str) -> None:
+    held.hold(4)
+    client = cluster.client(sweep_file, out)
+    pid = held.next_pid()
+    client.kill()
+    client.wait(WAIT_S)
+    os.kill(pid, signal.SIGKILL)
+    again = cluster.client(sweep_file, out)
+    _, error = again.communicate(timeout=WAIT_S)
+    assert again.returncode == 0, error
+    assert table(sweep_file, out) == expected

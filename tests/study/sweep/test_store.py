@@ -1,0 +1,128 @@
+"""The directory of a sweep: what does not count is named and run again, and nobody's work is overwritten."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from network.errors import InputError
+from study.sweep.go import begun
+from study.sweep.plan import load_plan
+from study.sweep.store import NotSharedError, check_shared, opened
+from study.sweep.table import days_csv
+from tests.study.sweep.here import OneByOne, swept, table
+from tests.study.sweep.planted import control_of
+
+
+def days(out: Path) -> list[Path]:
+    return sorted((out / "days").glob("*.json"))
+
+
+def test_torn_foreign_and_misnamed_days_are_run_again(sweep_file: Path, out: Path, expected: str) -> None:
+    swept(sweep_file, out)
+    torn, changed, swapped, other = days(out)[:4]
+    torn.write_bytes(torn.read_bytes()[:-40])
+    changed.write_bytes(changed.read_bytes().replace(b'"seed":', b'"seed": '))
+    swapped.write_bytes(other.read_bytes())
+    (out / "days" / "notes.txt").write_text("somebody's", "utf-8")
+    (out / "days" / ".left-behind").write_text("{", "utf-8")
+    state = swept(sweep_file, out)
+    assert {refused.name for refused in state.refused} == {torn.name, changed.name, swapped.name, "notes.txt"}
+    assert (state.before, state.run) == (21, 3)
+    assert table(sweep_file, out) == expected
+    assert not (out / "days" / ".left-behind").exists()
+    assert (out / "days" / "notes.txt").exists()
+
+
+def test_more_days_keep_those_that_are_there(sweep_file: Path, out: Path) -> None:
+    swept(sweep_file, out, days=4)
+    state = swept(sweep_file, out, days=6)
+    assert (state.before, state.run) == (8, 4)
+    sweep_file.write_text(sweep_file.read_text("utf-8").replace("0.5", "0.7"), "utf-8")
+    state = swept(sweep_file, out, days=6)
+    assert (state.before, state.run, state.others) == (6, 6, 6)
+
+
+def test_directory_of_something_else_is_left_alone(sweep_file: Path, tmp_path: Path) -> None:
+    plan = load_plan(str(sweep_file))
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "thesis.txt").write_text("years", "utf-8")
+    with pytest.raises(InputError, match="a new directory, or that of the sweep tiny"), opened(plan, work):
+        pass
+    assert [path.name for path in work.iterdir()] == ["thesis.txt"]
+    sweep_file.write_text(sweep_file.read_text("utf-8").replace('id = "tiny"', 'id = "other"'), "utf-8")
+    swept(sweep_file, tmp_path / "out")
+    with pytest.raises(InputError, match="it is that of the sweep other"), opened(plan, tmp_path / "out"):
+        pass
+
+
+def test_one_client_at_a_time(sweep_file: Path, out: Path) -> None:
+    plan = load_plan(str(sweep_file))
+    with opened(plan, out), pytest.raises(InputError, match="no other client"), opened(plan, out):
+        pass
+    with opened(plan, out):
+        pass
+
+
+def test_days_of_other_code_count_only_if_asked(
+    sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    swept(sweep_file, out, days=2)
+    for module in ("go", "worker", "store"):
+        monkeypatch.setattr(f"study.sweep.{module}.code_digest", lambda: "0" * 32)
+    with pytest.raises(InputError, match="--anyway"):
+        swept(sweep_file, out, days=3)
+    plan = load_plan(str(sweep_file), 3)
+    with opened(plan, out) as store:
+        assert begun(plan, store, anyway=True).before == 4
+
+
+def test_worker_of_another_directory_is_refused(sweep_file: Path, out: Path, tmp_path: Path) -> None:
+    plan = load_plan(str(sweep_file))
+    with opened(plan, out) as store:
+        check_shared(out, store.token)
+        with pytest.raises(NotSharedError, match="has no sweep"):
+            check_shared(tmp_path / "elsewhere", store.token)
+        copy = shutil.copytree(out, tmp_path / "copy")
+        header = json.loads((copy / "sweep.json").read_text("utf-8"))
+        (copy / "sweep.json").write_text(json.dumps(header | {"token": "another"}), "utf-8")
+        with pytest.raises(NotSharedError, match="another sweep"):
+            check_shared(copy, store.token)
+
+
+STOP = """
+[stop]
+figure = "mean_late_s"
+narrower_than = 12.0
+least_days = 5
+"""
+
+
+def test_point_ends_where_the_rule_says_in_any_order(sweep_file: Path, out: Path, tmp_path: Path) -> None:
+    sweep_file.write_text(sweep_file.read_text("utf-8").replace("days = 12", "days = 40") + STOP, "utf-8")
+    one_by_one = swept(sweep_file, out, OneByOne())
+    backwards = swept(sweep_file, tmp_path / "backwards")
+    assert days_csv(one_by_one) == days_csv(backwards)
+    first = one_by_one.plan.points[0]
+    count = len(one_by_one.counted(first))
+    assert 5 <= count < 40
+    assert one_by_one.stopped_early(first)
+    assert one_by_one.run < backwards.run == 80
+    width = one_by_one.estimate("mean_late_s").width
+    assert width is not None
+    assert width < 12.0
+    fewer = swept(sweep_file, tmp_path / "fewer", days=count - 1)
+    assert not fewer.stopped_early(first)
+
+
+def test_day_that_sumo_carries_otherwise_fails_the_sweep(sweep_file: Path, out: Path) -> None:
+    assert swept(sweep_file, out).failures == ()
+    shutil.rmtree(out)
+    (control_of(out) / "other-10").touch()
+    state = swept(sweep_file, out)
+    assert len(state.failures) == 2  # the day is at both points
+    assert "is another day on SUMO: another, not digest of 11" in state.failures[0]
