@@ -128,21 +128,17 @@ class Failures(Record):
 class Late(Record):
     """`[late]`: what makes a day late."""
 
-    entry: Annotated[dict[Identifier, EntryDelays], about("trains that come late, by name")] = Field(
+    entry: Annotated[dict[str, EntryDelays], about("trains that come late, by name")] = Field(
         default_factory=dict
     )
-    dwell: Annotated[
-        dict[Identifier, DwellScatter], about("passengers, by name; what tables draw adds up")
-    ] = Field(default_factory=dict)
-    doors: Annotated[dict[Identifier, DoorDelays], about("doors, by name; what tables draw adds up")] = Field(
+    dwell: Annotated[dict[str, DwellScatter], about("passengers, by name; what tables draw adds up")] = Field(
         default_factory=dict
     )
-    dead_zones: Annotated[dict[Identifier, DeadZones], about("the radio, by name")] = Field(
+    doors: Annotated[dict[str, DoorDelays], about("doors, by name; what tables draw adds up")] = Field(
         default_factory=dict
     )
-    failures: Annotated[dict[Identifier, Failures], about("what breaks, by name")] = Field(
-        default_factory=dict
-    )
+    dead_zones: Annotated[dict[str, DeadZones], about("the radio, by name")] = Field(default_factory=dict)
+    failures: Annotated[dict[str, Failures], about("what breaks, by name")] = Field(default_factory=dict)
 
 
 NO_LATE: Final = Late()  # a scenario without that table
