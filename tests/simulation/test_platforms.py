@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simulation.late.day import Stay
-from simulation.world.platforms import held_until
+from simulation.platforms import held_until
 
 TIMES = st.floats(0.0, 600.0)
 
