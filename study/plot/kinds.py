@@ -13,17 +13,18 @@ from matplotlib.figure import Figure
 
 from network.errors import InputError
 from network.files.toml_input import one_of
-from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
 from study.plot import battery, days, energy, laws, position, stations
 from study.plot.choice import Seen
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
+from study.plot.stairway import draw_stairway_of, stairway_table
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import draw_run_curve
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.running_times import draw_running_times
+from study.run.setup_back import setup_of
 
 
 class Chosen(Enum):
@@ -67,26 +68,14 @@ def _blocks_table(run: Seen) -> pl.DataFrame:
 
 
 def _running_times_table(run: Seen) -> pl.DataFrame:
-    return pl.DataFrame([time.as_dict() for time in standard_times(_setup(run))], infer_schema_length=None)
+    return pl.DataFrame(
+        [time.as_dict() for time in standard_times(setup_of(run.read))], infer_schema_length=None
+    )
 
 
 def _running_times(run: Seen) -> Figure | None:
-    setup = _setup(run)
+    setup = setup_of(run.read)
     return draw_running_times(run.line, standard_times(setup), planned_runs(setup))
-
-
-def _setup(run: Seen) -> Setup:
-    """What running times depend on, as the run had it."""
-    read = run.read
-    return Setup(
-        read.name,
-        read.line,
-        read.timetable,
-        read.trains,
-        driving=read.settings.driving,
-        load=read.settings.trains,
-        operation=read.settings.operation,
-    )
 
 
 def _stop_errors(run: Seen) -> Figure | None:
@@ -214,6 +203,14 @@ _KINDS: Final = (
         _blocks_table,
         draw_occupancy,
         _TIME,
+    ),
+    Kind(
+        "stairway",
+        "Blocking-time stairway",
+        "閉そく占有時分",
+        stairway_table,
+        draw_stairway_of,
+        _TIME | _TRAIN,
     ),
     Kind(
         "stop-errors",
