@@ -1,0 +1,304 @@
+"""Headway (運転時隔): how soon a train can come behind another one, from occupations moved against each other.
+
+Two trains, an event of each at one station: the second's event can be no sooner after the first's than that every
+section which both need is free again. The kinds have the names that Japanese timetables use (docs/capacity.md):
+
+- following (続行): same direction from the same track, departure to departure;
+- the way open (開通): same direction from another track, departure (or passing) to departure;
+- closing up (追い込み): same direction onto another track, arrival to arrival (or passing);
+- arrival to departure (着発): the one comes, the other leaves into where it came from;
+- departure to arrival (発着): the one leaves, the other comes, onto its track or over the way that it took.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from network.model import Direction, Line
+from study.capacity.legs import Leg, costs_between, legs_of, places_of, stand_of
+from study.capacity.occupation import Cost, Occupation
+
+
+class HeadwayKind(StrEnum):
+    """What the two trains do at the station; the value is the name in Japanese."""
+
+    FOLLOWING = "続行"
+    OPEN = "開通"
+    CLOSING_UP = "追い込み"
+    ARRIVAL_DEPARTURE = "着発"
+    DEPARTURE_ARRIVAL = "発着"
+
+    @property
+    def english(self) -> str:
+        """The name in English."""
+        return self.name.lower().replace("_", " ")
+
+    @property
+    def between(self) -> str:
+        """The events that it lies between."""
+        return _BETWEEN[self]
+
+
+_BETWEEN: Mapping[HeadwayKind, str] = {
+    HeadwayKind.FOLLOWING: "departure to departure",
+    HeadwayKind.OPEN: "departure to departure",
+    HeadwayKind.CLOSING_UP: "arrival to arrival",
+    HeadwayKind.ARRIVAL_DEPARTURE: "arrival to departure",
+    HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A train arrives at a place, or departs from it: the leg into it, or out of it."""
+
+    leg: Leg
+    arrival: bool
+
+    @property
+    def time_s(self) -> float:
+        """When."""
+        return self.leg.arrives_s if self.arrival else self.leg.departs_s
+
+    @property
+    def track_id(self) -> str:
+        """The section of the place."""
+        place = self.leg.end if self.arrival else self.leg.start
+        return "" if place is None else place.section_id
+
+
+@dataclass(frozen=True, slots=True)
+class Headway:
+    """The least time from an event of the first train to one of the second, s, and the section that makes it so.
+
+    `costs_s` make up `least_s`. `first_s` and `second_s`: what of it is the first train's, from its event until the
+    section is free, and the second's, from when it needs the section to its event. `planned_s`: as the two are.
+    """
+
+    kind: HeadwayKind
+    first: Event
+    second: Event
+    section_id: str
+    least_s: float
+    first_s: float
+    second_s: float
+    costs_s: Mapping[Cost, float]
+
+    @property
+    def planned_s(self) -> float:
+        """The time between the two events as they are."""
+        return self.second.time_s - self.first.time_s
+
+    @property
+    def buffer_s(self) -> float:
+        """What the plan leaves over the least; negative where it cannot be kept."""
+        return self.planned_s - self.least_s
+
+
+def least_between(
+    kind: HeadwayKind, first: Event, second: Event, held: Iterable[Occupation]
+) -> Headway | None:
+    """The headway of two events; None where the two share nothing.
+
+    `held` is all that the first train holds around its event; the second's leg says what that one needs.
+    """
+    critical: tuple[float, Occupation, Occupation] | None = None
+    needs: Mapping[str, Occupation] = {one.section_id: one for one in second.leg.occupations}
+    for one in held:
+        other = needs.get(one.section_id)
+        if other is None or not (math.isfinite(one.end_s) and math.isfinite(other.begin_s)):
+            continue
+        least_s = (one.end_s - first.time_s) + (second.time_s - other.begin_s)
+        if critical is None or least_s > critical[0]:
+            critical = (least_s, one, other)
+    if critical is None:
+        return None
+    _, one, other = critical
+    before = costs_between(one, first.time_s, one.end_s)
+    after = costs_between(other, other.begin_s, second.time_s)
+    costs_s = {cost: before[cost] + after[cost] for cost in Cost}
+    first_s, second_s = one.end_s - first.time_s, second.time_s - other.begin_s
+    return Headway(kind, first, second, one.section_id, first_s + second_s, first_s, second_s, costs_s)
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A train at one station: how it comes, if it does, and how it leaves."""
+
+    number: str
+    stock_id: str
+    comes: Leg | None
+    leaves: Leg | None
+
+    @property
+    def arrival(self) -> Event | None:
+        """Its arrival."""
+        return None if self.comes is None else Event(self.comes, arrival=True)
+
+    @property
+    def departure(self) -> Event | None:
+        """Its departure."""
+        return None if self.leaves is None else Event(self.leaves, arrival=False)
+
+    @property
+    def direction(self) -> Direction:
+        """Its direction of travel."""
+        leg = self.comes or self.leaves
+        if leg is None:
+            raise ValueError(f"{self.number}: a visit without a leg")
+        return leg.direction
+
+    @property
+    def time_s(self) -> float:
+        """When it is there first."""
+        first = self.arrival or self.departure
+        return math.inf if first is None else first.time_s
+
+    @property
+    def passes(self) -> bool:
+        """Whether it runs through."""
+        place = self.comes.end if self.comes is not None else None
+        return place is not None and self.leaves is not None and stand_of(place).passes
+
+    def held(self) -> Iterator[Occupation]:
+        """All that it holds on its way in and out."""
+        for leg in (self.comes, self.leaves):
+            if leg is not None:
+                yield from leg.held
+
+
+def headways_of(first: Visit, second: Visit) -> Iterator[Headway]:
+    """Every headway between two trains at a station, the first before the second; none between trains of one set."""
+    if first.stock_id == second.stock_id:
+        return
+    held = tuple({id(one): one for one in first.held()}.values())
+    for kind, one, other in _events(first, second):
+        found = least_between(kind, one, other, held)
+        if found is not None:
+            yield found
+
+
+def _events(first: Visit, second: Visit) -> Iterator[tuple[HeadwayKind, Event, Event]]:
+    """The pairs of events for which there is a name."""
+    one, other = (first.arrival, first.departure), (second.arrival, second.departure)
+    same_way = first.direction is second.direction
+    if same_way and one[1] is not None and other[1] is not None:
+        same_track = one[1].track_id == other[1].track_id
+        yield (HeadwayKind.FOLLOWING if same_track else HeadwayKind.OPEN), one[1], other[1]
+    if same_way and one[0] is not None and other[0] is not None and one[0].track_id != other[0].track_id:
+        yield HeadwayKind.CLOSING_UP, one[0], other[0]
+    if not same_way and one[0] is not None and other[1] is not None:
+        yield HeadwayKind.ARRIVAL_DEPARTURE, one[0], other[1]
+    if one[1] is not None and other[0] is not None and (not same_way or one[1].track_id == other[0].track_id):
+        yield HeadwayKind.DEPARTURE_ARRIVAL, one[1], other[0]
+
+
+def visits_at(legs: Sequence[Leg], track_ids: frozenset[str]) -> tuple[Visit, ...]:
+    """Every train at a station of these tracks, in order of time; a set that turns back is two trains."""
+    comes = {leg.number: leg for leg in legs if leg.end is not None and leg.end.section_id in track_ids}
+    leaves = {leg.number: leg for leg in legs if leg.start is not None and leg.start.section_id in track_ids}
+    numbers = dict.fromkeys((*comes, *leaves))
+    visits = [_visit(number, comes.get(number), leaves.get(number)) for number in numbers]
+    return tuple(sorted(visits, key=lambda visit: (visit.time_s, visit.number)))
+
+
+def _visit(number: str, comes: Leg | None, leaves: Leg | None) -> Visit:
+    leg = comes or leaves
+    return Visit(number, "" if leg is None else leg.stock_id, comes, leaves)
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A row of the table of headways: two kinds of trains at a station, and what of the day is nearest to the least.
+
+    A kind of train is its direction, how it comes and leaves and whether it stops; `headway` is the greatest least
+    time that two trains of these kinds have, `closest` the pair of them that the plan brings nearest to it.
+    """
+
+    station_id: str
+    first: str
+    second: str
+    headway: Headway
+    closest: Headway | None
+    pairs: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV: times to 0.1 s."""
+        one, near = self.headway, self.closest
+        return {
+            "station": self.station_id,
+            "kind": one.kind.name.lower(),
+            "kind_ja": one.kind.value,
+            "between": one.kind.between,
+            "first": self.first,
+            "second": self.second,
+            "least_s": round(one.least_s, 1),
+            "section": one.section_id,
+            "first_train_s": round(one.first_s, 1),
+            "second_train_s": round(one.second_s, 1),
+            **{f"{cost.value}_s": round(one.costs_s[cost], 1) for cost in Cost},
+            "of": f"{one.first.leg.number}, {one.second.leg.number}",
+            "pairs": self.pairs,
+            "closest": "" if near is None else f"{near.first.leg.number}, {near.second.leg.number}",
+            "closest_s": None if near is None else round(near.planned_s, 1),
+            "buffer_s": None if near is None else round(near.buffer_s, 1),
+        }
+
+
+def kind_of_visit(visit: Visit) -> str:
+    """What a train is at a station, in few words: direction, track, and whether it begins, ends, stops or passes."""
+    arrival, departure = visit.arrival, visit.departure
+    event = arrival or departure
+    does = (
+        "begins"
+        if arrival is None
+        else "ends"
+        if departure is None
+        else "passes"
+        if visit.passes
+        else "stops"
+    )
+    return f"{visit.direction.name.lower()}, {'' if event is None else event.track_id} {does}"
+
+
+def cases_at(station_id: str, visits: Sequence[Visit]) -> tuple[Case, ...]:
+    """The headways at a station by kinds of trains, in the order in which they first come."""
+    least: dict[tuple[str, str, HeadwayKind], Headway] = {}
+    closest: dict[tuple[str, str, HeadwayKind], Headway] = {}
+    pairs: dict[tuple[str, str, HeadwayKind], int] = {}
+    for first in visits:
+        for second in visits:
+            for one in headways_of(first, second) if first is not second else ():
+                key = kind_of_visit(first), kind_of_visit(second), one.kind
+                if key not in least or one.least_s > least[key].least_s + 1e-9:
+                    least[key] = one
+                if one.planned_s > 0.0:
+                    pairs[key] = pairs.get(key, 0) + 1
+                    if key not in closest or one.buffer_s < closest[key].buffer_s - 1e-9:
+                        closest[key] = one
+    return tuple(
+        Case(
+            station_id,
+            first,
+            second,
+            one,
+            closest.get((first, second, kind)),
+            pairs.get((first, second, kind), 0),
+        )
+        for (first, second, kind), one in least.items()
+    )
+
+
+def line_cases(line: Line, occupations: Iterable[Occupation]) -> tuple[Case, ...]:
+    """The headways at every station of a line, along the line."""
+    legs = legs_of(occupations, places_of(line))
+    stations = sorted((s for s in line.stations.values() if not s.is_halt), key=lambda s: s.position_m)
+    return tuple(
+        case
+        for station in stations
+        for case in cases_at(station.id, visits_at(legs, frozenset(t.section_id for t in station.tracks)))
+    )
