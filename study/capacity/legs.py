@@ -98,7 +98,7 @@ def stand_of(occupation: Occupation) -> Stand:
 
 
 def legs_of(occupations: Iterable[Occupation], is_place: IsPlace) -> tuple[Leg, ...]:
-    """The legs of every set, in order of time; an occupation of a place belongs to the leg into it and starts the next."""
+    """The legs of every set, in order of time; an occupation of a place ends the leg into it and starts the next."""
     by_stock: dict[str, list[Occupation]] = defaultdict(list)
     for one in occupations:
         by_stock[one.stock_id].append(one)

@@ -45,8 +45,8 @@ class Made:
 
     def setting(self, at_s: float) -> list[Slice]:
         slices: list[Slice] = []
-        for part, length_s in SETTING:
-            length_s = self.throw_s if part is Part.THROW else length_s
+        for part, usual_s in SETTING:
+            length_s = self.throw_s if part is Part.THROW else usual_s
             slices.append(Slice(part, at_s, at_s + length_s))
             at_s += length_s
         return slices
