@@ -111,14 +111,22 @@ class Compressed:
         return {cost: math.fsum(link.costs_s[cost] for link in self.chain) for cost in Cost}
 
 
-def compressed(legs: Iterable[Leg], section_ids: frozenset[str], stops: Stops = Stops.KEPT) -> Compressed:
-    """The trains of a part pushed together; ContradictionError where its trains cannot be put into an order."""
+def compressed(
+    legs: Iterable[Leg],
+    section_ids: frozenset[str],
+    stops: Stops = Stops.KEPT,
+    dwell_min_s: float = math.inf,
+) -> Compressed:
+    """The trains of a part pushed together; ContradictionError where its trains cannot be put into an order.
+
+    `dwell_min_s`: the shortest dwell, where stops are no longer than they must.
+    """
     inside = tuple(leg for leg in legs if any(o.section_id in section_ids for o in leg.occupations))
     if not inside:
         return Compressed((), (), 0.0, 0.0, ())
     held = _held(inside, section_ids)
     begins_s = min(one.occupation.begin_s for one in held)
-    touches = (*_in_turn(held), *_stands(inside, section_ids, stops))
+    touches = (*_in_turn(held), *_stands(inside, section_ids, stops, dwell_min_s))
     moves_s, because = _least(inside, held, touches, begins_s)
     last, first = _again(held, moves_s)
     occupied_s = (last.occupation.end_s + moves_s[last.ends]) - (
@@ -184,7 +192,9 @@ def _in_turn(held: Sequence[Held]) -> list[Touch]:
     return found
 
 
-def _stands(legs: Sequence[Leg], section_ids: frozenset[str], stops: Stops) -> list[Touch]:
+def _stands(
+    legs: Sequence[Leg], section_ids: frozenset[str], stops: Stops, dwell_min_s: float
+) -> list[Touch]:
     """Between the legs of a set whose stand lies in the part: no sooner than it must, and where kept no later."""
     number = {id(leg): index for index, leg in enumerate(legs)}
     found: list[Touch] = []
@@ -192,7 +202,7 @@ def _stands(legs: Sequence[Leg], section_ids: frozenset[str], stops: Stops) -> l
         end = before.end
         if end is None:
             continue
-        stand = stand_of(end)
+        stand = stand_of(end, dwell_min_s)
         one, other = number[id(before)], number[id(after)]
         slack_s = max(stand.departs_s - stand.arrives_s - stand.least_s, 0.0)
         turns = before.number != after.number

@@ -19,8 +19,8 @@ from enum import StrEnum
 from typing import Any
 
 from network.model import Direction, Line
-from study.capacity.legs import Leg, costs_between, legs_of, places_of, stand_of
-from study.capacity.occupation import Cost, Occupation
+from study.capacity.legs import Leg, costs_between, legs_of, places_of, slack_of, stand_of
+from study.capacity.occupation import TOUCH_S, Cost, Occupation
 
 
 class HeadwayKind(StrEnum):
@@ -99,30 +99,48 @@ class Headway:
         return self.planned_s - self.least_s
 
 
+@dataclass(frozen=True, slots=True)
+class _Hold:
+    """What the first train holds of a section after its event, s, and the slack that it would not need there."""
+
+    occupation: Occupation
+    after_s: float
+    slack_s: Mapping[Cost, float]
+
+
 def least_between(
-    kind: HeadwayKind, first: Event, second: Event, held: Iterable[Occupation]
+    kind: HeadwayKind, first: Event, second: Event, held: Iterable[Occupation], dwell_min_s: float = math.inf
 ) -> Headway | None:
     """The headway of two events; None where the two share nothing.
 
-    `held` is all that the first train holds around its event; the second's leg says what that one needs.
+    `held` is all that the first train holds around its event, without what it stands there beyond the least; the
+    second's leg says what that one needs. Of sections that free at once the first on the second's way counts.
     """
-    critical: tuple[float, Occupation, Occupation] | None = None
-    needs: Mapping[str, Occupation] = {one.section_id: one for one in second.leg.occupations}
-    for one in held:
-        other = needs.get(one.section_id)
-        if other is None or not (math.isfinite(one.end_s) and math.isfinite(other.begin_s)):
+    holds = {one.section_id: _hold(one, first, dwell_min_s) for one in held}
+    critical: tuple[float, _Hold, Occupation] | None = None
+    for other in second.leg.occupations:
+        hold = holds.get(other.section_id)
+        if hold is None or not (math.isfinite(hold.after_s) and math.isfinite(other.begin_s)):
             continue
-        least_s = (one.end_s - first.time_s) + (second.time_s - other.begin_s)
-        if critical is None or least_s > critical[0]:
-            critical = (least_s, one, other)
+        least_s = hold.after_s + (second.time_s - other.begin_s)
+        if critical is None or least_s > critical[0] + TOUCH_S:
+            critical = (least_s, hold, other)
     if critical is None:
         return None
-    _, one, other = critical
-    before = costs_between(one, first.time_s, one.end_s)
+    least_s, hold, other = critical
+    before = costs_between(hold.occupation, first.time_s, hold.occupation.end_s)
     after = costs_between(other, other.begin_s, second.time_s)
-    costs_s = {cost: before[cost] + after[cost] for cost in Cost}
-    first_s, second_s = one.end_s - first.time_s, second.time_s - other.begin_s
-    return Headway(kind, first, second, one.section_id, first_s + second_s, first_s, second_s, costs_s)
+    costs_s = {cost: before[cost] - hold.slack_s[cost] + after[cost] for cost in Cost}
+    return Headway(
+        kind, first, second, other.section_id, least_s, hold.after_s, least_s - hold.after_s, costs_s
+    )
+
+
+def _hold(one: Occupation, first: Event, dwell_min_s: float) -> _Hold:
+    """A stand that comes after the event is as short as it can be."""
+    comes = stand_of(one).arrives_s >= first.time_s - TOUCH_S
+    slack_s = slack_of(one, dwell_min_s) if comes else dict.fromkeys(Cost, 0.0)
+    return _Hold(one, one.end_s - first.time_s - math.fsum(slack_s.values()), slack_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,13 +189,13 @@ class Visit:
                 yield from leg.held
 
 
-def headways_of(first: Visit, second: Visit) -> Iterator[Headway]:
+def headways_of(first: Visit, second: Visit, dwell_min_s: float = math.inf) -> Iterator[Headway]:
     """Every headway between two trains at a station, the first before the second; none between trains of one set."""
     if first.stock_id == second.stock_id:
         return
     held = tuple({id(one): one for one in first.held()}.values())
     for kind, one, other in _events(first, second):
-        found = least_between(kind, one, other, held)
+        found = least_between(kind, one, other, held, dwell_min_s)
         if found is not None:
             yield found
 
@@ -265,14 +283,14 @@ def kind_of_visit(visit: Visit) -> str:
     return f"{visit.direction.name.lower()}, {'' if event is None else event.track_id} {does}"
 
 
-def cases_at(station_id: str, visits: Sequence[Visit]) -> tuple[Case, ...]:
+def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math.inf) -> tuple[Case, ...]:
     """The headways at a station by kinds of trains, in the order in which they first come."""
     least: dict[tuple[str, str, HeadwayKind], Headway] = {}
     closest: dict[tuple[str, str, HeadwayKind], Headway] = {}
     pairs: dict[tuple[str, str, HeadwayKind], int] = {}
     for first in visits:
         for second in visits:
-            for one in headways_of(first, second) if first is not second else ():
+            for one in headways_of(first, second, dwell_min_s) if first is not second else ():
                 key = kind_of_visit(first), kind_of_visit(second), one.kind
                 if key not in least or one.least_s > least[key].least_s + 1e-9:
                     least[key] = one
@@ -293,12 +311,16 @@ def cases_at(station_id: str, visits: Sequence[Visit]) -> tuple[Case, ...]:
     )
 
 
-def line_cases(line: Line, occupations: Iterable[Occupation]) -> tuple[Case, ...]:
+def line_cases(
+    line: Line, occupations: Iterable[Occupation], dwell_min_s: float = math.inf
+) -> tuple[Case, ...]:
     """The headways at every station of a line, along the line."""
     legs = legs_of(occupations, places_of(line))
     stations = sorted((s for s in line.stations.values() if not s.is_halt), key=lambda s: s.position_m)
     return tuple(
         case
         for station in stations
-        for case in cases_at(station.id, visits_at(legs, frozenset(t.section_id for t in station.tracks)))
+        for case in cases_at(
+            station.id, visits_at(legs, frozenset(t.section_id for t in station.tracks)), dwell_min_s
+        )
     )

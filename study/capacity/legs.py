@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Final
 
 from network.model import Direction, Line, SectionKind
-from study.capacity.occupation import COST_OF, Cost, Occupation, Part
+from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation, Part
 
 STANDS: Final = frozenset(
     {Part.READY, Part.DWELL, Part.HELD, Part.CHANGE_ENDS, Part.LAYOVER, Part.CHARGING}
@@ -85,16 +85,32 @@ class Leg:
         return self.occupations if self.start is None else (self.start, *self.occupations)
 
 
-def stand_of(occupation: Occupation) -> Stand:
-    """How a train stands in a section; as if it passed where it does not."""
-    stands = [s for s in occupation.slices if s.part in STANDS and s.begin_s >= occupation.enters_s - 1e-6]
+def stand_of(occupation: Occupation, dwell_min_s: float = math.inf) -> Stand:
+    """How a train stands in a section; as if it passed where it does not. A dwell longer than the least is slack."""
+    stands = [s for s in occupation.slices if s.part in STANDS and s.begin_s >= occupation.enters_s - TOUCH_S]
     if not stands:
         at_s = occupation.enters_s if math.isfinite(occupation.enters_s) else occupation.begin_s
         return Stand(occupation.section_id, at_s, at_s, passes=True, least_s=0.0)
     begin_s = stands[0].begin_s if math.isfinite(occupation.enters_s) else -math.inf
     end_s = stands[-1].end_s if math.isfinite(occupation.leaves_s) else math.inf
-    least_s = math.fsum(s.length_s for s in stands if s.part not in SLACK)
+    slack_s = math.fsum(slack_of(occupation, dwell_min_s).values())
+    least_s = math.fsum(s.length_s for s in stands) - slack_s
     return Stand(occupation.section_id, begin_s, end_s, passes=False, least_s=least_s)
+
+
+def slack_of(occupation: Occupation, dwell_min_s: float = math.inf) -> dict[Cost, float]:
+    """What of a stand need not be, by cost, s: waiting for its time or its way, a dwell over the least."""
+    found = dict.fromkeys(Cost, 0.0)
+    dwells_s = 0.0
+    for one in occupation.slices:
+        if one.begin_s < occupation.enters_s - TOUCH_S or one.part not in STANDS:
+            continue
+        if one.part is Part.DWELL:
+            dwells_s += one.length_s
+        elif one.part in SLACK:
+            found[COST_OF[one.part]] += one.length_s
+    found[COST_OF[Part.DWELL]] += max(dwells_s - dwell_min_s, 0.0)
+    return found
 
 
 def legs_of(occupations: Iterable[Occupation], is_place: IsPlace) -> tuple[Leg, ...]:
@@ -129,7 +145,7 @@ def _leg(stock_id: str, start: Occupation | None, way: list[Occupation], *, ends
 
 def _joined(start: Occupation, first: Occupation) -> bool:
     """Whether a set goes on from a place: otherwise it has left the line there and come back."""
-    return start.leaves_s >= first.enters_s - 1e-6 or start.end_s >= first.begin_s - 1e-6
+    return start.leaves_s >= first.enters_s - TOUCH_S or start.end_s >= first.begin_s - TOUCH_S
 
 
 def costs_between(occupation: Occupation, from_s: float, to_s: float) -> dict[Cost, float]:

@@ -14,6 +14,7 @@ from study.capacity.limits import LIMITS, NODE_LIMIT, Limit, Traffic, additional
 from study.capacity.occupation import Cost
 
 HOUR_S: Final = 3600.0
+PEAK_S: Final = 2.0 * HOUR_S  # assumed: an hour of a branch line holds two or three trains, too few to tell
 STEP_S: Final = 900.0  # hours are tried at quarters
 
 
@@ -110,41 +111,50 @@ def day_of(legs: Sequence[Leg]) -> Period:
     )
 
 
-def peak_hour_of(legs: Sequence[Leg], day: Period) -> Period:
-    """The hour, from a quarter on, in which most legs begin; the first of them."""
-    starts = [day.from_s + i * STEP_S for i in range(max(1, round((day.length_s - HOUR_S) / STEP_S) + 1))]
+def peak_of(legs: Sequence[Leg], day: Period, length_s: float = PEAK_S) -> Period:
+    """The stretch of that length, from a quarter of an hour on, in which most legs begin; the first of them."""
+    starts = [day.from_s + i * STEP_S for i in range(max(1, round((day.length_s - length_s) / STEP_S) + 1))]
 
     def count(from_s: float) -> int:
-        return sum(from_s <= leg.departs_s < from_s + HOUR_S for leg in legs)
+        return sum(from_s <= leg.departs_s < from_s + length_s for leg in legs)
 
     from_s = max(starts, key=lambda start_s: (count(start_s), -start_s))
-    return Period("peak hour", from_s, from_s + HOUR_S, peak=True)
+    return Period("peak", from_s, from_s + length_s, peak=True)
 
 
-def rate_of(legs: Iterable[Leg], part: CutPart, period: Period, traffic: Traffic, stops: Stops) -> Rate:
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """On which terms trains are pushed together: how long they stand, s, and by which limits that is judged."""
+
+    traffic: Traffic = Traffic.MIXED
+    stops: Stops = Stops.KEPT
+    dwell_min_s: float = math.inf
+
+
+DEFAULT_TERMS: Final = Terms()
+
+
+def rate_of(legs: Iterable[Leg], part: CutPart, period: Period, terms: Terms) -> Rate:
     """One part in one period; ContradictionError where not even the shortest stops make sense of the order."""
-    limit = NODE_LIMIT if part.kind is PartKind.NODE else LIMITS[traffic]
+    limit = NODE_LIMIT if part.kind is PartKind.NODE else LIMITS[terms.traffic]
+    stops = terms.stops
     inside, contradiction = period.legs(legs), tuple[str, ...]()
     try:
-        found = compressed(inside, part.section_ids, stops)
+        found = compressed(inside, part.section_ids, stops, terms.dwell_min_s)
     except ContradictionError as error:
         if stops is Stops.LEAST:
             raise
         stops, contradiction = Stops.LEAST, error.numbers
-        found = compressed(inside, part.section_ids, stops)
+        found = compressed(inside, part.section_ids, stops, terms.dwell_min_s)
     trains = len({(leg.stock_id, leg.number) for leg in found.legs})
     return Rate(part, period, trains, found, limit, stops, contradiction)
 
 
 def rates_of(
-    legs: Sequence[Leg],
-    cut: Cut,
-    periods: Sequence[Period],
-    traffic: Traffic = Traffic.MIXED,
-    stops: Stops = Stops.KEPT,
+    legs: Sequence[Leg], cut: Cut, periods: Sequence[Period], terms: Terms = DEFAULT_TERMS
 ) -> tuple[Rate, ...]:
     """Every part of a cut in every period, in the order of the cut."""
-    return tuple(rate_of(legs, part, period, traffic, stops) for period in periods for part in cut.parts)
+    return tuple(rate_of(legs, part, period, terms) for period in periods for part in cut.parts)
 
 
 def fullest(rates: Iterable[Rate], kind: PartKind = PartKind.LINE) -> Rate | None:
