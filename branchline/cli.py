@@ -13,6 +13,7 @@ from typing import Annotated
 
 import typer
 
+from branchline.blocking import blocking
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.drilling import drill
@@ -34,7 +35,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare, plot, duties):
+for command in (run, drill, bench, reproduce, check, compare, plot, duties, blocking):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

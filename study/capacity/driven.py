@@ -25,6 +25,7 @@ from study.capacity.setting import Setting
 from study.feasibility.planned import PlannedTrain
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_course
+from vehicle.starting import start_delay_s
 from vehicle.wheel import pulse_m
 
 STEP_S = 0.1
@@ -184,5 +185,5 @@ def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> Drivi
     clearing = Clearing(setup.unit, pulse_m(train), by_section=rules.by_section)
     reaction_s = float(train.brake_dead_time_s + train.brake_lag_s)
     room = Room(behaviour, reaction_s, setup.unit.standoff_m)
-    starts_s = 0.0
+    starts_s = start_delay_s(train, setup.load.load_share_mean, float(behaviour.standing_brake_notch), STEP_S)
     return Driving(setup, stock_id, rules, links, train, behaviour, clearing, room, starts_s, {}, {})
