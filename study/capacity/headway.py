@@ -16,7 +16,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, Final
 
 from network.model import Direction, Line
 from study.capacity.legs import Leg, costs_between, legs_of, places_of, slack_of, stand_of
@@ -43,6 +43,7 @@ class HeadwayKind(StrEnum):
         return _BETWEEN[self]
 
 
+NEAR: Final = 8  # trains: who is further from another is not held up by it
 _BETWEEN: Mapping[HeadwayKind, str] = {
     HeadwayKind.FOLLOWING: "departure to departure",
     HeadwayKind.OPEN: "departure to departure",
@@ -233,7 +234,7 @@ def _visit(number: str, comes: Leg | None, leaves: Leg | None) -> Visit:
 class Case:
     """A row of the table of headways: two kinds of trains at a station, and what of the day is nearest to the least.
 
-    A kind of train is its direction, how it comes and leaves and whether it stops; `headway` is the greatest least
+    A kind of train is its direction, its track and whether it passes; `headway` is the greatest least
     time that two trains of these kinds have, `closest` the pair of them that the plan brings nearest to it.
     """
 
@@ -268,46 +269,45 @@ class Case:
 
 
 def kind_of_visit(visit: Visit) -> str:
-    """What a train is at a station, in few words: direction, track, and whether it begins, ends, stops or passes."""
-    arrival, departure = visit.arrival, visit.departure
-    event = arrival or departure
-    does = (
-        "begins"
-        if arrival is None
-        else "ends"
-        if departure is None
-        else "passes"
-        if visit.passes
-        else "stops"
-    )
-    return f"{visit.direction.name.lower()}, {'' if event is None else event.track_id} {does}"
+    """What a train is at a station, in few words: direction, track, and whether it passes."""
+    event = visit.arrival or visit.departure
+    track_id = "" if event is None else event.track_id
+    return f"{visit.direction.name.lower()}, {track_id}{' passes' if visit.passes else ''}"
+
+
+@dataclass(slots=True)
+class _Found:
+    """What is known of two kinds of trains and a headway so far."""
+
+    greatest: Headway
+    closest: Headway | None = None
+    pairs: int = 0
+
+    def take(self, one: Headway, *, follows: bool) -> None:
+        """One more pair; `follows`: it is so in the plan."""
+        if one.least_s > self.greatest.least_s + TOUCH_S:
+            self.greatest = one
+        if follows and one.planned_s > 0.0:
+            self.pairs += 1
+            if self.closest is None or one.buffer_s < self.closest.buffer_s - TOUCH_S:
+                self.closest = one
 
 
 def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math.inf) -> tuple[Case, ...]:
-    """The headways at a station by kinds of trains, in the order in which they first come."""
-    least: dict[tuple[str, str, HeadwayKind], Headway] = {}
-    closest: dict[tuple[str, str, HeadwayKind], Headway] = {}
-    pairs: dict[tuple[str, str, HeadwayKind], int] = {}
-    for first in visits:
-        for second in visits:
-            for one in headways_of(first, second, dwell_min_s) if first is not second else ():
-                key = kind_of_visit(first), kind_of_visit(second), one.kind
-                if key not in least or one.least_s > least[key].least_s + 1e-9:
-                    least[key] = one
-                if one.planned_s > 0.0:
-                    pairs[key] = pairs.get(key, 0) + 1
-                    if key not in closest or one.buffer_s < closest[key].buffer_s - 1e-9:
-                        closest[key] = one
+    """The headways at a station by kinds of trains, in the order in which they first come.
+
+    A train is held against the NEAR trains after it, and against those before it as if they came after.
+    """
+    found: dict[tuple[str, str, HeadwayKind], _Found] = {}
+    for index, visit in enumerate(visits):
+        for other in visits[index + 1 : index + 1 + NEAR]:
+            for first, second in ((visit, other), (other, visit)):
+                for one in headways_of(first, second, dwell_min_s):
+                    key = kind_of_visit(first), kind_of_visit(second), one.kind
+                    found.setdefault(key, _Found(one)).take(one, follows=first is visit)
     return tuple(
-        Case(
-            station_id,
-            first,
-            second,
-            one,
-            closest.get((first, second, kind)),
-            pairs.get((first, second, kind), 0),
-        )
-        for (first, second, kind), one in least.items()
+        Case(station_id, first, second, one.greatest, one.closest, one.pairs)
+        for (first, second, _), one in found.items()
     )
 
 
