@@ -114,8 +114,8 @@ def _stretch(setup: Setup, low: Station, high: Station, blocks: int, rules: Rule
     copies: list[Leg] = []
     for number, path in enumerate(standard_paths(setup)):
         made = occupations(alone(cut, path), rules)
-        first = [replace(one, stock_id=f"first {number}") for one in made]
-        second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in made]
+        first = [replace(one, stock_id=f"first {number}", number=f"{one.number}{number}") for one in made]
+        second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in first]
         legs += legs_of(first, places_of(line))
         copies += legs_of(second, places_of(line))
     ends = (
