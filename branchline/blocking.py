@@ -44,7 +44,7 @@ def blocking(
     from study.capacity.table import blocking_times, conflict_rows
     from study.plot.write import csv_of
 
-    setup, as_run = _source(source, runs=not theory)
+    setup, as_run = source_of(source, runs=not theory)
     planned = _planned(setup) if theory else None
     shown = planned if planned is not None else as_run or ()
     both = compared(planned, as_run) if planned is not None and as_run is not None else None
@@ -64,7 +64,7 @@ def blocking(
     end(judged(theory or not conflicts))  # what does not fit a plan is a finding, in a run it cannot be
 
 
-def _source(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:
+def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:
     """The setup and the blocking times of a run directory, or of a scenario that is run if asked for."""
     if Path(source).is_dir():
         from study.run.blocking_table import read_blocking
