@@ -31,6 +31,7 @@ from simulation.faults.script import (
 )
 from simulation.faults.table import FAULTS
 from simulation.setup import Setup
+from simulation.world.cable import stretches_of
 from study.scenario.event_file import matcher_in
 from study.scenario.fleet_file import PEOPLE
 from wayside.config import MANAGER_ID
@@ -97,6 +98,7 @@ def names_of(setup: Setup, acts: Sequence[ActTable] = ()) -> Names:
         people=tuple(dict.fromkeys((*PEOPLE, *(act.person for act in acts)))),
         routes=tuple(route.id for route in all_routes(line)),
         pieces=tuple(line.pieces),
+        cable=stretches_of(line),
         chargers=() if setup.battery is None else tuple(line.chargers),
     )
 

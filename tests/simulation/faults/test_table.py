@@ -20,6 +20,7 @@ NAMES = Names(
     points=("P7",),
     chargers=("KRS",),
     markers=("1",),
+    cable=("A - B",),
 )
 PARTIES = st.sampled_from(["K1", "K2", "block-manager", "OGN-W", ANY])
 
