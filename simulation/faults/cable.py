@@ -1,10 +1,10 @@
-"""Faults of the cable along the line, over which a central interlocking reaches its signals and points (通信ケーブル断).
+"""Faults of the cable along the line, over which a central interlocking reaches signals and points (通信ケーブル断).
 
-With a central interlocking (`[operation] interlocking = "central"`) nobody beyond a cut, seen from the centre, is granted
-anything, and no points there are thrown or proven; a train goes on to the end of what it holds and has proven. A cut of
-the whole cable (`*`) is that of a centre which can't be reached at all, or of a system that stops all of a line for
-one cut, as on the Koumi line on 16 October 2024. With interlocking on board the cable carries nothing that trains need,
-and its cut changes nothing.
+With a central interlocking (`[operation] interlocking = "central"`) nobody beyond a cut, seen from the centre, is
+granted anything, and no points there are thrown or proven; a train goes on to the end of what it holds and has proven.
+A cut of the whole cable (`*`) is that of a centre which can't be reached at all, or of a system that stops a whole line
+for one cut, as on the Koumi line on 16 October 2024. With interlocking on board the cable carries nothing that trains
+need, and its cut changes nothing.
 """
 
 from __future__ import annotations
