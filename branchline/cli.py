@@ -13,12 +13,15 @@ from typing import Annotated
 
 import typer
 
+from branchline.blocking import blocking
+from branchline.capacity import capacity
 from branchline.checking import check
 from branchline.comparing import compare
 from branchline.drilling import drill
 from branchline.duties import duties
 from branchline.ending import ended, print_json, stop_by_signals
 from branchline.exporting import exporters
+from branchline.headways import headway
 from branchline.importing import importers
 from branchline.making import makers
 from branchline.measuring import bench
@@ -34,7 +37,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare, plot, duties):
+for command in (run, drill, bench, reproduce, check, compare, plot, duties, blocking, headway, capacity):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

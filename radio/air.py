@@ -99,6 +99,18 @@ class AirParameters(Record):
         """Probability that a telegram is lost, over long times."""
         return self.loss_good_p + (self.loss_bad_p - self.loss_good_p) * self.bad_share
 
+    def mean_delay_s(self, step_s: float = STEP_S) -> float:
+        """Mean delay of a telegram that arrives, in whole steps as `Air` delivers it, s."""
+        least_steps = max(1, math.ceil(self.delay_min_s / step_s - _STEP_TOLERANCE))
+        tail_s = self.delay_mean_s - self.delay_min_s
+        if self.delay_shape is DelayShape.CONSTANT:
+            return step_s * max(1, math.ceil(self.delay_mean_s / step_s - _STEP_TOLERANCE))
+        if tail_s <= 0.0:
+            return step_s * least_steps
+        # A further step is needed as often as the delay exceeds those before it.
+        exceeds = math.exp(-(least_steps * step_s - self.delay_min_s) / tail_s)
+        return step_s * (least_steps + exceeds / (1.0 - math.exp(-step_s / tail_s)))
+
 
 @dataclass(frozen=True, slots=True)
 class Delivery:

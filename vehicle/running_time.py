@@ -141,8 +141,37 @@ def predicted_run(
         dt_s,
         initial_mps,
         until_m,
+        np.empty((0, 3)),
     )
     return time_s, energy_j
+
+
+def predicted_course(
+    train: TrainRow,
+    load_share: float,
+    elevation_m: NDArray[np.float64],
+    limit_mps: NDArray[np.float64],
+    start_m: float,
+    stop_m: float,
+    cruise_mps: float,
+    deceleration_mps2: float,
+    dt_s: float,
+    initial_mps: float = 0.0,
+    until_m: float = math.inf,
+) -> NDArray[np.float64]:
+    """The run of `predicted_run` step by step: time since its begin (s), front (m), speed (m/s); shape (n, 3).
+
+    One row where the train cannot climb, or has no way to go.
+    """
+    run = elevation_m, limit_mps, start_m, stop_m, cruise_mps, deceleration_mps2, dt_s, initial_mps, until_m
+    time_s, _ = predicted_run(train, load_share, *run)
+    rows = np.full((round(time_s / dt_s) + 2 if time_s < math.inf else 1, 3), math.nan)
+    _run(train, Conditions(load_share, ALL_MOTORS, DRY), *run, rows)
+    rows = rows[~np.isnan(rows[:, 0])]
+    if not 0.0 < time_s < math.inf:
+        return np.array([[0.0, start_m, initial_mps]])
+    ends = [time_s, min(stop_m, until_m), 0.0 if until_m >= stop_m else rows[-1, 2]]
+    return np.vstack([rows[rows[:, 0] < time_s], ends])
 
 
 def stall_of(
@@ -173,6 +202,7 @@ def stall_of(
         dt_s,
         0.0,
         math.inf,
+        np.empty((0, 3)),
     )
     return None if time_s < math.inf else balance_at(train, conditions, elevation_m, reached_m)
 
@@ -204,15 +234,18 @@ def _run(
     dt_s: float,
     initial_mps: float,
     until_m: float,
+    course: NDArray[np.float64],
 ) -> tuple[float, float, float]:
-    """Time (s), net energy (J) and where the front is then (m); see `predicted_run`."""
+    """Time (s), net energy (J) and where the front is then (m); see `predicted_run`. Fills the rows of `course`."""
     load_share, motors_share, adhesion_factor = conditions
     inertia = equivalent_mass_kg(train, load_share)
     first = math.floor(start_m)
     squared = _pattern_squared(limit_mps, start_m, stop_m, deceleration_mps2)
     position, speed, time_s, energy_j = start_m, initial_mps, 0.0, 0.0
     drop = deceleration_mps2 * dt_s
-    for _ in range(STEPS_MAX):
+    for step in range(STEPS_MAX):
+        if step < course.shape[0]:
+            course[step, 0], course[step, 1], course[step, 2] = time_s, position, speed
         left = stop_m - position
         # Within the last step of the pattern: what is left is one plain stop, no harder than the pattern's.
         if speed <= drop and left <= speed * dt_s:

@@ -35,9 +35,9 @@ class Part(StrEnum):
     """What an occupation goes into at one instant, in the order in which the parts usually come."""
 
     REQUEST = "request"  # it could be had and is wanted: until the request that is granted is sent
-    AIR = "air"  # that request on its way to the manager
+    AIR = "air"  # that request, or a command to points, on its way
     GRANT = "grant"  # until the unit counts the section as held
-    THROW = "throw"  # until the points are locked as needed
+    THROW = "throw"  # the terminal has the command: until the points are locked as needed
     PROOF = "proof"  # until the unit has the proof of it
     APPROACH = "approach"  # it is the train's, whose front comes nearer
     READY = "ready"  # the same, but the train stands and waits for its time, or for people

@@ -100,6 +100,7 @@ NOT_DRIVEN: Final[Mapping[str, str]] = {
     "oda-vision": "images alone",
     "sugiyama-tags": "trains pass tags at a constant speed",
     "ttobench": "profiles alone",
+    "virtual-blocks": "running times are computed, nothing drives them",
 }
 
 

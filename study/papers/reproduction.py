@@ -35,6 +35,7 @@ REPRODUCTIONS: Final[Mapping[str, str]] = {
     "trainruns": "study.papers.trainruns",
     "yasunobu-robust": "study.papers.yasunobu_robust",
     "ttobench": "study.papers.ttobench",
+    "virtual-blocks": "study.papers.virtual_blocks",
     "yasunobu-energy": "study.papers.yasunobu_energy",
 }
 

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from network.errors import InputError
 from network.files.toml_input import one_of
-from simulation.setup import Setup
 from study.measures.standard_times import planned_runs, standard_times
 from study.plot import battery, days, energy, laws, position, stations
 from study.plot.choice import Seen
@@ -24,6 +23,7 @@ from study.report.curve import draw_run_curve
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.running_times import draw_running_times
+from study.run.setup_back import setup_of
 
 
 class Chosen(Enum):
@@ -67,26 +67,14 @@ def _blocks_table(run: Seen) -> pl.DataFrame:
 
 
 def _running_times_table(run: Seen) -> pl.DataFrame:
-    return pl.DataFrame([time.as_dict() for time in standard_times(_setup(run))], infer_schema_length=None)
+    return pl.DataFrame(
+        [time.as_dict() for time in standard_times(setup_of(run.read))], infer_schema_length=None
+    )
 
 
 def _running_times(run: Seen) -> Figure | None:
-    setup = _setup(run)
+    setup = setup_of(run.read)
     return draw_running_times(run.line, standard_times(setup), planned_runs(setup))
-
-
-def _setup(run: Seen) -> Setup:
-    """What running times depend on, as the run had it."""
-    read = run.read
-    return Setup(
-        read.name,
-        read.line,
-        read.timetable,
-        read.trains,
-        driving=read.settings.driving,
-        load=read.settings.trains,
-        operation=read.settings.operation,
-    )
 
 
 def _stop_errors(run: Seen) -> Figure | None:

@@ -24,7 +24,7 @@ from study.measures.running_times import PlannedLeg
 from study.run.energy import Make, energy_tables
 from study.run.energy_hours import energy_hours_of
 from study.run.margins import margins_of
-from study.run.spans import rows_by_span
+from study.run.spans import rows_by_span, section_stretches
 from study.run.stops import passed, stops_table
 from study.run.tables import RunTables, make_table
 from wayside import said
@@ -73,7 +73,7 @@ def tables_of(
     legs: Sequence[PlannedLeg] = (),
     passings: Sequence[PlannedPassing] = (),
 ) -> RunTables:
-    """All tables of a run but driving, comparisons and waits; `fleet` says what stock is, the rest what was planned."""
+    """All tables of a run but those of `execute`; `fleet` says what stock is, the rest what was planned."""
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
     lengths_m = {stock_id: make.length_m for stock_id, make in fleet.items()}
     stops = stops_table(result.stops, passed(passings, spans))
@@ -81,6 +81,7 @@ def tables_of(
         trajectory=_trajectory(result, spans),
         stops=stops,
         blocks=_blocks(result, spans, line, lengths_m),
+        blocking=make_table("blocking"),
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),
@@ -200,7 +201,7 @@ def _occupation(
         time_s, front_m = rows["step"] / STEPS_PER_S, rows["position_m"]
         rear_m = front_m - lengths_m[unit]
         before, still_in[unit] = still_in[unit], {}
-        for section, start_m, end_m in _section_stretches(span, line):
+        for section, start_m, end_m in section_stretches(span, line):
             if front_m[-1] < start_m or rear_m[0] >= end_m:
                 continue
             entered_s = before.pop(section, float(np.interp(start_m, front_m, time_s)))
@@ -226,19 +227,6 @@ def _times_left(result: RunResult) -> dict[str, list[float]]:
         if isinstance(entry.event, events.Left):
             times[entry.event.unit_id].append(entry.t_s)
     return times
-
-
-def _section_stretches(span: TraceSpan, line: Line) -> list[tuple[str, float, float]]:
-    """(section, start, end) along a train's path, m; pieces of one section joined, the last one open."""
-    ends = (*span.starts_m[1:], np.inf)
-    sections: list[tuple[str, float, float]] = []
-    for piece, start_m, end_m in zip(span.piece_ids, span.starts_m, ends, strict=True):
-        section = line.pieces[piece].section_id
-        if sections and sections[-1][0] == section:
-            sections[-1] = (section, sections[-1][1], end_m)
-        else:
-            sections.append((section, start_m, end_m))
-    return sections
 
 
 def _telegrams(result: RunResult) -> pl.DataFrame:

@@ -28,6 +28,7 @@ from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult, Waiting
 from simulation.setup import STEP_S, Setup, unit_configs
+from study.capacity.observed import observed
 from study.feasibility.check import feasibility
 from study.measures.passings import planned_passings
 from study.measures.running_times import planned_legs
@@ -38,6 +39,7 @@ from study.report.drill import DrillShown
 from study.report.parts import Part
 from study.report.report import write_report
 from study.run.battery import battery_summary, battery_tables
+from study.run.blocking_table import blocking_table
 from study.run.collect import tables_of
 from study.run.crash import bugs_named
 from study.run.directory import (
@@ -166,6 +168,7 @@ def execute(
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
         booked,
+        blocking=blocking_table(observed(result, setup)),
         driving=driving_table(result, setup, booked.margins, booked.stops),
         comparisons=opinions,
         waits=waits_table(waits_of(result, setup)),

@@ -64,6 +64,22 @@ BLOCKS: Final[Schema] = {
     "entered_s": pl.Float64,
     "cleared_s": pl.Float64,
 }
+# One row a slice of an occupation (study.capacity.occupation), from when a section can be had until it is free again.
+BLOCKING: Final[Schema] = {
+    "occupation": pl.Int64,  # slices of one number make up one occupation
+    "section": pl.String,
+    "unit": pl.String,
+    "train": pl.String,  # by which the stock came in
+    "direction": pl.Int8,  # network.model.Direction
+    "route": pl.String,  # by which it came in; "": it signed on there, or was there
+    "part": pl.String,  # study.capacity.occupation.Part
+    "cost": pl.String,  # study.capacity.occupation.Cost
+    "from_s": pl.Float64,
+    "to_s": pl.Float64,
+    "enters_s": pl.Float64,  # its front; minus infinity: it was there, infinite: it never comes
+    "leaves_s": pl.Float64,  # infinite: it stays
+    "waited_s": pl.Float64,  # wanted while it, or its route, was another's: before the occupation begins
+}
 # One row a source, destination and kind; lost by the air, dropped by the receiver's checks.
 TELEGRAMS: Final[Schema] = {
     "source": pl.String,
@@ -259,6 +275,7 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
     "trajectory": TRAJECTORY,
     "stops": STOPS,
     "blocks": BLOCKS,
+    "blocking": BLOCKING,
     "telegrams": TELEGRAMS,
     "energy": ENERGY,
     "energy_legs": ENERGY_LEGS,
@@ -300,6 +317,7 @@ class RunTables:
     trajectory: pl.DataFrame
     stops: pl.DataFrame
     blocks: pl.DataFrame
+    blocking: pl.DataFrame
     telegrams: pl.DataFrame
     energy: pl.DataFrame
     energy_legs: pl.DataFrame

@@ -106,7 +106,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         trains=trains,
         seed=model.seed if seed is None else seed,
         air=model.air,
-        unit=_unit(model.unit, timetable),
+        unit=unit_of(model.unit, timetable),
         driving=model.driving,
         laws=laws_of(str(path), model.driving, sorted(trains)),
         law_settings=model.law,
@@ -195,7 +195,7 @@ def _trains(
     }, loaded
 
 
-def _unit(unit: UnitParameters, timetable: Timetable) -> UnitParameters:
+def unit_of(unit: UnitParameters, timetable: Timetable) -> UnitParameters:
     """The units' parameters; the shortest stop is the timetable's where the scenario gives none."""
     if "dwell_min_s" in unit.model_fields_set:
         return unit

@@ -1,0 +1,181 @@
+"""`branchline blocking`: for how long each section is a train's, and what that time goes into; run, theory, or both."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from branchline.ending import crashes_into, end, judged, print_json
+from branchline.options import Json
+from branchline.progress import progress_of, tell
+
+if TYPE_CHECKING:
+    from simulation.setup import Setup
+    from study.capacity.compared import Compared
+    from study.capacity.occupation import Occupation
+
+NUMBER_WIDTH = 9
+
+
+def blocking(
+    source: Annotated[
+        str, typer.Argument(help="A shipped scenario, a scenario file (.toml), or a run directory.")
+    ],
+    theory: Annotated[
+        bool,
+        typer.Option(
+            "--theory", help="From running times, without a run; of a run directory both, and compared."
+        ),
+    ] = False,
+    out: Annotated[Path | None, typer.Option("--out", help="Write the table as CSV to this file.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Blocking times (閉そく占有時分) by train and section, what they go into and cost, and conflicts.
+
+    A scenario is run; with --theory it is not. A run directory is read back.
+    """
+    from network.files.json_input import write_bytes_aside
+    from study.capacity.compared import compared
+    from study.capacity.occupation import conflicts_of
+    from study.capacity.table import blocking_times, conflict_rows
+    from study.plot.write import csv_of
+
+    setup, as_run = source_of(source, runs=not theory)
+    planned = _planned(setup) if theory else None
+    shown = planned if planned is not None else as_run or ()
+    both = compared(planned, as_run) if planned is not None and as_run is not None else None
+    table, conflicts = blocking_times(shown), conflicts_of(shown)
+    if out is not None:
+        write_bytes_aside(out, csv_of(table))
+        tell(f"wrote {out}")
+    if as_json:
+        found = {"of": "theory" if theory else "run", "occupations": table.to_dicts()}
+        found |= {"conflicts": conflict_rows(conflicts)}
+        print_json(found | ({} if both is None else {"compared": _as_dict(both)}))
+    else:
+        _print(shown)
+        _print_conflicts(shown)
+        if both is not None:
+            _print_compared(both)
+    end(judged(theory or not conflicts))  # what does not fit a plan is a finding, in a run it cannot be
+
+
+def source_of(source: str, *, runs: bool) -> tuple[Setup, tuple[Occupation, ...] | None]:
+    """The setup and the blocking times of a run directory, or of a scenario that is run if asked for."""
+    if Path(source).is_dir():
+        from study.run.blocking_table import read_blocking
+        from study.run.read_back import read_run
+        from study.run.setup_back import setup_of
+
+        read = read_run(Path(source))
+        return setup_of(read), read_blocking(read.tables.blocking)
+    from study.scenario.scenario import load_scenario
+
+    loaded = load_scenario(source)
+    if not runs:
+        return loaded.setup, None
+    from study.capacity.observed import observed
+    from study.feasibility.check import refuse
+    from study.run.run import Link, execute
+
+    refuse(source, loaded.setup, anyway=False)
+    with crashes_into(Path("runs") / loaded.id), progress_of(loaded.id) as progress:
+        done = execute(loaded, Link.SIMULATED, progress=progress)
+    return loaded.setup, observed(done.result, loaded.setup)
+
+
+def _planned(setup: Setup) -> tuple[Occupation, ...]:
+    from study.capacity.theory import occupations
+
+    return occupations(setup)
+
+
+def _print(occupations: Sequence[Occupation]) -> None:
+    """A block a train, a row a section: the parts that any has, the whole, and the costs, s."""
+    from itertools import groupby
+
+    from study.capacity.occupation import Cost, Part
+    from study.report.style import clock
+
+    parts = [part for part in Part if any(one.of_part(part) > 0.0 for one in occupations)]
+    costs = [cost for cost in Cost if any(one.costs_s()[cost] > 0.0 for one in occupations)]
+    width = max((len(one.section_id) for one in occupations), default=7)
+    heads = [
+        "begin",
+        "end",
+        *(_short(part.value) for part in parts),
+        "whole",
+        *(cost.value[:8] for cost in costs),
+    ]
+    ordered = sorted(
+        occupations, key=lambda one: (_first_s(occupations, one.number), one.number, one.begin_s)
+    )
+    for number, own in groupby(ordered, key=lambda one: one.number):
+        lines = [f"{number:{width}}" + "".join(f"{head:>{NUMBER_WIDTH}}" for head in heads)]
+        for one in own:
+            cells = [
+                clock(one.begin_s),
+                clock(one.end_s),
+                *(_number(one.of_part(part)) for part in parts),
+                _number(one.length_s),
+                *(_number(one.costs_s()[cost]) for cost in costs),
+            ]
+            lines.append(f"{one.section_id:{width}}" + "".join(f"{cell:>{NUMBER_WIDTH}}" for cell in cells))
+        sys.stdout.write("\n".join((*lines, "", "")))
+
+
+def _first_s(occupations: Sequence[Occupation], number: str) -> float:
+    return min(one.begin_s for one in occupations if one.number == number)
+
+
+def _short(name: str) -> str:
+    return "ends" if name == "change of ends" else name[: NUMBER_WIDTH - 1]
+
+
+def _number(value_s: float) -> str:
+    return f"{value_s:.1f}" if value_s > 0.0 else "-"
+
+
+def _print_conflicts(occupations: Sequence[Occupation]) -> None:
+    from study.capacity.occupation import conflicts_of
+    from study.report.style import clock
+
+    conflicts = conflicts_of(occupations)
+    sys.stdout.write(f"{len(conflicts)} conflicts\n")
+    for one in conflicts:
+        sys.stdout.write(
+            f"{one.section_id}: {one.second.number} wants it at {clock(one.second.begin_s)}, {one.first.number} has it"
+            f" until {clock(one.first.end_s)}: {one.overlap_s:.0f} s too long\n"
+        )
+
+
+def _as_dict(both: Compared) -> dict[str, object]:
+    mean_s, worst_s = both.whole_s()
+    return {
+        "pairs": sum(pair.usable for pair in both.pairs),
+        "only_theory": len(both.only_theory),
+        "only_run": len(both.only_run),
+        "whole_mean_s": mean_s,
+        "whole_worst_s": worst_s,
+        "parts": [one.as_dict() for one in both.differences()],
+    }
+
+
+def _print_compared(both: Compared) -> None:
+    """Theory beside the run, a row a part."""
+    mean_s, worst_s = both.whole_s()
+    sys.stdout.write(
+        f"\nrun less theory, {sum(pair.usable for pair in both.pairs)} occupations in both,"
+        f" {len(both.only_theory)} in theory alone, {len(both.only_run)} in the run alone;"
+        f" whole: mean {mean_s:+.1f} s, greatest {worst_s:+.1f} s\n"
+    )
+    heads = ("theory", "run", "mean", "greatest")
+    sys.stdout.write(f"{'part':15}" + "".join(f"{head:>10}" for head in heads) + "  where, and why\n")
+    for one in both.differences():
+        cells = (f"{one.theory_s:.2f}", f"{one.run_s:.2f}", f"{one.mean_s:+.2f}", f"{one.worst_s:+.2f}")
+        row = f"{one.part.value:15}" + "".join(f"{cell:>10}" for cell in cells)
+        sys.stdout.write(f"{row}  {one.number} in {one.section_id}: {one.why}\n")

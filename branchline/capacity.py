@@ -1,0 +1,223 @@
+"""`branchline capacity`: how full each part of a line is (UIC 406), how many more trains fit, what equipment buys."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from branchline.ending import print_json
+from branchline.headways import ByTheory, Source, occupations_of
+from branchline.options import Json
+from branchline.progress import tell
+from network.errors import InputError
+
+if TYPE_CHECKING:
+    from simulation.setup import Setup
+    from study.capacity.legs import Leg
+    from study.capacity.line_capacity import Period, Rate
+    from study.capacity.more import More
+
+ALL = "all"
+
+
+def capacity(
+    source: Source,
+    cut: Annotated[
+        str, typer.Option("--cut", help="How the line is cut: whole, crossing, interval, section, or all.")
+    ] = ALL,
+    from_time: Annotated[
+        str | None, typer.Option("--from", help="From this time on, HH:MM, in place of day and peak.")
+    ] = None,
+    to_time: Annotated[str | None, typer.Option("--to", help="Up to this time, HH:MM.")] = None,
+    traffic: Annotated[
+        str, typer.Option("--traffic", help="Whose limits stand beside it: mixed, suburban, high-speed.")
+    ] = "mixed",
+    stops: Annotated[
+        str, typer.Option("--stops", help="Trains stand as planned (kept), or as short as they can (least).")
+    ] = "kept",
+    buffer_s: Annotated[
+        float,
+        typer.Option("--buffer", min=0.0, max=3600.0, help="Between a further train and the others, s."),
+    ] = 0.0,
+    theory: ByTheory = False,
+    equipment: Annotated[
+        bool, typer.Option("--equipment", help="Also what tags, radio, points and bounds are worth; theory.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="Directory for occupation.csv and the pictures as PNG and SVG."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Occupancy by timetable compression (UIC 406) by part of the line, the limits beside it, and room for more trains."""
+    from study.capacity.cut import WAYS, cut_of
+    from study.capacity.legs import legs_of, places_of
+    from study.capacity.line_capacity import rates_of
+    from study.capacity.more import more_trains
+    from study.capacity.room import Search
+    from study.report.capacity import FILES, write_occupation
+    from study.run.directory import check_out, replaced
+
+    terms_of = _terms(traffic, stops)
+    between_s = _between(from_time, to_time)
+    if out is not None:
+        check_out(out, FILES.__contains__, "capacity")
+    if cut not in (ALL, *WAYS):
+        cut_of_unknown(cut)
+    setup, occupations = occupations_of(source, theory=theory)
+    legs = legs_of(occupations, places_of(setup.line))
+    periods = _periods(legs, between_s)
+    cuts = [cut_of(setup.line, name) for name in (WAYS if cut == ALL else (cut,))]
+    terms = terms_of(setup.unit.dwell_min_s)
+    by_cut = {one.name: rates_of(legs, one, periods, terms) for one in cuts}
+    more = more_trains(setup, periods[0], Search(buffer_s=buffer_s))
+    worth = _worth(setup) if equipment else None
+    if out is not None:
+        with replaced(out, FILES.__contains__, "capacity") as folder:
+            write_occupation(folder, by_cut, worth)
+        tell(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
+    if as_json:
+        print_json(_as_dict(by_cut, {one.name: one.how for one in cuts}, more, periods, worth, theory=theory))
+        return
+    for one in cuts:
+        _print(one.name, one.how, by_cut[one.name])
+    _print_more(more, periods)
+    if worth is not None:
+        _print_worth(worth)
+
+
+def cut_of_unknown(name: str) -> None:
+    """InputError for a word that is no way to cut."""
+    from network.files.toml_input import one_of
+    from study.capacity.cut import WAYS
+
+    raise InputError("command line", "--cut", name, one_of([*WAYS, ALL], name))
+
+
+def _terms(traffic: str, stops: str) -> Any:
+    from network.files.toml_input import one_of
+    from study.capacity.compression import Stops
+    from study.capacity.limits import Traffic
+    from study.capacity.line_capacity import Terms
+
+    for option, value, known in (("--traffic", traffic, Traffic), ("--stops", stops, Stops)):
+        words = [word.value for word in known]
+        if value not in words:
+            raise InputError("command line", option, value, one_of(words, value))
+    return lambda dwell_min_s: Terms(Traffic(traffic), Stops(stops), dwell_min_s)
+
+
+def _between(from_time: str | None, to_time: str | None) -> tuple[float | None, float | None]:
+    from study.plot.choice import time_of
+
+    from_s, to_s = time_of("--from", from_time), time_of("--to", to_time)
+    if from_s is not None and to_s is not None and to_s <= from_s:
+        raise InputError("command line", "--to", to_time, f"a time after {from_time}")
+    return from_s, to_s
+
+
+def _periods(legs: Sequence[Leg], between_s: tuple[float | None, float | None]) -> tuple[Period, ...]:
+    from study.capacity.line_capacity import Period, day_of, peak_of
+
+    if not legs:
+        raise InputError("command line", "SOURCE", None, "a day on which trains run")
+    day = day_of(legs)
+    from_s, to_s = between_s
+    if from_s is None and to_s is None:
+        return day, peak_of(legs, day)
+    begin_s, end_s = day.from_s if from_s is None else from_s, day.to_s if to_s is None else to_s
+    chosen = Period("chosen", begin_s, end_s, peak=False)
+    if end_s <= begin_s or not chosen.legs(legs):
+        raise InputError("command line", "--from", begin_s, "a time from which trains run")
+    return (chosen,)
+
+
+def _worth(setup: Setup) -> Any:
+    from study.capacity.equipment import worth_of
+
+    return worth_of(setup)
+
+
+def _as_dict(
+    by_cut: Mapping[str, Sequence[Rate]],
+    how: Mapping[str, str],
+    more: More,
+    periods: Sequence[Period],
+    worth: Any,
+    *,
+    theory: bool,
+) -> dict[str, Any]:
+    cuts = [
+        {"cut": name, "how": how[name], "parts": [rate.as_dict() for rate in rates]}
+        for name, rates in by_cut.items()
+    ]
+    room = {
+        "paths": [path.as_dict() for path in more.paths],
+        "kinds": list(more.names),
+        "trains": {period.name: more.trains_in(period) for period in periods},
+        "dropped": list(more.dropped),
+        "wait_s_max": more.search.wait_s_max,
+        "buffer_s": more.search.buffer_s,
+    }
+    found = {"of": "theory" if theory else "run", "cuts": cuts, "room": room}
+    return found if worth is None else found | {"equipment": [one.as_dict() for one in worth]}
+
+
+def _print(name: str, how: str, rates: Sequence[Rate]) -> None:
+    """A block a way of cutting, a row a part and period."""
+    wide = max((len(rate.part.name) for rate in rates), default=0)
+    heads = ("kind", "period", "trains", "occupied min", "rate %", "limit %", "with added %", "more")
+    rows = [f"cut: {name} - {how}", f"{'':{wide}}" + "".join(f"{head:>13}" for head in heads) + "  critical"]
+    for rate in rates:
+        if not rate.trains:
+            continue
+        cells = (
+            rate.part.kind.value,
+            rate.period.name,
+            str(rate.trains),
+            f"{rate.compressed.occupied_s / 60.0:.1f}",
+            f"{100.0 * rate.occupied_share:.1f}",
+            f"{100.0 * rate.limit_share:.0f}",
+            f"{100.0 * rate.consumed_share:.1f}",
+            str(rate.more_trains),
+        )
+        note = f" (stops not kept: {', '.join(rate.contradiction)})" if rate.contradiction else ""
+        row = f"{rate.part.name:{wide}}" + "".join(f"{cell:>13}" for cell in cells)
+        rows.append(f"{row}  {rate.compressed.section_id}{note}")
+    sys.stdout.write("\n".join((*rows, "", "")))
+
+
+def _print_more(more: More, periods: Sequence[Period]) -> None:
+    """How many more trains, and where."""
+    if not more.names:
+        sys.stdout.write("room: no train of the plan comes from a portal, so no further set could come\n")
+        return
+    counts = ", ".join(f"{more.trains_in(period)} in the {period.name}" for period in periods)
+    sys.stdout.write(
+        f"room between the trains: {counts}; each judged in the plan, standing {more.search.wait_s_max / 60.0:.0f} min"
+        f" at most at a place, {more.search.buffer_s:.0f} s from others\n"
+    )
+    for path in more.paths:
+        row = path.as_dict()
+        sys.stdout.write(
+            f"  {row['path']}: {row['departs']} - {row['arrives']}, waits {path.waits_s / 60.0:.0f} min\n"
+        )
+    if more.dropped:
+        sys.stdout.write(f"  thrown out by the judgement: {', '.join(more.dropped)}\n")
+
+
+def _print_worth(worth: Sequence[Any]) -> None:
+    """What each parameter is worth from its low to its high end."""
+    sys.stdout.write(
+        "\nwhat equipment is worth: follower's headway, s, and occupancy of the fullest part, %\n"
+    )
+    for one in worth:
+        row = one.as_dict()
+        sys.stdout.write(
+            f"  {one.name:24} {row['low']:>16} {row['low_headway_s']:9.1f} s {row['low_percent']:6.1f} %"
+            f"   {row['high']:>16} {row['high_headway_s']:9.1f} s {row['high_percent']:6.1f} %\n"
+        )

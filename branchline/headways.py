@@ -1,0 +1,112 @@
+"""`branchline headway`: how soon one train can come behind another, at each station, and what that time goes into."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from branchline.blocking import source_of
+from branchline.ending import print_json
+from branchline.options import Json
+from branchline.progress import tell
+from network.errors import InputError
+
+if TYPE_CHECKING:
+    from network.model import Line
+    from simulation.setup import Setup
+    from study.capacity.headway import Case
+    from study.capacity.occupation import Occupation
+
+Source = Annotated[
+    str, typer.Argument(help="A shipped scenario, a scenario file (.toml), or a run directory.")
+]
+ByTheory = Annotated[
+    bool, typer.Option("--theory", help="From running times, ways set as late as can be; nothing is run.")
+]
+
+
+def headway(
+    source: Source,
+    station: Annotated[str | None, typer.Option("--station", help="At one station, by id.")] = None,
+    theory: ByTheory = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Directory for headways.csv and the pictures as PNG and SVG.")
+    ] = None,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print the table as CSV on stdout.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Least headways (続行, 開通, 追い込み, 着発, 発着) by station and kinds of trains, with the section and the costs."""
+    from network.files.toml_input import one_of
+    from study.capacity.headway import line_cases
+    from study.report.headways import FILES, headway_table, write_headways
+    from study.run.directory import check_out, replaced
+
+    if as_csv and as_json:
+        raise InputError("command line", "--csv", None, "one of --csv and --json")
+    if out is not None:
+        check_out(out, FILES.__contains__, "headways")
+    setup, occupations = occupations_of(source, theory=theory)
+    stations = [s.id for s in setup.line.stations.values() if not s.is_halt]
+    if station is not None and station not in stations:
+        raise InputError("command line", "--station", station, one_of(stations, station))
+    cases = line_cases(setup.line, occupations, setup.unit.dwell_min_s)
+    shown = tuple(case for case in cases if station in (None, case.station_id))
+    if out is not None:
+        with replaced(out, FILES.__contains__, "headways") as folder:
+            write_headways(folder, setup.line, shown)
+        tell(f"wrote {', '.join(sorted(FILES))} in {out}")
+    if as_json:
+        print_json({"of": "theory" if theory else "run", "headways": [case.as_dict() for case in shown]})
+    elif as_csv:
+        sys.stdout.write(headway_table(shown).write_csv())
+    else:
+        _print(setup.line, shown)
+
+
+def occupations_of(source: str, *, theory: bool) -> tuple[Setup, tuple[Occupation, ...]]:
+    """What trains of a scenario or a run directory occupy: as run, or by theory with ways set as late as can be."""
+    setup, as_run = source_of(source, runs=not theory)
+    if not theory and as_run is not None:
+        return setup, as_run
+    from study.capacity.rules import MINIMAL
+    from study.capacity.theory import occupations
+
+    return setup, occupations(setup, MINIMAL)
+
+
+def _print(line: Line, cases: tuple[Case, ...]) -> None:
+    """A block a station: what the two trains are, the least headway, where, what it costs, and what the plan leaves."""
+    from itertools import groupby
+
+    from study.capacity.occupation import Cost
+    from study.report.headways import kind_name
+
+    costs = [cost for cost in Cost if any(abs(case.headway.costs_s[cost]) > 0.05 for case in cases)]
+    wide = max((len(f"{c.first} / {c.second}") for c in cases), default=0)
+    long = max((len(kind_name(c)) for c in cases), default=0) + 4
+    for station_id, own in groupby(cases, key=lambda case: case.station_id):
+        heads = ("least s", *(cost.value[:9] for cost in costs), "left over")
+        rows = [
+            f"{line.stations[station_id].name}, {station_id}",
+            f"{'first / second':{wide}}  {'':{long}}"
+            + "".join(f"{head:>10}" for head in heads)
+            + "  section",
+        ]
+        for case in own:
+            one, near = case.headway, case.closest
+            cells = (
+                f"{one.least_s:.1f}",
+                *(f"{one.costs_s[cost]:.1f}" for cost in costs),
+                "-" if near is None else f"{near.buffer_s:+.0f}",
+            )
+            name = kind_name(case)
+            pad = " " * (long - len(name) - sum(ord(c) > 0x2E7F for c in name))
+            rows.append(
+                f"{case.first + ' / ' + case.second:{wide}}  {name}{pad}"
+                + "".join(f"{cell:>10}" for cell in cells)
+                + f"  {one.section_id}"
+            )
+        sys.stdout.write("\n".join((*rows, "", "")))

@@ -1,0 +1,113 @@
+"""When a train gives back what lies behind it: at the arrival tag, by bounds that grow with the way since the tags.
+
+The rule is that of `onboard.duty.arrival`; the bounds are those of `onboard.localisation.tags` where nothing slides and
+no tag lies: of `tags_wrong_together` n, they rest on the tag read n before the last one. Wheels count as known, as they
+are after the first two stations (`onboard.localisation.wheel_scale`): bounds then grow by twice what wheels change on
+the way.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from network.model import SectionKind, TagPurpose
+from onboard.unit_records import UnitParameters
+from simulation.world.crew import LOOKS_AGAIN_S
+from study.capacity.journey import Journey
+
+
+@dataclass(frozen=True, slots=True)
+class Frees:
+    """At this moment, s, with the front at `at_m`, so many spans may be given back; `stands`: at a mark on a track."""
+
+    t_s: float
+    at_m: float
+    spans: int
+    stands: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Clearing:
+    """How a unit gives back; `pulse_m` of its tachometer. `by_section`: whatever its safe rear has left, at once."""
+
+    unit: UnitParameters
+    pulse_m: float
+    by_section: bool = False
+
+    @property
+    def growth(self) -> float:
+        """By how much bounds grow, m a metre."""
+        changes = max(self.unit.wheel_error_share - self.unit.wheel_scale_limit, 0.0)
+        return min(2.0 * changes, self.unit.wheel_error_share)
+
+    def bound_m(self, journey: Journey, front_m: float) -> float:
+        """By how much the front may be off at a path coordinate, m either way."""
+        known_m = _known_m(journey)
+        counts = bisect_right(known_m, front_m) - 1 - self.unit.tags_wrong_together
+        since_m = max(front_m - known_m[max(counts, 0)], 0.0)
+        return self.unit.tag_accuracy_m + self.pulse_m + self.growth * since_m
+
+    def clear_at_m(self, journey: Journey, end_m: float, from_m: float, doubt: float) -> float:
+        """Where the front is when the safe rear first is beyond `end_m`, from `from_m` on, m; infinite: nowhere.
+
+        `doubt`: share of the way since the last tag that the odometer may have shown too much, for a release on it.
+        """
+        known_m = _known_m(journey)
+        for last_m, next_m in zip(known_m, (*known_m[1:], math.inf), strict=True):
+            begin_m = max(from_m, last_m)
+            if begin_m >= next_m:
+                continue
+            rear_m = begin_m - self.bound_m(journey, begin_m) - journey.length_m - doubt * (begin_m - last_m)
+            at_m = begin_m + max(end_m - rear_m, 0.0) / (1.0 - self.growth - doubt)
+            if at_m < next_m:
+                return at_m
+        return math.inf
+
+    def reported_s(self, journey: Journey) -> tuple[float, ...]:
+        """When each section of the journey is reported as clear, s; infinite for those that it ends in."""
+        frees = () if self.by_section else tuple(self._frees(journey))
+        return tuple(self._reported_s(journey, frees, i) for i in range(len(journey.mission.spans)))
+
+    def _reported_s(self, journey: Journey, frees: tuple[Frees, ...], span: int) -> float:
+        end_m = journey.mission.spans[span].end_m
+        if self.by_section:
+            return journey.at_s(self.clear_at_m(journey, end_m, 0.0, 0.0))
+        found_s = math.inf
+        for each in frees:
+            if each.spans <= span:
+                continue
+            if not each.stands:
+                at_m = self.clear_at_m(journey, end_m, each.at_m, self.unit.doubt_error_share)
+                found_s = min(found_s, journey.at_s(at_m))
+            elif each.at_m - self.bound_m(journey, each.at_m) - journey.length_m >= end_m:
+                found_s = min(found_s, each.t_s)
+        return min(found_s, self._by_eye_s(journey, span))
+
+    def _by_eye_s(self, journey: Journey, span: int) -> float:
+        """When the driver of a train at its mark would have confirmed what no tag proves, s."""
+        found = (s.arrives_s for s in journey.stays if journey.plan.stops[s.target].clear > span)
+        return next(found, math.inf) + LOOKS_AGAIN_S
+
+    def _frees(self, journey: Journey) -> Iterator[Frees]:
+        """What may be given back when, by the tags read and the stops made."""
+        mission, plan = journey.mission, journey.plan
+        proved = 0
+        read = list(zip(mission.tags, plan.tags, strict=True))
+        for stay in journey.stays:
+            stop, mark_m = plan.stops[stay.target], mission.targets[stay.target].mark_m
+            while read and read[0][0].position_m <= mark_m:
+                laid, tag = read.pop(0)
+                proved = max(proved, tag.clear)
+                if tag.purpose is TagPurpose.ARRIVAL:
+                    yield Frees(journey.at_s(laid.position_m), laid.position_m, proved, stands=False)
+            if mission.spans[stop.span].kind is not SectionKind.BETWEEN:
+                yield Frees(stay.arrives_s, mark_m, min(proved, stop.clear), stands=True)
+
+
+def _known_m(journey: Journey) -> list[float]:
+    """Where the position was told: where the journey begins, and at each tag, m."""
+    start_m = journey.mission.targets[0].mark_m
+    return [start_m, *(tag.position_m for tag in journey.mission.tags if tag.position_m > start_m)]

@@ -1,0 +1,189 @@
+"""How trains of a stock are driven by prediction: journeys made of the plan, with what clearing and braking need."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onboard.driving.room import Room
+from onboard.duty.mission import Mission, Passing, Target
+from onboard.duty.plan import plan_of
+from onboard.duty.timekeeping import cruise_for
+from onboard.reach import Ground
+from onboard.records import BehaviourRow
+from onboard.unit_records import UnitParameters
+from simulation.setup import Setup, behaviour_row
+from simulation.ways import ground_of
+from study.capacity.clearing import Clearing
+from study.capacity.journey import Journey, Stay
+from study.capacity.links import Links
+from study.capacity.rules import Rules
+from study.capacity.setting import Setting
+from study.feasibility.planned import PlannedTrain
+from vehicle.records import TrainRow
+from vehicle.running_time import predicted_course
+from vehicle.starting import start_delay_s
+from vehicle.wheel import pulse_m
+
+STEP_S = 0.1
+HOP_LEAST_M = 0.05  # two marks nearer than this are one
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """How one stock is driven: the train as its unit believes it to be, its rules, and the ways that it knows.
+
+    `starts_s`: from the word to leave until the train runs as predicted, s. `known`: hops already predicted.
+    """
+
+    setup: Setup
+    stock_id: str
+    rules: Rules
+    links: Links
+    train: TrainRow
+    behaviour: BehaviourRow
+    clearing: Clearing
+    room: Room
+    starts_s: float
+    grounds: dict[tuple[str, ...], Ground]
+    known: dict[tuple[object, ...], NDArray[np.float64]]
+
+    @property
+    def unit(self) -> UnitParameters:
+        """Times of the unit."""
+        return self.setup.unit
+
+    def journey(self, planned: PlannedTrain, setting: Setting, ready_s: float) -> Journey:
+        """A train of the plan whose stock is ready for it at a time, s."""
+        duty, mission = planned.duty, planned.duty.mission
+        plan = plan_of(mission, float(self.train.length_m))
+        begins_s, leaves_s = ready_s, ready_s
+        leg = plan.leg_beyond(plan.spans[0].section_id)
+        asks_s: dict[str, float] = {}
+        if duty.enters:
+            begins_s, ready_s = self._signs_on(planned, setting, max(ready_s, duty.enter_s))
+        leaves_s = max(ready_s, mission.targets[0].departure_s or ready_s)
+        if leg is not None:
+            asks_s[leg.route_id] = self._asks_s(mission.targets[0], ready_s, ready_s)
+            leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
+        stays = [Stay(0, ready_s, leaves_s)]
+        course = [np.array([[ready_s, mission.targets[0].mark_m, 0.0]])]
+        for at, there in enumerate(mission.targets[1:], start=1):
+            hop = self._hop(mission, at, stays[-1].departs_s)
+            course.append(hop)
+            stands_s = float(hop[-1, 0])
+            if at + 1 == len(mission.targets):
+                stays.append(Stay(at, stands_s, stands_s))
+                break
+            free_s = stands_s + (self.unit.dwell_min_s if there.passengers else 0.0)
+            leaves_s = max(free_s, -math.inf if self.rules.unslowed else there.departure_s or -math.inf)
+            leg = plan.leg_beyond(there.section_id)
+            if leg is not None and leg.route_id not in asks_s:
+                asks_s[leg.route_id] = self._asks_s(there, stands_s, free_s)
+                if not self.rules.late:
+                    leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
+            stays.append(Stay(at, stands_s, leaves_s))
+        made = Journey(
+            self.stock_id,
+            mission,
+            plan,
+            float(self.train.length_m),
+            np.vstack(course),
+            tuple(stays),
+            begins_s,
+            stays[-1].arrives_s,
+            duty.enters,
+            duty.leaves,
+            asks_s,
+        )
+        return made.ended(self._done_s(made))
+
+    def _signs_on(self, planned: PlannedTrain, setting: Setting, begins_s: float) -> tuple[float, float]:
+        """When a stock signs on at its portal and when it stands in it, s: as soon as it may, or as late as it can."""
+        plan = plan_of(planned.duty.mission, float(self.train.length_m))
+        leg = plan.leg_beyond(plan.spans[0].section_id)
+        if self.rules.late and leg is not None:
+            way_s = setting.way_free_s(plan, leg, 0.0)
+            begins_s = max(begins_s, planned.stands[0].departs_s - way_s - self.links.ask_s)
+        return begins_s, begins_s + self.links.ask_s
+
+    def _asks_s(self, target: Target, stands_s: float, free_s: float) -> float:
+        """When a unit that stands at a stop asks for the route beyond it (`onboard.duty.turn.Turn.schedule`)."""
+        lead_s = self.unit.request_lead_s
+        planned_s = -math.inf if target.departure_s is None else target.departure_s - lead_s
+        return max(stands_s, free_s - lead_s, planned_s)
+
+    def _done_s(self, journey: Journey) -> float:
+        """When a train has done with its number: it stands, and what it reports there is confirmed."""
+        stands_s = journey.stays[-1].arrives_s
+        reports_s = [s for s in self.clearing.reported_s(journey)[:-1] if not math.isinf(s)]
+        if self.rules.by_section or max(reports_s, default=-math.inf) < stands_s:
+            return stands_s
+        return max(reports_s) + self.links.report_s + self.links.grant_s
+
+    def _hop(self, mission: Mission, at: int, leaves_s: float) -> NDArray[np.float64]:
+        """The course of the run to target `at` from the one before, which it leaves at a time; shape (n, 3)."""
+        here, there = mission.targets[at - 1], mission.targets[at]
+        if there.mark_m - here.mark_m < HOP_LEAST_M:
+            return np.array([[leaves_s, there.mark_m, 0.0]])
+        dues_s = [self._due_s(there, passing) for passing in (*there.passings, None)]
+        key = (
+            mission.path.piece_ids,
+            at,
+            *(None if due_s is None else round(due_s - leaves_s, 3) for due_s in dues_s),
+        )
+        if key not in self.known:
+            self.known[key] = self._run(mission, at, [d if d is None else d - leaves_s for d in dues_s])
+        later: NDArray[np.float64] = self.known[key] + np.array([leaves_s, 0.0, 0.0])
+        return later
+
+    def _run(self, mission: Mission, at: int, dues_s: list[float | None]) -> NDArray[np.float64]:
+        """A hop from time 0 on; `dues_s`: when it aims to be at the stations that it passes, and at its stop."""
+        here, there = mission.targets[at - 1], mission.targets[at]
+        ground, slows = self._ground(mission), float(self.behaviour.stop_deceleration_mps2)
+        way = self.train, self.setup.load.load_share_mean, ground.climb_m, ground.driving_mps
+        asked_s, at_s, position_m, speed_mps = 0.0, self.starts_s, here.mark_m, 0.0
+        rows = [np.array([[0.0, position_m, 0.0], [at_s, position_m, 0.0]])]
+        for passing, due_s in zip((*there.passings, None), dues_s, strict=True):
+            until_m = math.inf if passing is None else passing.position_m
+            cruise_mps = math.inf
+            if due_s is not None:
+                within_s = due_s - asked_s
+                cruise_mps = cruise_for(*way, position_m, there.mark_m, within_s, slows, speed_mps, until_m)
+            ends = position_m, there.mark_m, cruise_mps, slows
+            part = predicted_course(*way, *ends, STEP_S, speed_mps, until_m)
+            rows.append(part[1:] + np.array([at_s, 0.0, 0.0]))
+            at_s, position_m, speed_mps = at_s + float(part[-1, 0]), float(part[-1, 1]), float(part[-1, 2])
+            asked_s = at_s
+        return np.vstack(rows)
+
+    def _due_s(self, there: Target, passing: Passing | None) -> float | None:
+        """When the unit aims to be at its stop, or at the station that it runs through before; None: at no time."""
+        if self.rules.unslowed:
+            return None
+        if passing is not None:
+            return passing.time_s
+        latest_s = None if there.arrival_s is None else there.latest_arrival_s(self.unit.dwell_min_s)
+        return None if latest_s is None else latest_s - self.unit.time_margin_s
+
+    def _ground(self, mission: Mission) -> Ground:
+        key = mission.path.piece_ids
+        if key not in self.grounds:
+            line = self.setup.believed_line
+            self.grounds[key] = ground_of(line, mission.path, self.train, self.behaviour)
+        return self.grounds[key]
+
+
+def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> Driving:
+    """How a stock of a setup is driven."""
+    row = setup.believed_train(stock_id).row
+    train = row.view(np.recarray)[0]
+    behaviour = behaviour_row(setup.driving, row[0]).reshape(1).view(np.recarray)[0]
+    clearing = Clearing(setup.unit, pulse_m(train), by_section=rules.by_section)
+    reaction_s = float(train.brake_dead_time_s + train.brake_lag_s)
+    room = Room(behaviour, reaction_s, setup.unit.standoff_m)
+    starts_s = start_delay_s(train, setup.load.load_share_mean, float(behaviour.standing_brake_notch), STEP_S)
+    return Driving(setup, stock_id, rules, links, train, behaviour, clearing, room, starts_s, {}, {})

@@ -1,0 +1,326 @@
+"""Headway (運転時隔): how soon a train can come behind another one, from occupations moved against each other.
+
+Two trains, an event of each at one station: the second's event can be no sooner after the first's than that every
+section which both need is free again. The kinds have the names that Japanese timetables use (docs/capacity.md):
+
+- following (続行): same direction from the same track, departure to departure;
+- the way open (開通): same direction from another track, departure (or passing) to departure;
+- closing up (追い込み): same direction onto another track, arrival to arrival (or passing);
+- arrival to departure (着発): the one comes, the other leaves into where it came from;
+- departure to arrival (発着): the one leaves, the other comes, onto its track or over the way that it took.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Final
+
+from network.model import Direction, Line
+from study.capacity.legs import Leg, costs_between, legs_of, places_of, slack_of, stand_of
+from study.capacity.occupation import TOUCH_S, Cost, Occupation
+
+
+class HeadwayKind(StrEnum):
+    """What the two trains do at the station; the value is the name in Japanese."""
+
+    FOLLOWING = "続行"
+    OPEN = "開通"
+    CLOSING_UP = "追い込み"
+    ARRIVAL_DEPARTURE = "着発"
+    DEPARTURE_ARRIVAL = "発着"
+
+    @property
+    def english(self) -> str:
+        """The name in English."""
+        return self.name.lower().replace("_", " ")
+
+    @property
+    def between(self) -> str:
+        """The events that it lies between."""
+        return _BETWEEN[self]
+
+
+NEAR: Final = 8  # trains: who is further from another is not held up by it
+_BETWEEN: Mapping[HeadwayKind, str] = {
+    HeadwayKind.FOLLOWING: "departure to departure",
+    HeadwayKind.OPEN: "departure to departure",
+    HeadwayKind.CLOSING_UP: "arrival to arrival",
+    HeadwayKind.ARRIVAL_DEPARTURE: "arrival to departure",
+    HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A train arrives at a place, or departs from it: the leg into it, or out of it."""
+
+    leg: Leg
+    arrival: bool
+
+    @property
+    def time_s(self) -> float:
+        """When."""
+        return self.leg.arrives_s if self.arrival else self.leg.departs_s
+
+    @property
+    def track_id(self) -> str:
+        """The section of the place."""
+        place = self.leg.end if self.arrival else self.leg.start
+        return "" if place is None else place.section_id
+
+
+@dataclass(frozen=True, slots=True)
+class Headway:
+    """The least time from an event of the first train to one of the second, s, and the section that makes it so.
+
+    `costs_s` make up `least_s`. `first_s` and `second_s`: what of it is the first train's, from its event until the
+    section is free, and the second's, from when it needs the section to its event. `planned_s`: as the two are.
+    """
+
+    kind: HeadwayKind
+    first: Event
+    second: Event
+    section_id: str
+    least_s: float
+    first_s: float
+    second_s: float
+    costs_s: Mapping[Cost, float]
+
+    @property
+    def planned_s(self) -> float:
+        """The time between the two events as they are."""
+        return self.second.time_s - self.first.time_s
+
+    @property
+    def buffer_s(self) -> float:
+        """What the plan leaves over the least; negative where it cannot be kept."""
+        return self.planned_s - self.least_s
+
+
+@dataclass(frozen=True, slots=True)
+class _Hold:
+    """What the first train holds of a section after its event, s, and the slack that it would not need there."""
+
+    occupation: Occupation
+    after_s: float
+    slack_s: Mapping[Cost, float]
+
+
+def least_between(
+    kind: HeadwayKind, first: Event, second: Event, held: Iterable[Occupation], dwell_min_s: float = math.inf
+) -> Headway | None:
+    """The headway of two events; None where the two share nothing.
+
+    `held` is all that the first train holds around its event, without what it stands there beyond the least; the
+    second's leg says what that one needs. Of sections that free at once the first on the second's way counts.
+    """
+    holds = {one.section_id: _hold(one, first, dwell_min_s) for one in held}
+    critical: tuple[float, _Hold, Occupation] | None = None
+    for other in second.leg.occupations:
+        hold = holds.get(other.section_id)
+        if hold is None or not (math.isfinite(hold.after_s) and math.isfinite(other.begin_s)):
+            continue
+        least_s = hold.after_s + (second.time_s - other.begin_s)
+        if critical is None or least_s > critical[0] + TOUCH_S:
+            critical = (least_s, hold, other)
+    if critical is None:
+        return None
+    least_s, hold, other = critical
+    before = costs_between(hold.occupation, first.time_s, hold.occupation.end_s)
+    after = costs_between(other, other.begin_s, second.time_s)
+    costs_s = {cost: before[cost] - hold.slack_s[cost] + after[cost] for cost in Cost}
+    return Headway(
+        kind, first, second, other.section_id, least_s, hold.after_s, least_s - hold.after_s, costs_s
+    )
+
+
+def _hold(one: Occupation, first: Event, dwell_min_s: float) -> _Hold:
+    """A stand that comes after the event is as short as it can be."""
+    comes = stand_of(one).arrives_s >= first.time_s - TOUCH_S
+    slack_s = slack_of(one, dwell_min_s) if comes else dict.fromkeys(Cost, 0.0)
+    return _Hold(one, one.end_s - first.time_s - math.fsum(slack_s.values()), slack_s)
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A train at one station: how it comes, if it does, and how it leaves."""
+
+    number: str
+    stock_id: str
+    comes: Leg | None
+    leaves: Leg | None
+
+    @property
+    def arrival(self) -> Event | None:
+        """Its arrival."""
+        return None if self.comes is None else Event(self.comes, arrival=True)
+
+    @property
+    def departure(self) -> Event | None:
+        """Its departure."""
+        return None if self.leaves is None else Event(self.leaves, arrival=False)
+
+    @property
+    def direction(self) -> Direction:
+        """Its direction of travel."""
+        leg = self.comes or self.leaves
+        if leg is None:
+            raise ValueError(f"{self.number}: a visit without a leg")
+        return leg.direction
+
+    @property
+    def time_s(self) -> float:
+        """When it is there first."""
+        first = self.arrival or self.departure
+        return math.inf if first is None else first.time_s
+
+    @property
+    def passes(self) -> bool:
+        """Whether it runs through."""
+        place = self.comes.end if self.comes is not None else None
+        return place is not None and self.leaves is not None and stand_of(place).passes
+
+    def held(self) -> Iterator[Occupation]:
+        """All that it holds on its way in and out."""
+        for leg in (self.comes, self.leaves):
+            if leg is not None:
+                yield from leg.held
+
+
+def headways_of(first: Visit, second: Visit, dwell_min_s: float = math.inf) -> Iterator[Headway]:
+    """Every headway between two trains at a station, the first before the second; none between trains of one set."""
+    if first.stock_id == second.stock_id:
+        return
+    held = tuple({id(one): one for one in first.held()}.values())
+    for kind, one, other in _events(first, second):
+        found = least_between(kind, one, other, held, dwell_min_s)
+        if found is not None:
+            yield found
+
+
+def _events(first: Visit, second: Visit) -> Iterator[tuple[HeadwayKind, Event, Event]]:
+    """The pairs of events for which there is a name."""
+    one, other = (first.arrival, first.departure), (second.arrival, second.departure)
+    same_way = first.direction is second.direction
+    if same_way and one[1] is not None and other[1] is not None:
+        same_track = one[1].track_id == other[1].track_id
+        yield (HeadwayKind.FOLLOWING if same_track else HeadwayKind.OPEN), one[1], other[1]
+    if same_way and one[0] is not None and other[0] is not None and one[0].track_id != other[0].track_id:
+        yield HeadwayKind.CLOSING_UP, one[0], other[0]
+    if not same_way and one[0] is not None and other[1] is not None:
+        yield HeadwayKind.ARRIVAL_DEPARTURE, one[0], other[1]
+    if one[1] is not None and other[0] is not None and (not same_way or one[1].track_id == other[0].track_id):
+        yield HeadwayKind.DEPARTURE_ARRIVAL, one[1], other[0]
+
+
+def visits_at(legs: Sequence[Leg], track_ids: frozenset[str]) -> tuple[Visit, ...]:
+    """Every train at a station of these tracks, in order of time; a set that turns back is two trains."""
+    comes = {leg.number: leg for leg in legs if leg.end is not None and leg.end.section_id in track_ids}
+    leaves = {leg.number: leg for leg in legs if leg.start is not None and leg.start.section_id in track_ids}
+    numbers = dict.fromkeys((*comes, *leaves))
+    visits = [_visit(number, comes.get(number), leaves.get(number)) for number in numbers]
+    return tuple(sorted(visits, key=lambda visit: (visit.time_s, visit.number)))
+
+
+def _visit(number: str, comes: Leg | None, leaves: Leg | None) -> Visit:
+    leg = comes or leaves
+    return Visit(number, "" if leg is None else leg.stock_id, comes, leaves)
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A row of the table of headways: two kinds of trains at a station, and what of the day is nearest to the least.
+
+    A kind of train is its direction, its track and whether it passes; `headway` is the greatest least
+    time that two trains of these kinds have, `closest` the pair of them that the plan brings nearest to it.
+    """
+
+    station_id: str
+    first: str
+    second: str
+    headway: Headway
+    closest: Headway | None
+    pairs: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV: times to 0.1 s."""
+        one, near = self.headway, self.closest
+        return {
+            "station": self.station_id,
+            "kind": one.kind.name.lower(),
+            "kind_ja": one.kind.value,
+            "between": one.kind.between,
+            "first": self.first,
+            "second": self.second,
+            "least_s": round(one.least_s, 1),
+            "section": one.section_id,
+            "first_train_s": round(one.first_s, 1),
+            "second_train_s": round(one.second_s, 1),
+            **{f"{cost.value}_s": round(one.costs_s[cost], 1) for cost in Cost},
+            "of": f"{one.first.leg.number}, {one.second.leg.number}",
+            "pairs": self.pairs,
+            "closest": "" if near is None else f"{near.first.leg.number}, {near.second.leg.number}",
+            "closest_s": None if near is None else round(near.planned_s, 1),
+            "buffer_s": None if near is None else round(near.buffer_s, 1),
+        }
+
+
+def kind_of_visit(visit: Visit) -> str:
+    """What a train is at a station, in few words: direction, track, and whether it passes."""
+    event = visit.arrival or visit.departure
+    track_id = "" if event is None else event.track_id
+    return f"{visit.direction.name.lower()}, {track_id}{' passes' if visit.passes else ''}"
+
+
+@dataclass(slots=True)
+class _Found:
+    """What is known of two kinds of trains and a headway so far."""
+
+    greatest: Headway
+    closest: Headway | None = None
+    pairs: int = 0
+
+    def take(self, one: Headway, *, follows: bool) -> None:
+        """One more pair; `follows`: it is so in the plan."""
+        if one.least_s > self.greatest.least_s + TOUCH_S:
+            self.greatest = one
+        if follows and one.planned_s > 0.0:
+            self.pairs += 1
+            if self.closest is None or one.buffer_s < self.closest.buffer_s - TOUCH_S:
+                self.closest = one
+
+
+def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math.inf) -> tuple[Case, ...]:
+    """The headways at a station by kinds of trains, in the order in which they first come.
+
+    A train is held against the NEAR trains after it, and against those before it as if they came after.
+    """
+    found: dict[tuple[str, str, HeadwayKind], _Found] = {}
+    for index, visit in enumerate(visits):
+        for other in visits[index + 1 : index + 1 + NEAR]:
+            for first, second in ((visit, other), (other, visit)):
+                for one in headways_of(first, second, dwell_min_s):
+                    key = kind_of_visit(first), kind_of_visit(second), one.kind
+                    found.setdefault(key, _Found(one)).take(one, follows=first is visit)
+    return tuple(
+        Case(station_id, first, second, one.greatest, one.closest, one.pairs)
+        for (first, second, _), one in found.items()
+    )
+
+
+def line_cases(
+    line: Line, occupations: Iterable[Occupation], dwell_min_s: float = math.inf
+) -> tuple[Case, ...]:
+    """The headways at every station of a line, along the line."""
+    legs = legs_of(occupations, places_of(line))
+    stations = sorted((s for s in line.stations.values() if not s.is_halt), key=lambda s: s.position_m)
+    return tuple(
+        case
+        for station in stations
+        for case in cases_at(
+            station.id, visits_at(legs, frozenset(t.section_id for t in station.tracks)), dwell_min_s
+        )
+    )

@@ -1,0 +1,184 @@
+"""Occupations as a train makes them: leg by leg, from track to track, with when it stands where.
+
+A leg is what lies between two places at which a train may stand (tracks and portals): its sections are obtained
+together, and nothing but time can come between two legs. Whatever moves trains against each other (headway,
+compression, room for more) moves legs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+from network.model import Direction, Line, SectionKind
+from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation, Part
+
+STANDS: Final = frozenset(
+    {Part.READY, Part.DWELL, Part.HELD, Part.CHANGE_ENDS, Part.LAYOVER, Part.CHARGING}
+)  # what a train does on a track while it stands there
+SLACK: Final = frozenset(
+    {Part.READY, Part.HELD, Part.LAYOVER}
+)  # a stand is no longer than needed without these
+PLACES: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
+IsPlace = Callable[[str], bool]
+
+
+def places_of(line: Line) -> IsPlace:
+    """Whether a section of a line is one in which a train may stand."""
+    found = frozenset(section.id for section in line.sections.values() if section.kind in PLACES)
+    return found.__contains__
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """A train in a place, s: it comes to a stand and starts again, or both are when its front comes in: it passes.
+
+    Infinite where it was there when the day began, or stays. `least_s`: the shortest that it could have stood.
+    """
+
+    section_id: str
+    arrives_s: float
+    departs_s: float
+    passes: bool
+    least_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One set from one place to the next: all it occupies on the way, in order of travel, with the place at its end.
+
+    `start` is what it holds of the place it leaves; None where that is not known. `end` is the last of `occupations`
+    if the leg ends in a place.
+    """
+
+    stock_id: str
+    number: str
+    direction: Direction
+    start: Occupation | None
+    occupations: tuple[Occupation, ...]
+    ends_in_place: bool
+
+    @property
+    def end(self) -> Occupation | None:
+        """What it holds of the place at its end."""
+        return self.occupations[-1] if self.ends_in_place else None
+
+    @property
+    def departs_s(self) -> float:
+        """When it starts, or its front leaves the place at its beginning."""
+        if self.start is not None and math.isfinite(stand_of(self.start).departs_s):
+            return stand_of(self.start).departs_s
+        return self.occupations[0].enters_s
+
+    @property
+    def arrives_s(self) -> float:
+        """When it stands in the place at its end, or its front is in it."""
+        return stand_of(self.occupations[-1]).arrives_s
+
+    @property
+    def held(self) -> tuple[Occupation, ...]:
+        """All that it holds, with the place that it leaves."""
+        return self.occupations if self.start is None else (self.start, *self.occupations)
+
+
+def stand_of(occupation: Occupation, dwell_min_s: float = math.inf) -> Stand:
+    """How a train stands in a section; as if it passed where it does not. A dwell longer than the least is slack."""
+    stands = [s for s in occupation.slices if s.part in STANDS and s.begin_s >= occupation.enters_s - TOUCH_S]
+    if not stands:
+        at_s = occupation.enters_s if math.isfinite(occupation.enters_s) else occupation.begin_s
+        return Stand(occupation.section_id, at_s, at_s, passes=True, least_s=0.0)
+    begin_s = stands[0].begin_s if math.isfinite(occupation.enters_s) else -math.inf
+    end_s = stands[-1].end_s if math.isfinite(occupation.leaves_s) else math.inf
+    slack_s = math.fsum(slack_of(occupation, dwell_min_s).values())
+    least_s = math.fsum(s.length_s for s in stands) - slack_s
+    return Stand(occupation.section_id, begin_s, end_s, passes=False, least_s=least_s)
+
+
+def slack_of(occupation: Occupation, dwell_min_s: float = math.inf) -> dict[Cost, float]:
+    """What of a stand need not be, by cost, s: waiting for its time or its way, a dwell over the least."""
+    found = dict.fromkeys(Cost, 0.0)
+    dwells_s = 0.0
+    for one in occupation.slices:
+        if one.begin_s < occupation.enters_s - TOUCH_S or one.part not in STANDS:
+            continue
+        if one.part is Part.DWELL:
+            dwells_s += one.length_s
+        elif one.part in SLACK:
+            found[COST_OF[one.part]] += one.length_s
+    found[COST_OF[Part.DWELL]] += max(dwells_s - dwell_min_s, 0.0)
+    return found
+
+
+def legs_of(occupations: Iterable[Occupation], is_place: IsPlace) -> tuple[Leg, ...]:
+    """The legs of every set, in order of time; an occupation of a place ends the leg into it and starts the next."""
+    by_stock: dict[str, list[Occupation]] = defaultdict(list)
+    for one in occupations:
+        by_stock[one.stock_id].append(one)
+    found: list[Leg] = []
+    for stock_id, own in by_stock.items():
+        own.sort(key=lambda o: (o.enters_s, o.begin_s))
+        start: Occupation | None = None
+        way: list[Occupation] = []
+        for one in own:
+            if not way and is_place(one.section_id) and (start is None or not _joined(start, one)):
+                start = one
+                continue
+            way.append(one)
+            if is_place(one.section_id):
+                found.append(_leg(stock_id, start, way, ends=True))
+                start, way = one, []
+        if way:
+            found.append(_leg(stock_id, start, way, ends=False))
+    return tuple(sorted(found, key=lambda leg: (leg.departs_s, leg.stock_id)))
+
+
+def _leg(stock_id: str, start: Occupation | None, way: list[Occupation], *, ends: bool) -> Leg:
+    first = way[0]
+    if start is not None and not _joined(start, first):
+        start = None
+    return Leg(stock_id, first.number, first.direction, start, tuple(way), ends)
+
+
+def _joined(start: Occupation, first: Occupation) -> bool:
+    """Whether a set goes on from a place: otherwise it has left the line there and come back."""
+    return start.leaves_s >= first.enters_s - TOUCH_S or start.end_s >= first.begin_s - TOUCH_S
+
+
+def costs_between(occupation: Occupation, from_s: float, to_s: float) -> dict[Cost, float]:
+    """What the time from one instant to another goes into by an occupation, s; negative where it runs backwards.
+
+    Before it begins and after it has ended the train is on its way elsewhere: driving. The costs make up the time.
+    """
+    if to_s < from_s:
+        return {cost: -time_s for cost, time_s in costs_between(occupation, to_s, from_s).items()}
+    found: dict[Cost, list[float]] = {cost: [] for cost in Cost}
+    for one in occupation.slices:
+        found[COST_OF[one.part]].append(max(0.0, min(one.end_s, to_s) - max(one.begin_s, from_s)))
+    within_s = math.fsum(time_s for times in found.values() for time_s in times)
+    found[Cost.DRIVING].append(to_s - from_s - within_s)
+    return {cost: math.fsum(times) for cost, times in found.items()}
+
+
+def trains_of(legs: Iterable[Leg]) -> dict[str, tuple[Leg, ...]]:
+    """Legs by the number of the train, in order."""
+    found: dict[str, list[Leg]] = defaultdict(list)
+    for leg in legs:
+        found[leg.number].append(leg)
+    return {number: tuple(sorted(own, key=lambda leg: leg.departs_s)) for number, own in found.items()}
+
+
+def follows_on(before: Leg, after: Leg) -> bool:
+    """Whether a leg begins where, and as, the leg before it of the same set ended."""
+    return before.end is not None and after.start is before.end
+
+
+def joined_legs(legs: Iterable[Leg]) -> tuple[tuple[Leg, Leg], ...]:
+    """Each two legs of a set of which the second goes on from where the first ended."""
+    by_stock: dict[str, list[Leg]] = defaultdict(list)
+    for leg in legs:
+        by_stock[leg.stock_id].append(leg)
+    return tuple(pair for own in by_stock.values() for pair in pairwise(own) if follows_on(*pair))

@@ -1,0 +1,335 @@
+"""Blocking times of a run: from what parties and world wrote in the journal, and where trains truly were.
+
+The register says whose a section is: granted, or taken as signed on, until freed. What the unit asked, held, commanded,
+had proven and reported are the lines of its own; front and rear are the trace's. A section is wanted from the first
+request on; while another has it, or another section of the same route, it is waited for, which is no part of the
+occupation. What a run that was cut short leaves open ends with it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+from network.model import Charger, Direction, SectionKind
+from onboard import notes
+from radio.noted import Sent, TookEffect
+from simulation.events import MANAGER, Entry, Left
+from simulation.result import BatteryEvent, Phase, RunResult
+from simulation.setup import STEPS_PER_S, Setup
+from study.capacity.occupation import Occupation, Part
+from study.capacity.passage import Passage, Standing, Throwing, occupation_of
+from study.capacity.visits import Visit, visits_of
+from wayside import said
+
+PART_OF: Final = {
+    Phase.AT_STOP: Part.DWELL,
+    Phase.HELD: Part.HELD,
+    Phase.LAYOVER: Part.LAYOVER,
+    Phase.STABLED: Part.LAYOVER,
+}
+ROUTE_REQUEST: Final = "RouteRequest"
+SIGNS_ON: Final = ("SignOn", "Claim")
+POINTS_COMMAND: Final = "PointsCommand"
+
+
+def observed(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
+    """The blocking times of a run, in order of their begin."""
+    register = _Register(result.begin_step / STEPS_PER_S)
+    for entry in result.journal.entries:
+        register.take(entry)
+    lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
+    visits = visits_of(result, setup.line, lengths_m)
+    standing = _standing(result, setup)
+    ends_s = result.end_step / STEPS_PER_S
+    portals = {section.id for section in setup.line.sections.values() if section.kind is SectionKind.PORTAL}
+    found: list[Occupation] = []
+    for hold in register.holds:
+        own = visits.get(hold.unit, []), standing[hold.unit]
+        found.append(occupation_of(_passage(hold, *own, portal=hold.section_id in portals), ends_s))
+    return tuple(sorted(found, key=lambda o: (o.begin_s, o.section_id)))
+
+
+@dataclass(slots=True)
+class _Asking:
+    """What a unit has asked for since it last held a route or changed its mind: when first, and what was sent when."""
+
+    first_s: float | None = None
+    sent_s: dict[tuple[int, int], float] = field(default_factory=dict[tuple[int, int], float])
+    heard: tuple[int, int] | None = None  # the telegram that took effect last
+
+
+@dataclass(slots=True)
+class _Hold:
+    """A section in the register as one unit's. `waited_s`: while another had it, or its route."""
+
+    section_id: str
+    unit: str
+    number: str
+    direction: Direction
+    route_id: str
+    wanted_s: float
+    sent_s: float
+    heard_s: float
+    waited_s: float = 0.0
+    held_s: float | None = None
+    reported_s: float | None = None
+    arrived_s: float = math.inf  # stood in it at its last stop and then left the line
+    freed_s: float = math.inf
+    throwing: list[_Throw] = field(default_factory=list["_Throw"])
+
+    def throw_of(self, points_id: str) -> _Throw | None:
+        """The last time that points were set for it."""
+        return next((t for t in reversed(self.throwing) if t.points_id == points_id), None)
+
+
+@dataclass(slots=True)
+class _Throw:
+    """Points set for a hold: moments as of `Throwing`; `dropped`: their proof has gone since."""
+
+    points_id: str
+    sent_s: float
+    taken_s: float
+    locked_s: float = math.inf
+    proven_s: float = math.inf
+    dropped: bool = False
+
+
+class _Register:
+    """The register played again, with what units say about what they have of it."""
+
+    def __init__(self, begin_s: float) -> None:
+        self.holds: list[_Hold] = []
+        self._begin_s: Final = begin_s
+        self._open: dict[str, dict[str, _Hold]] = defaultdict(dict)  # unit -> section -> hold
+        self._freed_s: dict[str, tuple[str, float]] = {}  # section -> who had it last, until when
+        self._train: dict[str, tuple[str, Direction]] = {}
+        self._asks: dict[tuple[str, bool], _Asking] = defaultdict(_Asking)  # unit, whether it signs on
+        self._commands_s: dict[tuple[str, str, int], float] = {}  # unit, terminal, correlation -> first sent
+        self._commanding: dict[
+            tuple[str, str], int
+        ] = {}  # unit, terminal -> correlation of the last one taken
+        self._arrived_s: dict[str, float] = {}
+
+    def take(self, entry: Entry) -> None:
+        """One line of the journal."""
+        t_s, who, event = entry.t_s, entry.who, entry.event
+        match event:
+            case Sent():
+                self._sent(t_s, event)
+            case TookEffect():
+                self._heard(event)
+            case said.Granted(unit_id=unit, section_ids=sections, route_id=route):
+                self._begin(t_s, unit, sections, route)
+            case said.Accepted(unit_id=unit, section_ids=sections):
+                self._exactly(t_s, unit, sections)
+            case said.ConfirmedByHand(unit_id=unit, section_ids=sections):
+                self._exactly(t_s, unit, sections)
+            case said.Freed(unit_id=unit, section_ids=sections):
+                self._end(t_s, unit, sections)
+            case said.Outside(unit_id=unit):
+                self._end(t_s, unit, tuple(self._open[unit]))
+            case said.PointsCommanded() | said.PointsProven():
+                self._points(t_s, who, event)
+            case _:
+                self._unit(t_s, who, event)
+
+    def _unit(self, t_s: float, unit: str, event: object) -> None:
+        """What a unit says of itself."""
+        match event:
+            case notes.MissionBegun(train=train, direction=direction):
+                self._train[unit] = train, Direction[direction.upper()]
+                self._asks.pop((unit, False), None)
+            case notes.Holds(section_ids=sections):
+                self._holds(t_s, unit, sections)
+            case notes.RouteHeld() | notes.GaveBack() | notes.UnitRestarted():
+                self._asks.pop((unit, False), None)
+            case notes.SignedOn():
+                self._asks.pop((unit, True), None)
+            case notes.Reported(section_ids=sections):
+                self._reports(t_s, unit, sections)
+            case notes.Arrived():
+                self._arrived_s[unit] = t_s
+            case notes.Proven(points_id=points):
+                self._proof(t_s, unit, points, holds=True)
+            case notes.ProofDropped(points_id=points):
+                self._proof(t_s, unit, points, holds=False)
+            case _:
+                pass
+
+    def _holds(self, t_s: float, unit: str, sections: tuple[str, ...]) -> None:
+        for section_id in sections:
+            hold = self._open[unit].get(section_id)
+            if hold is not None and hold.held_s is None:
+                hold.held_s = t_s
+
+    def _reports(self, t_s: float, unit: str, sections: tuple[str, ...]) -> None:
+        for section_id, hold in self._open[unit].items():
+            if section_id not in sections and hold.reported_s is None:
+                hold.reported_s = t_s
+
+    # requests ---------------------------------------------------------------------------------------------------------
+
+    def _sent(self, t_s: float, event: Sent) -> None:
+        if event.epoch is None or event.sequence is None or event.correlation is None:
+            return
+        if event.kind == POINTS_COMMAND:
+            self._commands_s.setdefault((event.source, event.receiver, event.correlation), t_s)
+        elif event.receiver == MANAGER and event.kind in (ROUTE_REQUEST, *SIGNS_ON):
+            asking = self._asks[event.source, event.kind in SIGNS_ON]
+            asking.first_s = t_s if asking.first_s is None else asking.first_s
+            asking.sent_s[event.epoch, event.sequence] = t_s
+
+    def _heard(self, event: TookEffect) -> None:
+        if event.kind == POINTS_COMMAND:
+            self._commanding[event.source, event.receiver] = event.correlation
+        elif event.receiver == MANAGER and event.kind in (ROUTE_REQUEST, *SIGNS_ON):
+            self._asks[event.source, event.kind in SIGNS_ON].heard = (event.epoch, event.sequence)
+
+    def _begin(self, t_s: float, unit: str, sections: tuple[str, ...], route_id: str = "") -> None:
+        """Sections are the unit's from now on. Wanted since it asked, or since the last of them was free."""
+        asking = self._asks[unit, not route_id]
+        first_s = t_s if asking.first_s is None else min(asking.first_s, t_s)
+        sent_s = t_s if asking.heard is None else min(asking.sent_s.get(asking.heard, t_s), t_s)
+        new = [section_id for section_id in sections if section_id not in self._open[unit]]
+        for section_id in new:  # whatever the journal lacks: one section is never two units'
+            for other, held in self._open.items():
+                if other != unit and section_id in held:
+                    self._end(t_s, other, (section_id,))
+        free_s = [s for who, s in map(self._last, new) if who != unit]
+        wanted_s = min(max(first_s, max(free_s, default=-math.inf), self._begin_s), t_s)
+        number, direction = self._train.get(unit, ("", Direction.DOWN))
+        for section_id in new:
+            hold = _Hold(section_id, unit, number, direction, route_id, wanted_s, max(sent_s, wanted_s), t_s)
+            hold.waited_s = wanted_s - first_s if wanted_s > first_s else 0.0
+            self._open[unit][section_id] = hold
+            self.holds.append(hold)
+
+    def _last(self, section_id: str) -> tuple[str, float]:
+        return self._freed_s.get(section_id, ("", -math.inf))
+
+    def _exactly(self, t_s: float, unit: str, sections: tuple[str, ...]) -> None:
+        """The register has just these as the unit's; what stood on the line as the day began is so from then on."""
+        self._end(t_s, unit, tuple(s for s in self._open[unit] if s not in sections))
+        self._begin(t_s, unit, sections)
+
+    def _end(self, t_s: float, unit: str, sections: tuple[str, ...]) -> None:
+        for section_id in sections:
+            hold = self._open[unit].pop(section_id, None)
+            if hold is None:
+                continue
+            hold.freed_s = t_s
+            self._freed_s[section_id] = unit, t_s
+            if hold.reported_s is None:
+                hold.arrived_s = self._arrived_s.get(unit, math.inf)
+
+    # points -----------------------------------------------------------------------------------------------------------
+
+    def _points(self, t_s: float, terminal: str, event: said.PointsCommanded | said.PointsProven) -> None:
+        """A terminal has taken a command, or found the points locked by it."""
+        hold = self._open[event.unit_id].get(event.section_id)
+        if hold is None:
+            return
+        last = hold.throw_of(event.points_id)
+        if isinstance(event, said.PointsProven):
+            if last is not None:
+                last.locked_s = min(last.locked_s, t_s)
+            return
+        if last is not None and not last.dropped:
+            return  # the same command again
+        correlation = self._commanding.get((event.unit_id, terminal), -1)
+        sent_s = self._commands_s.get((event.unit_id, terminal, correlation), t_s)
+        hold.throwing.append(_Throw(event.points_id, sent_s, t_s))
+
+    def _proof(self, t_s: float, unit: str, points_id: str, *, holds: bool) -> None:
+        """The unit has a proof of points, or it has gone."""
+        for hold in self._open[unit].values():
+            last = hold.throw_of(points_id)
+            if last is not None and holds:
+                last.proven_s = min(last.proven_s, t_s)
+            elif last is not None:
+                last.dropped = True
+
+
+def _passage(
+    hold: _Hold, visits: Iterable[Visit], standing: tuple[Standing, ...], *, portal: bool
+) -> Passage:
+    """The moments of a hold: those of the register and the unit, and those of the truth."""
+    own = (v for v in visits if v.section_id == hold.section_id)
+    visit = next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.wanted_s), None)
+    if visit is None:  # never used
+        visit = Visit(hold.section_id, math.inf, math.inf)
+    leaves_s, rear_s = visit.leaves_s, visit.rear_s
+    reported_s = hold.freed_s if hold.reported_s is None else hold.reported_s
+    if (
+        portal and hold.reported_s is None and visit.enters_s <= hold.arrived_s < hold.freed_s
+    ):  # signed off there
+        leaves_s = rear_s = reported_s = hold.arrived_s
+    wanted_s, sent_s, heard_s = hold.wanted_s, hold.sent_s, hold.heard_s
+    held_s = heard_s if hold.held_s is None else hold.held_s
+    if visit.enters_s == -math.inf and not hold.route_id:  # there before anybody asked
+        wanted_s = sent_s = heard_s = held_s = min(wanted_s, visit.begin_s)
+    return Passage(
+        hold.section_id,
+        hold.unit,
+        hold.number,
+        hold.direction,
+        hold.route_id,
+        wanted_s,
+        sent_s,
+        heard_s,
+        held_s,
+        visit.enters_s,
+        leaves_s,
+        rear_s,
+        reported_s,
+        hold.freed_s,
+        tuple(Throwing(t.sent_s, t.taken_s, t.locked_s, t.proven_s) for t in hold.throwing),
+        tuple(s for s in standing if s.end_s > wanted_s and s.begin_s < hold.freed_s),
+        hold.waited_s,
+    )
+
+
+def _standing(result: RunResult, setup: Setup) -> dict[str, tuple[Standing, ...]]:
+    """What each stock stood for, by the truth; of what went on at once the last one told counts."""
+    found: dict[str, list[Standing]] = defaultdict(list)
+    for record in result.energy:
+        if record.phase in PART_OF and record.end_s > record.begin_s:
+            found[record.stock_id].append(Standing(PART_OF[record.phase], record.begin_s, record.end_s))
+    for unit, part in _charging(result, setup):
+        found[unit].append(part)
+    for unit, part in _changes(result.journal.entries):
+        found[unit].append(part)
+    return {stock_id: tuple(found[stock_id]) for stock_id in result.stock_ids}
+
+
+def _charging(result: RunResult, setup: Setup) -> Iterator[tuple[str, Standing]]:
+    """The time at chargers on the line, with raising and lowering the pantograph."""
+    connected: dict[str, tuple[Charger, float]] = {}
+    for record in result.battery:
+        charger = setup.line.chargers.get(record.station)
+        if record.event is BatteryEvent.CONNECTED and charger is not None:
+            connected[record.stock_id] = charger, record.t_s - charger.connect_s
+        elif record.event is BatteryEvent.DISCONNECTED and record.stock_id in connected:
+            at, since_s = connected.pop(record.stock_id)
+            yield record.stock_id, Standing(Part.CHARGING, since_s, record.t_s + at.disconnect_s)
+    for stock_id, (_, since_s) in connected.items():
+        yield stock_id, Standing(Part.CHARGING, since_s, result.end_step / STEPS_PER_S)
+
+
+def _changes(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
+    """From the end of a train until the unit takes up the next one where it stands."""
+    done_s: dict[str, float] = {}
+    for entry in entries:
+        match entry.event:
+            case notes.MissionDone():
+                done_s[entry.who] = entry.t_s
+            case Left(unit_id=unit):
+                done_s.pop(unit, None)
+            case notes.MissionBegun() if entry.who in done_s:
+                yield entry.who, Standing(Part.CHANGE_ENDS, done_s.pop(entry.who), entry.t_s)
+            case _:
+                pass

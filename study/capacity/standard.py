@@ -1,0 +1,220 @@
+"""Standard paths (標準列車) of a timetable: trains that could run between the others, made of what its own trains do.
+
+One calls wherever a train of its direction calls, on the same tracks, and comes from a portal and goes to one as they
+do. Where only one end of the line has portals it is a set there and back. It runs as units drive and stands no longer
+than they must, in whole seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from network.model import Direction
+from network.timetable import (
+    AtPortal,
+    BecomesTrain,
+    Call,
+    CallKind,
+    Diagram,
+    FromTrain,
+    Timetable,
+    TimetableTrain,
+)
+from simulation.setup import Setup
+from study.feasibility.planned import PlannedTrain, planned_day
+
+ORIGIN_S: Final = 43_200  # where standard paths are laid out before they are moved: noon
+
+
+@dataclass(frozen=True, slots=True)
+class StandardPath:
+    """A set's trains in order; `name` says what they are: down, up, or there and back."""
+
+    name: str
+    trains: tuple[TimetableTrain, ...]
+    kind_of_stock: str  # a stock id of the setup, of whose kind it is
+
+
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """Trains of one direction: the one with the most calls, one that comes from a portal, one that goes to one."""
+
+    most: TimetableTrain
+    begins: TimetableTrain | None
+    ends: TimetableTrain | None
+
+
+def standard_paths(setup: Setup) -> tuple[StandardPath, ...]:
+    """The standard paths of a setup: down and up from portal to portal, else there and back; none without portals."""
+    ends = {direction: _ends_of(setup, direction) for direction in Direction}
+    stock = _usual_stock(setup)
+    found: list[StandardPath] = []
+    for direction in Direction:
+        own, back = ends[direction], ends[direction.opposite]
+        if own is None or own.begins is None:
+            continue
+        if own.ends is not None:
+            found.append(StandardPath(direction.name.lower(), (_one_way(own),), stock))
+        elif back is not None and back.ends is not None:
+            found.append(
+                StandardPath(f"{direction.name.lower()} and back", _there_and_back(own, back), stock)
+            )
+    return tuple(_timed(setup, path) for path in found)
+
+
+def _usual_stock(setup: Setup) -> str:
+    kinds = [setup.trains[diagram.stock_id].id for diagram in setup.timetable.diagrams]
+    usual = max(sorted(set(kinds)), key=kinds.count)
+    return next(d.stock_id for d in setup.timetable.diagrams if setup.trains[d.stock_id].id == usual)
+
+
+def _ends_of(setup: Setup, direction: Direction) -> _Ends | None:
+    trains = [t for t in setup.timetable.trains.values() if t.direction is direction]
+    if not trains:
+        return None
+    most = max(trains, key=lambda t: (t.revenue, sum(call.stops for call in t.calls)))
+    whole = (most.calls[0].station_id, most.calls[-1].station_id)
+    begins = (t for t in trains if isinstance(t.begins, AtPortal) and t.calls[0].station_id == whole[0])
+    ends = (t for t in trains if isinstance(t.ends, AtPortal) and t.calls[-1].station_id == whole[1])
+    return _Ends(most, next(begins, None), next(ends, None))
+
+
+def _calls(own: _Ends, *, begins: bool, ends: bool) -> tuple[Call, ...]:
+    """All stops, on the tracks on which trains stand that come in or go out there."""
+    calls = [replace(call, kind=CallKind.STOP if call.stops else call.kind) for call in own.most.calls]
+    if begins and own.begins is not None:
+        calls[0] = replace(calls[0], track=own.begins.calls[0].track)
+    if ends and own.ends is not None:
+        calls[-1] = replace(calls[-1], track=own.ends.calls[-1].track)
+    return tuple(calls)
+
+
+def _one_way(own: _Ends) -> TimetableTrain:
+    if own.begins is None or own.ends is None:
+        raise ValueError("a path from portal to portal without portals")
+    calls = _calls(own, begins=True, ends=True)
+    return TimetableTrain("+", own.most.direction, True, calls, own.begins.begins, own.ends.ends)
+
+
+def _there_and_back(own: _Ends, back: _Ends) -> tuple[TimetableTrain, ...]:
+    if own.begins is None or back.ends is None:
+        raise ValueError("there and back without portals")
+    there = _calls(own, begins=True, ends=False)
+    home = _calls(back, begins=False, ends=True)
+    home = (replace(home[0], track=there[-1].track), *home[1:])
+    return (
+        TimetableTrain("+", own.most.direction, True, there, own.begins.begins, BecomesTrain("-")),
+        TimetableTrain("-", back.most.direction, True, home, FromTrain("+"), back.ends.ends),
+    )
+
+
+def _timed(setup: Setup, path: StandardPath) -> StandardPath:
+    """With the least times: running as units drive, shortest stops, changing ends with the points of the way out."""
+    spread = _spread(path.trains)
+    planned = planned_day(alone(setup, replace(path, trains=spread))).trains["+"]
+    at_s, trains = ORIGIN_S, list[TimetableTrain]()
+    for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
+        if index:
+            at_s += math.ceil(setup.operation.change_ends_s + setup.unit.request_lead_s)
+        calls = _least_times(setup, train.calls, own, at_s)
+        trains.append(replace(train, calls=calls))
+        at_s = calls[-1].first_s
+    return replace(path, trains=tuple(trains))
+
+
+def _spread(trains: Iterable[TimetableTrain]) -> tuple[TimetableTrain, ...]:
+    """With times that only keep the order, so that running times can be asked for."""
+    at_s, found = ORIGIN_S, list[TimetableTrain]()
+    for train in trains:
+        calls: list[Call] = []
+        for call in train.calls:
+            at_s += 1800
+            calls.append(replace(call, arrival_s=at_s, departure_s=at_s + 600))
+        last = replace(calls[-1], departure_s=None)
+        found.append(replace(train, calls=(*calls[:-1], last)))
+    return tuple(found)
+
+
+def _least_times(setup: Setup, calls: Sequence[Call], own: PlannedTrain, departs_s: int) -> tuple[Call, ...]:
+    runs_s = {stand.target.station_id: stand.run_s for stand in own.stands}
+    found: list[Call] = []
+    at_s = departs_s
+    for index, call in enumerate(calls):
+        if index == 0:
+            found.append(replace(call, arrival_s=None, departure_s=at_s))
+            continue
+        at_s += math.ceil(runs_s[call.station_id])
+        arrival_s, last = at_s, index == len(calls) - 1
+        at_s += 0 if last else math.ceil(setup.unit.dwell_min_s)
+        found.append(replace(call, arrival_s=arrival_s, departure_s=None if last else at_s))
+    return tuple(found)
+
+
+def alone(setup: Setup, path: StandardPath) -> Setup:
+    """A day with nothing but one standard path, run by the set `+`."""
+    return _with(setup, {}, (), [("+", path.trains)], path.kind_of_stock)
+
+
+@dataclass(frozen=True, slots=True)
+class Added:
+    """A standard path put into the day: its set, and its trains as they would stand in the timetable."""
+
+    stock_id: str
+    trains: tuple[TimetableTrain, ...]
+
+
+def added(setup: Setup, path: StandardPath, number: int, moves_s: Sequence[float]) -> Added:
+    """A path with each leg moved, s: from place to place, beginning with that from the portal; the n-th of the day."""
+    leg, names = 0, {train.number: f"X{number}{train.number}" for train in path.trains}
+    trains: list[TimetableTrain] = []
+    for index, train in enumerate(path.trains):
+        calls: list[Call] = []
+        for place, call in enumerate(train.calls):
+            halt = setup.line.stations[call.station_id].is_halt
+            begins = index > 0 and place == 0
+            comes_s = moves_s[leg]
+            leg += 0 if halt or begins else 1
+            last = index == len(path.trains) - 1 and place == len(train.calls) - 1
+            goes_s = moves_s[leg] if leg < len(moves_s) and not last else comes_s
+            calls.append(
+                replace(
+                    call,
+                    arrival_s=None if call.arrival_s is None else round(call.arrival_s + comes_s),
+                    departure_s=None if call.departure_s is None else round(call.departure_s + goes_s),
+                )
+            )
+        trains.append(
+            replace(
+                train,
+                number=names[train.number],
+                calls=tuple(calls),
+                begins=FromTrain(names["+"]) if isinstance(train.begins, FromTrain) else train.begins,
+                ends=BecomesTrain(names["-"]) if isinstance(train.ends, BecomesTrain) else train.ends,
+            )
+        )
+    return Added(f"X{number}", tuple(trains))
+
+
+def extended(setup: Setup, more: Iterable[tuple[Added, StandardPath]]) -> Setup:
+    """The day with the paths put in, each run by a set of its own."""
+    for one, path in more:
+        sets = [(one.stock_id, one.trains)]
+        setup = _with(setup, setup.timetable.trains, setup.timetable.diagrams, sets, path.kind_of_stock)
+    return setup
+
+
+def _with(
+    setup: Setup,
+    trains: Mapping[str, TimetableTrain],
+    diagrams: Sequence[Diagram],
+    sets: Sequence[tuple[str, tuple[TimetableTrain, ...]]],
+    kind_of_stock: str,
+) -> Setup:
+    more = {train.number: train for _, own in sets for train in own}
+    new = tuple(Diagram(stock_id, tuple(train.number for train in own)) for stock_id, own in sets)
+    timetable: Timetable = replace(setup.timetable, trains={**trains, **more}, diagrams=(*diagrams, *new))
+    kinds = {stock_id: setup.trains[kind_of_stock] for stock_id, _ in sets}
+    return replace(setup, timetable=timetable, trains={**setup.trains, **kinds})

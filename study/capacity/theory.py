@@ -1,0 +1,227 @@
+"""Blocking times of the planned day from running times alone, without a run (Sperrzeiten, 閉そく占有時分).
+
+`occupations(setup)` is the day as units do it (`AS_UNITS`): a route is asked for `request_lead_s` before the departure,
+or at the approach tag of a track that the train runs through; its departure points are thrown at once, its arrival
+points at the approach tag (④); what lies behind is given back at the arrival tag (①), when the safe rear has left it.
+`Theory.of_journeys` is the same of any journeys, wherever they are moved to, by any rules: with `MINIMAL` a way is set
+as late as the train can still run unhindered (blocking time theory: Pachl, Railway Operation and Control).
+
+What comes from where: telegrams `links` (air, repeats), points the line file, running `driven` (the units' own
+prediction), bounds of the position `clearing` (`[unit]`, tags of the line), people `[operation]` and the timetable,
+pantographs the line file. Trains do not hinder one another: where they would, `conflicts_of` says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from network.model import Position
+from onboard.reach import charger_at
+from simulation.loop import OPENING_S
+from simulation.setup import Setup
+from simulation.world.charge_control import READY_S, WORTH_S
+from study.capacity.driven import Driving, driving_of
+from study.capacity.journey import Journey
+from study.capacity.links import Links
+from study.capacity.occupation import Occupation, Part
+from study.capacity.passage import Passage, Standing, occupation_of
+from study.capacity.rules import AS_UNITS, Rules
+from study.capacity.setting import Setting, SetUp
+from study.feasibility.planned import PlannedDay, planned_day
+
+
+def occupations(setup: Setup, rules: Rules = AS_UNITS) -> tuple[Occupation, ...]:
+    """The blocking times of the whole planned day, in order of their begin."""
+    theory = Theory(setup, rules)
+    return theory.of_day(theory.journeys())
+
+
+class Theory:
+    """The theory of one setup by one set of rules. Journeys are made once; they may then be moved and joined anew."""
+
+    def __init__(self, setup: Setup, rules: Rules = AS_UNITS) -> None:
+        self.setup: Final = setup
+        self.rules: Final = rules
+        self.links: Final = Links.of(setup.air)
+        self._day: Final[PlannedDay] = planned_day(setup)
+        self._driving: Final[dict[str, Driving]] = {
+            stock_id: driving_of(setup, stock_id, rules, self.links) for stock_id in self._day.trains
+        }
+        first_s = min((train.duty.enter_s for train in self._day.all()), default=0.0)
+        self.opens_s: Final = math.floor((first_s - OPENING_S) / 60.0) * 60.0
+
+    def journeys(self) -> dict[str, tuple[Journey, ...]]:
+        """The journeys of each stock as planned, in order. Points are set as the order of the day has them."""
+        found = self._journeys(frozenset())
+        if self.rules.throws:
+            return found
+        return self._journeys(self._lie_right(found))
+
+    def of_day(self, journeys: Mapping[str, Sequence[Journey]]) -> tuple[Occupation, ...]:
+        """The occupations of all stocks; the day ends with the last journey."""
+        ends_s = max((j.ends_s for run in journeys.values() for j in run), default=self.opens_s)
+        lie_right = frozenset[tuple[str, str]]() if self.rules.throws else self._lie_right(journeys)
+        found = [
+            occupation_of(passage, ends_s)
+            for stock_id, run in journeys.items()
+            for passage in self.passages(stock_id, run, lie_right)
+        ]
+        return tuple(sorted(found, key=lambda o: (o.begin_s, o.section_id)))
+
+    def of_journeys(
+        self, stock_id: str, journeys: Sequence[Journey], lie_right: frozenset[tuple[str, str]] = frozenset()
+    ) -> tuple[Occupation, ...]:
+        """The occupations of journeys that one stock runs one after another, wherever they were moved to.
+
+        Where the first begins on a track it is the stock's from then on, where the last ends until then.
+        """
+        ends_s = journeys[-1].ends_s
+        return tuple(occupation_of(p, ends_s) for p in self.passages(stock_id, journeys, lie_right))
+
+    def setting(self, stock_id: str, lie_right: frozenset[tuple[str, str]] = frozenset()) -> Setting:
+        """How the ways of a stock are set."""
+        driving = self._driving[stock_id]
+        return Setting(
+            self.rules, self.links, self.setup.line.points, driving.clearing, driving.room, lie_right
+        )
+
+    def passages(
+        self, stock_id: str, journeys: Sequence[Journey], lie_right: frozenset[tuple[str, str]] = frozenset()
+    ) -> tuple[Passage, ...]:
+        """The moments of every section that the journeys of one stock take, in order; see `of_journeys`."""
+        setting = self.setting(stock_id, lie_right)
+        standing = tuple(self._standing(stock_id, journeys))
+        found: list[Passage] = []
+        for journey in journeys:
+            goes_on = bool(found) and not journey.enters
+            made = list(self._moments(journey, setting, found.pop() if goes_on else None))
+            found += [replace(p, standing=_within(standing, p)) for p in made]
+        return tuple(found)
+
+    # the day ----------------------------------------------------------------------------------------------------------
+
+    def _journeys(self, lie_right: frozenset[tuple[str, str]]) -> dict[str, tuple[Journey, ...]]:
+        found: dict[str, tuple[Journey, ...]] = {}
+        for stock_id, trains in self._day.trains.items():
+            run: list[Journey] = []
+            setting = self.setting(stock_id, lie_right)
+            driving = self._driving[stock_id]
+            for train in trains:
+                ready_s = run[-1].ends_s if run else self.opens_s
+                if run and not train.duty.enters:
+                    ready_s += self.setup.operation.change_ends_s
+                run.append(driving.journey(train, setting, ready_s))
+            found[stock_id] = tuple(run)
+        return found
+
+    def _lie_right(self, journeys: Mapping[str, Sequence[Journey]]) -> frozenset[tuple[str, str]]:
+        """The points that the train before left as this one needs them, by train number."""
+        commands: list[tuple[float, str, str, Position]] = []
+        for stock_id, run in journeys.items():
+            setting = self.setting(stock_id)
+            for journey in run:
+                for span, set_up in setting.set_ups(journey).items():
+                    needs = zip(journey.plan.spans[span].points, set_up.throwing, strict=True)
+                    commands += [(t.sent_s, journey.number, n.points_id, n.position) for n, t in needs]
+        lies = {points.id: points.initial for points in self.setup.line.points.values()}
+        right: set[tuple[str, str]] = set()
+        for _, number, points_id, position in sorted(commands, key=lambda c: c[:3]):
+            if lies[points_id] is position:
+                right.add((number, points_id))
+            lies[points_id] = position
+        return frozenset(right)
+
+    # the moments of one journey ---------------------------------------------------------------------------------------
+
+    def _moments(self, journey: Journey, setting: Setting, before: Passage | None) -> Iterator[Passage]:
+        """The sections of a journey; `before`: where it begins, as its stock has it since the train before."""
+        set_ups = setting.set_ups(journey)
+        reported_s = setting.clearing.reported_s(journey)
+        spans = journey.mission.spans
+        for index, span in enumerate(spans):
+            passage = before if index == 0 else self._set(journey, index, set_ups[index])
+            if passage is None:
+                passage = self._first(journey)
+            leaves_s = journey.at_s(span.end_m)
+            rear_s = journey.at_s(span.end_m + journey.length_m)
+            freed_s = reported_s[index] + self.links.report_s
+            if index + 1 == len(spans) and journey.leaves:  # it signs off where it stands
+                stands_s = journey.stays[-1].arrives_s
+                leaves_s = rear_s = stands_s
+                freed_s = journey.ends_s + self.links.report_s
+                yield replace(passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=stands_s, freed_s=freed_s)
+                continue
+            yield replace(
+                passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=reported_s[index], freed_s=freed_s
+            )
+
+    def _set(self, journey: Journey, index: int, set_up: SetUp) -> Passage:
+        span = journey.mission.spans[index]
+        return Passage(
+            span.section_id,
+            journey.stock_id,
+            journey.number,
+            journey.direction,
+            set_up.route_id,
+            set_up.wanted_s,
+            set_up.sent_s,
+            set_up.heard_s,
+            set_up.held_s,
+            journey.at_s(span.start_m),
+            *(math.inf,) * 4,
+            throwing=set_up.throwing,
+        )
+
+    def _first(self, journey: Journey) -> Passage:
+        """The section where a stock begins: a portal by which it signs on, or a track on which it stood."""
+        section_id, wanted_s, links = journey.mission.spans[0].section_id, journey.begins_s, self.links
+        at_once = (wanted_s,) * 3
+        enters_s = -math.inf
+        if journey.enters:
+            sent_s = wanted_s + links.request_s
+            at_once = (sent_s, sent_s + links.delay_s, wanted_s + links.ask_s)
+            enters_s = at_once[-1]
+        who = section_id, journey.stock_id, journey.number, journey.direction
+        return Passage(*who, "", wanted_s, *at_once, enters_s, *(math.inf,) * 4)
+
+    # what it stands for -----------------------------------------------------------------------------------------------
+
+    def _standing(self, stock_id: str, journeys: Sequence[Journey]) -> Iterator[Standing]:
+        """All stands of a stock; of what goes on at once the last one told counts."""
+        change_s = self.setup.operation.change_ends_s
+        for at, journey in enumerate(journeys):
+            follows = journeys[at + 1] if at + 1 < len(journeys) and not journeys[at + 1].enters else None
+            first, *between, last = journey.stays
+            if at == 0 or journey.enters:
+                part = Part.HELD if journey.enters else Part.LAYOVER
+                yield Standing(part, first.arrives_s, first.departs_s)
+                yield from self._charging(stock_id, journey, first.target, first.arrives_s, first.departs_s)
+            for stay in between:
+                yield Standing(Part.DWELL, stay.arrives_s, stay.departs_s)
+                yield from self._charging(stock_id, journey, stay.target, stay.arrives_s, stay.departs_s)
+            if journey.leaves:
+                continue
+            leaves_s = math.inf if follows is None else follows.stays[0].departs_s
+            yield Standing(Part.LAYOVER, last.arrives_s, leaves_s)
+            yield from self._charging(stock_id, journey, last.target, last.arrives_s, leaves_s)
+            if follows is not None:
+                yield Standing(Part.CHANGE_ENDS, journey.ends_s, journey.ends_s + change_s)
+
+    def _charging(
+        self, stock_id: str, journey: Journey, target: int, from_s: float, to_s: float
+    ) -> Iterator[Standing]:
+        """The time at a charger, with raising and lowering the pantograph, where it is worth raising."""
+        line = self.setup.line
+        charger = line.chargers.get(charger_at(line, journey.mission.targets[target]))
+        if self.setup.battery is None or self.setup.trains[stock_id].battery is None or charger is None:
+            return
+        down_s = to_s - READY_S
+        if from_s + charger.connect_s + WORTH_S <= down_s - charger.disconnect_s:
+            yield Standing(Part.CHARGING, from_s, down_s)
+
+
+def _within(standing: Sequence[Standing], passage: Passage) -> tuple[Standing, ...]:
+    return tuple(s for s in standing if s.end_s > passage.wanted_s and s.begin_s < passage.freed_s)

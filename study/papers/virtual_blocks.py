@@ -1,0 +1,191 @@
+"""What virtual blocks buy on a branch line, beside a published corridor: `branchline reproduce virtual-blocks`.
+
+Published (Transportation Research Record 2023, doi 10.1177/03611981231158641, abstract): on a simulated 2,000-mile
+freight corridor of single and double track in the USA moving blocks keep today's mean train speed at 40 % more trains,
+and five virtual blocks for each fixed block give most of what moving blocks do. Nothing but the abstract was at hand.
+
+Ours: the sections between the stations of a branch line in 1 to 80 virtual blocks (80 stands for moving blocks). The
+headways are those of blocking time theory; traffic and speed those of one single track between two crossing stations
+to which trains come at random. A part of the gain is measured as the paper does, in trains at one mean speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from network.model import Line, Station
+from simulation.setup import Setup
+from study.capacity.legs import Leg, legs_of, places_of
+from study.capacity.rules import MINIMAL, VIRTUAL_BLOCKS, Rules
+from study.capacity.shared_stretch import Stretch, mean_wait_s, stretch_of, traffic_at
+from study.capacity.standard import alone, standard_paths
+from study.capacity.theory import occupations
+from study.capacity.virtual_blocks import with_virtual_blocks
+from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.scenario.scenario import load_scenario
+
+SCENARIOS: Final = ("karasuyama_weekday", "busy_line")
+BLOCKS: Final = (1, 2, 3, 4, 5, 8, 12, 20, 40, 80)
+QUICK: Final = (1, 2, 5, 40)
+TODAY_SHARE: Final = 0.6  # of the most trains with fixed blocks: UIC 406's limit for a day of mixed traffic
+LATER_S: Final = 10_800.0  # copies of the trains are laid out so much later: headways do not depend on it
+PAPER_GAIN_PERCENT: Final = 40.0
+PAPER_BLOCKS: Final = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """One number of blocks: the stretch, and the traffic at which a train waits as long as today."""
+
+    blocks: int
+    stretch: Stretch
+    trains_per_hour: float
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A stretch of one line by number of blocks. `as_units`: with routes had whole and given back at the arrival tag."""
+
+    scenario: str
+    name: str
+    wait_s: float
+    points: tuple[Point, ...]
+    as_units: Point
+
+    def gain_percent(self, blocks: int) -> float:
+        """How many more trains than with one block run at the same mean speed, %."""
+        own = {point.blocks: point.trains_per_hour for point in self.points}
+        return 100.0 * (own[blocks] / own[1] - 1.0)
+
+    def share_percent(self, blocks: int) -> float:
+        """What of the gain of the most blocks that many give, %."""
+        return 100.0 * self.gain_percent(blocks) / self.gain_percent(self.points[-1].blocks)
+
+
+def reproduce(options: Options) -> Reproduction:
+    """The gain in traffic of five virtual blocks and of moving blocks, the paper's beside ours."""
+    counts = QUICK if options.quick else BLOCKS
+    names = SCENARIOS[:1] if options.quick else SCENARIOS
+    curves = [curve for name in names for curve in curves_of(name, counts, options.seed)]
+    if options.out is not None:
+        from study.papers.virtual_blocks_chart import write_curves
+
+        write_curves(curves, Path(options.out))
+    return Reproduction(
+        "virtual-blocks",
+        "Virtual blocks on a branch line",
+        _parameters(counts),
+        tuple(row for curve in curves for row in _rows(curve)),
+        (*_REMARKS, *((f"quick: {SCENARIOS[0]} alone, {counts} blocks",) if options.quick else ())),
+        tuple(figure for curve in curves for figure in _figures(curve)),
+    )
+
+
+def curves_of(name: str, counts: Sequence[int], seed: int) -> tuple[Curve, ...]:
+    """The longest stretch between crossing stations of a scenario's line, by number of blocks."""
+    setup = load_scenario(name).setup
+    low, high = _longest(setup.line)
+    fixed = _stretch(setup, low, high, 1, VIRTUAL_BLOCKS)
+    wait_s = mean_wait_s(fixed, TODAY_SHARE * fixed.trains_per_hour_max, seed)
+
+    def point(blocks: int, rules: Rules) -> Point:
+        stretch = _stretch(setup, low, high, blocks, rules)
+        return Point(blocks, stretch, traffic_at(stretch, wait_s, seed))
+
+    points = tuple(point(blocks, VIRTUAL_BLOCKS) for blocks in counts)
+    where = f"{setup.line.name}, {low.name} - {high.name}"
+    return (Curve(name, where, wait_s, points, point(1, MINIMAL)),)
+
+
+def _longest(line: Line) -> tuple[Station, Station]:
+    """The two stations with tracks next to each other that lie furthest apart."""
+    stations = sorted((s for s in line.stations.values() if not s.is_halt), key=lambda s: s.position_m)
+    return max(
+        zip(stations, stations[1:], strict=False), key=lambda two: two[1].position_m - two[0].position_m
+    )
+
+
+def _stretch(setup: Setup, low: Station, high: Station, blocks: int, rules: Rules) -> Stretch:
+    line = with_virtual_blocks(setup.line, blocks)
+    cut = replace(setup, line=line, belief=None)
+    legs: list[Leg] = []
+    copies: list[Leg] = []
+    for number, path in enumerate(standard_paths(setup)):
+        made = occupations(alone(cut, path), rules)
+        first = [replace(one, stock_id=f"first {number}") for one in made]
+        second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in made]
+        legs += legs_of(first, places_of(line))
+        copies += legs_of(second, places_of(line))
+    ends = (
+        frozenset(track.section_id for track in low.tracks),
+        frozenset(track.section_id for track in high.tracks),
+    )
+    return stretch_of(legs, copies, ends)
+
+
+def _parameters(counts: Sequence[int]) -> tuple[Parameter, ...]:
+    return (
+        Parameter(
+            "blocks of a section", ", ".join(map(str, counts)), "", "assumed: the last for moving blocks"
+        ),
+        Parameter(
+            "traffic today",
+            100.0 * TODAY_SHARE,
+            "% of the most with one block",
+            "UIC 406, mixed traffic, day",
+        ),
+        Parameter("trains", "standard paths of each line, as units drive", "", "study.capacity.standard"),
+        Parameter("order", "as they come, at random, as many each way", "", "assumed: no dispatcher"),
+    )
+
+
+def _rows(curve: Curve) -> tuple[Row, ...]:
+    last = curve.points[-1].blocks
+    gain, share = curve.gain_percent(last), curve.share_percent(PAPER_BLOCKS)
+    return (
+        Row(
+            f"{curve.name}: more trains at the same mean speed with moving blocks, %",
+            PAPER_GAIN_PERCENT,
+            round(gain, 1),
+            gain >= PAPER_GAIN_PERCENT,
+            "at least the paper's",
+        ),
+        Row(
+            f"{curve.name}: of that with five virtual blocks, %",
+            "most",
+            round(share, 1),
+            share > 50.0,
+            "more than half",
+        ),
+    )
+
+
+def _figures(curve: Curve) -> tuple[Figure, ...]:
+    own = [
+        Figure(
+            f"{curve.name}: {point.blocks} block{'s' if point.blocks > 1 else ''}",
+            round(point.trains_per_hour, 2),
+            f"trains an hour at today's speed; following {point.stretch.following_s[0]:.0f} s down,"
+            f" {point.stretch.following_s[1]:.0f} s up; {curve.gain_percent(point.blocks):.0f} % more than one",
+        )
+        for point in curve.points
+    ]
+    whole = curve.as_units
+    said = (
+        f"trains an hour at today's speed with routes had whole and given back at the arrival tag, as units do;"
+        f" following {whole.stretch.following_s[0]:.0f} s down, {whole.stretch.following_s[1]:.0f} s up"
+    )
+    return (*own, Figure(f"{curve.name}: as units do", round(whole.trains_per_hour, 2), said))
+
+
+_REMARKS: Final = (
+    "the paper's corridor is 2,000 miles of single and double track with freight trains and a dispatcher; ours is one"
+    " single track between two stations with short trains that go as they come: the comparison is of shape, not of size",
+    "one of our fixed blocks is the whole way between two stations; signal blocks of a main line are shorter, so that"
+    " five parts of ours are longer than five of theirs",
+    "opposing trains gain nothing from blocks: with one direction alone the gain would be greater, without followers none",
+    "stations are taken to have room for all trains that wait; a loop of two tracks has not",
+)

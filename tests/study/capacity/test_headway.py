@@ -1,0 +1,104 @@
+"""Headways: what a hand calculation gives, under the names of the trade, and the components make up the whole."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from network.model import Direction
+from study.capacity.headway import Headway, HeadwayKind, headways_of, visits_at
+from study.capacity.legs import costs_between
+from study.capacity.occupation import Cost
+from tests.study.capacity.hand_made import Made, legs
+from tests.study.capacity.test_compression import days
+
+TRACKS = {place: frozenset({f"{place}.1", f"{place}.2"}) for place in "ALMB"}
+DOWN, UP = Direction.DOWN, Direction.UP
+
+
+def between(place: str, *trains: Made) -> dict[HeadwayKind, Headway]:
+    """The headways of the first train to the second at a place."""
+    visits = {visit.number: visit for visit in visits_at(legs(list(trains)), TRACKS[place])}
+    return {one.kind: one for one in headways_of(*(visits[train.number] for train in trains))}
+
+
+def two(first: Direction, second: Direction, loop: str = "L", throw_s: float = 4.0) -> tuple[Made, Made]:
+    return Made("1", first, 3600.0, loop, throw_s), Made("2", second, 7200.0, loop, throw_s)
+
+
+@pytest.mark.parametrize(
+    ("place", "trains", "kind", "section", "least_s"),
+    [
+        # run, stop at the next place, 15 until its track is free, and 10 for the second to be let in
+        ("A", two(DOWN, DOWN, "M"), HeadwayKind.FOLLOWING, "L.1", 300.0 + 60.0 + 15.0 + 10.0),
+        ("B", two(UP, UP, "M"), HeadwayKind.FOLLOWING, "M.2", 180.0 + 30.0 + 15.0 + 10.0),
+        ("L", two(UP, DOWN), HeadwayKind.ARRIVAL_DEPARTURE, "S2", 15.0 + 10.0),
+        ("L", two(DOWN, DOWN), HeadwayKind.DEPARTURE_ARRIVAL, "L.1", 15.0 + 10.0 + 300.0),
+        ("L", two(DOWN, UP), HeadwayKind.DEPARTURE_ARRIVAL, "S2", 240.0 + 15.0 + 10.0 + 240.0),
+    ],
+)
+def test_by_hand(
+    place: str, trains: tuple[Made, Made], kind: HeadwayKind, section: str, least_s: float
+) -> None:
+    found = between(place, *trains)[kind]
+    assert found.section_id == section
+    assert found.least_s == pytest.approx(least_s, abs=1e-9)
+    assert found.first_s + found.second_s == pytest.approx(least_s, abs=1e-9)
+
+
+def test_a_train_that_overtakes_opens_the_way_and_one_that_is_overtaken_closes_up() -> None:
+    """On two tracks: the second onto the other one, S1 freed, 310 s from let in to its arrival; then out after it."""
+    one, other = Made("1", DOWN, 3600.0), Made("2", DOWN, 7200.0)
+    found = between("L", one, Onto("2", DOWN, 7200.0))
+    assert found[HeadwayKind.CLOSING_UP].least_s == pytest.approx(15.0 + 310.0)
+    assert found[HeadwayKind.OPEN].least_s == pytest.approx(240.0 + 30.0 + 15.0 + 10.0)
+    assert found[HeadwayKind.OPEN].section_id == "M.1"
+    assert HeadwayKind.FOLLOWING not in found
+    assert HeadwayKind.FOLLOWING in between("L", one, other)
+
+
+class Onto(Made):
+    """A down train on the other track of the loop."""
+
+    def track(self, place: str) -> str:
+        return "L.2" if place == "L" else super().track(place)
+
+
+def test_which_component_costs_how_many_seconds() -> None:
+    found = between("B", *two(UP, UP, "M"))[HeadwayKind.FOLLOWING]
+    assert found.costs_s == pytest.approx(
+        {
+            Cost.RADIO: 4.0 + 2.0 + 1.0 + 1.0 + 2.0,
+            Cost.POINTS: 4.0,
+            Cost.LOCALISATION: 6.0,
+            Cost.DRIVING: 180.0 + 5.0,
+            Cost.PEOPLE: 30.0,
+            Cost.CHARGING: 0.0,
+        }
+    )
+
+
+def test_half_the_throw_moves_the_headway_by_what_the_parts_say() -> None:
+    whole = between("B", *two(UP, UP, "M"))[HeadwayKind.FOLLOWING]
+    half = between("B", *two(UP, UP, "M", throw_s=2.0))[HeadwayKind.FOLLOWING]
+    assert whole.least_s - half.least_s == pytest.approx(whole.costs_s[Cost.POINTS] / 2.0)
+
+
+@settings(max_examples=25, deadline=None)
+@given(days())
+def test_components_make_up_every_headway_and_the_plan_keeps_it(made: list[Made]) -> None:
+    for place, tracks in TRACKS.items():
+        visits = visits_at(legs(made), tracks)
+        for i, first in enumerate(visits):
+            for second in visits[i + 1 :]:
+                for one in headways_of(first, second):
+                    assert sum(one.costs_s.values()) == pytest.approx(one.least_s, abs=1e-6), place
+
+
+@given(st.floats(-50.0, 600.0), st.floats(-50.0, 600.0))
+def test_costs_between_two_instants_make_up_the_time(from_s: float, to_s: float) -> None:
+    one = Made("1", DOWN, 0.0).occupations()[3]
+    there, back = (costs_between(one, *pair) for pair in ((from_s, to_s), (to_s, from_s)))
+    assert sum(there.values()) == pytest.approx(to_s - from_s, abs=1e-9)
+    assert all(there[cost] == pytest.approx(-back[cost], abs=1e-9) for cost in Cost)
