@@ -25,7 +25,7 @@ from study.capacity.setting import Setting
 from study.feasibility.planned import PlannedTrain
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_course
-from vehicle.starting import start_delay_s
+from vehicle.starting import Start, start_of
 from vehicle.wheel import pulse_m
 
 STEP_S = 0.1
@@ -36,7 +36,7 @@ HOP_LEAST_M = 0.05  # two marks nearer than this are one
 class Driving:
     """How one stock is driven: the train as its unit believes it to be, its rules, and the ways that it knows.
 
-    `starts_s`: from the word to leave until the train runs as predicted, s. `known`: hops already predicted.
+    `start`: from the word to leave until the train moves, and runs as predicted. `known`: hops already predicted.
     """
 
     setup: Setup
@@ -47,7 +47,7 @@ class Driving:
     behaviour: BehaviourRow
     clearing: Clearing
     room: Room
-    starts_s: float
+    start: Start
     grounds: dict[tuple[str, ...], Ground]
     known: dict[tuple[object, ...], NDArray[np.float64]]
 
@@ -145,7 +145,7 @@ class Driving:
         here, there = mission.targets[at - 1], mission.targets[at]
         ground, slows = self._ground(mission), float(self.behaviour.stop_deceleration_mps2)
         way = self.train, self.setup.load.load_share_mean, ground.climb_m, ground.driving_mps
-        asked_s, at_s, position_m, speed_mps = 0.0, self.starts_s, here.mark_m, 0.0
+        asked_s, at_s, position_m, speed_mps = 0.0, self.start.delay_s, here.mark_m, 0.0
         rows = [np.array([[0.0, position_m, 0.0], [at_s, position_m, 0.0]])]
         for passing, due_s in zip((*there.passings, None), dues_s, strict=True):
             until_m = math.inf if passing is None else passing.position_m
@@ -185,5 +185,5 @@ def driving_of(setup: Setup, stock_id: str, rules: Rules, links: Links) -> Drivi
     clearing = Clearing(setup.unit, pulse_m(train), by_section=rules.by_section)
     reaction_s = float(train.brake_dead_time_s + train.brake_lag_s)
     room = Room(behaviour, reaction_s, setup.unit.standoff_m)
-    starts_s = start_delay_s(train, setup.load.load_share_mean, float(behaviour.standing_brake_notch), STEP_S)
-    return Driving(setup, stock_id, rules, links, train, behaviour, clearing, room, starts_s, {}, {})
+    start = start_of(train, setup.load.load_share_mean, float(behaviour.standing_brake_notch), STEP_S)
+    return Driving(setup, stock_id, rules, links, train, behaviour, clearing, room, start, {}, {})

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
-from network.model import Charger, Direction, SectionKind
+from network.model import Direction, SectionKind
 from onboard import notes
 from radio.noted import Sent, TookEffect
 from simulation.events import MANAGER, Entry, Left
@@ -299,25 +299,34 @@ def _standing(result: RunResult, setup: Setup) -> dict[str, tuple[Standing, ...]
     for record in result.energy:
         if record.phase in PART_OF and record.end_s > record.begin_s:
             found[record.stock_id].append(Standing(PART_OF[record.phase], record.begin_s, record.end_s))
-    for unit, part in _charging(result, setup):
-        found[unit].append(part)
-    for unit, part in _changes(result.journal.entries):
-        found[unit].append(part)
+    stood = {unit: tuple(own) for unit, own in found.items()}
+    for unit, charged in _charging(result, setup):
+        found[unit] += [both for both in (_both(charged, s) for s in stood.get(unit, ())) if both is not None]
+    for unit, change in _changes(result.journal.entries):
+        found[unit].append(change)
     return {stock_id: tuple(found[stock_id]) for stock_id in result.stock_ids}
 
 
+def _both(one: Standing, other: Standing) -> Standing | None:
+    """What of a stand falls into another."""
+    begin_s, end_s = max(one.begin_s, other.begin_s), min(one.end_s, other.end_s)
+    return Standing(one.part, begin_s, end_s) if end_s > begin_s else None
+
+
 def _charging(result: RunResult, setup: Setup) -> Iterator[tuple[str, Standing]]:
-    """The time at chargers on the line, with raising and lowering the pantograph."""
-    connected: dict[str, tuple[Charger, float]] = {}
+    """The time at chargers on the line, with raising and lowering the pantograph: since the set stood there."""
+    stood_s: dict[str, float] = {}
+    since_s: dict[str, float] = {}
     for record in result.battery:
-        charger = setup.line.chargers.get(record.station)
-        if record.event is BatteryEvent.CONNECTED and charger is not None:
-            connected[record.stock_id] = charger, record.t_s - charger.connect_s
-        elif record.event is BatteryEvent.DISCONNECTED and record.stock_id in connected:
-            at, since_s = connected.pop(record.stock_id)
-            yield record.stock_id, Standing(Part.CHARGING, since_s, record.t_s + at.disconnect_s)
-    for stock_id, (_, since_s) in connected.items():
-        yield stock_id, Standing(Part.CHARGING, since_s, result.end_step / STEPS_PER_S)
+        unit, charger = record.stock_id, setup.line.chargers.get(record.station)
+        if record.event is BatteryEvent.STANDS:
+            stood_s[unit] = record.t_s
+        elif record.event is BatteryEvent.CONNECTED and charger is not None:
+            since_s[unit] = min(stood_s.get(unit, record.t_s), record.t_s - charger.connect_s)
+        elif record.event is BatteryEvent.DISCONNECTED and unit in since_s and charger is not None:
+            yield unit, Standing(Part.CHARGING, since_s.pop(unit), record.t_s + charger.disconnect_s)
+    for unit, from_s in since_s.items():
+        yield unit, Standing(Part.CHARGING, from_s, result.end_step / STEPS_PER_S)
 
 
 def _changes(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:

@@ -190,23 +190,21 @@ class Theory:
     # what it stands for -----------------------------------------------------------------------------------------------
 
     def _standing(self, stock_id: str, journeys: Sequence[Journey]) -> Iterator[Standing]:
-        """All stands of a stock; of what goes on at once the last one told counts."""
-        change_s = self.setup.operation.change_ends_s
+        """All stands of a stock, until it moves; of what goes on at once the last one told counts."""
+        change_s, moves_s = self.setup.operation.change_ends_s, self._driving[stock_id].start.moves_s
         for at, journey in enumerate(journeys):
             follows = journeys[at + 1] if at + 1 < len(journeys) and not journeys[at + 1].enters else None
             first, *between, last = journey.stays
+            stands = [(Part.DWELL, stay.target, stay.arrives_s, stay.departs_s) for stay in between]
             if at == 0 or journey.enters:
                 part = Part.HELD if journey.enters else Part.LAYOVER
-                yield Standing(part, first.arrives_s, first.departs_s)
-                yield from self._charging(stock_id, journey, first.target, first.arrives_s, first.departs_s)
-            for stay in between:
-                yield Standing(Part.DWELL, stay.arrives_s, stay.departs_s)
-                yield from self._charging(stock_id, journey, stay.target, stay.arrives_s, stay.departs_s)
-            if journey.leaves:
-                continue
-            leaves_s = math.inf if follows is None else follows.stays[0].departs_s
-            yield Standing(Part.LAYOVER, last.arrives_s, leaves_s)
-            yield from self._charging(stock_id, journey, last.target, last.arrives_s, leaves_s)
+                stands.insert(0, (part, first.target, first.arrives_s, first.departs_s))
+            if not journey.leaves:
+                leaves_s = math.inf if follows is None else follows.stays[0].departs_s
+                stands.append((Part.LAYOVER, last.target, last.arrives_s, leaves_s))
+            for part, target, from_s, to_s in stands:
+                yield Standing(part, from_s, to_s + moves_s)
+                yield from self._charging(stock_id, journey, target, from_s, to_s)
             if follows is not None:
                 yield Standing(Part.CHANGE_ENDS, journey.ends_s, journey.ends_s + change_s)
 

@@ -18,6 +18,7 @@ from study.plot import battery, days, energy, laws, position, stations
 from study.plot.choice import Seen
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
+from study.plot.stairway import draw_stairway_of, stairway_table
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import draw_run_curve
 from study.report.graph import draw_train_graph
@@ -202,6 +203,14 @@ _KINDS: Final = (
         _blocks_table,
         draw_occupancy,
         _TIME,
+    ),
+    Kind(
+        "stairway",
+        "Blocking-time stairway",
+        "閉そく占有時分",
+        stairway_table,
+        draw_stairway_of,
+        _TIME | _TRAIN,
     ),
     Kind(
         "stop-errors",

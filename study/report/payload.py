@@ -27,6 +27,7 @@ from study.report.drill import DrillShown, Mark
 from study.report.packing import packed, places_in
 from study.report.papers import tables_shown
 from study.report.parts import Part
+from study.report.stairway import stairway_shown
 from study.report.tasc import KMHPS_PER_MPS2, Tuned, most_telling, response_surface, waves_shown
 from study.run.waits_table import read_waits
 
@@ -56,6 +57,7 @@ def payload_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> dict[str, An
         "sections": sections_shown(run),
         "devices": devices_shown(run.line),
         "blocks": blocks_shown(run),
+        "stairway": stairway_shown(run),
         "marks": [] if drill is None else [_mark(mark) for mark in drill.marks],
         "broken": _broken_at(facts),
         "waits": waits_shown(run),

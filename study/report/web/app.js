@@ -18,7 +18,7 @@ export function start(doc, data) {
   const day = dayOf(data);
   const page = {
     doc, day, layers: [], made: new Map(),
-    state: { lang: firstLanguage(doc), paper: "graph", graph: { plan: true, run: true, sections: false, lesser: false, beside: true, chosen: null, moment: null }, chosen: null, station: null },
+    state: { lang: firstLanguage(doc), paper: "graph", graph: { plan: true, run: true, sections: false, stairway: false, lesser: false, beside: true, chosen: null, moment: null }, chosen: null, station: null },
   };
   page.standing = new Map(Object.entries(STANDING).map(([id, name]) => [id, doc.getElementById(name)]).filter(([, found]) => found));
   page.papers = PAPERS.filter(([id]) => !(id in STANDING) || page.standing.has(id));

@@ -116,6 +116,15 @@ function blocksOf(raw, sections) {
   }));
 }
 
+/** Slices of blocking times: section, train, part with its colour, from and to. */
+function stairwayOf(raw, sections) {
+  const [from, to] = [column(raw.from), column(raw.to)];
+  return raw.section.map((section, i) => ({
+    section: sections.get(raw.sections[section]), train: raw.trains[raw.train[i]],
+    part: raw.parts[raw.part[i]], colour: raw.colours[raw.part[i]], from: from[i], to: to[i],
+  }));
+}
+
 /** The day, ready: stations, trains with calls and plan, courses, blocks, events, waits, tables by id. */
 export function dayOf(data) {
   const stations = new Map(data.line.stations.map((station) => [station.id, station]));
@@ -134,6 +143,7 @@ export function dayOf(data) {
       courses: data.beside.courses.map((raw) => ({ ...raw, t: column(raw.t), m: column(raw.m) })),
     },
     blocks: blocksOf(data.blocks, sections),
+    stairway: stairwayOf(data.stairway, sections),
     waits: waitsOf(data.waits),
     events: eventsOf(data, tables.get("events"), courses),
     units: [...new Set([...courses.map((c) => c.unit), ...trains.map((t) => t.unit)])].filter(Boolean).sort(),

@@ -2,6 +2,7 @@
 import { lastBefore, placeOf, valueAt, waitAt } from "./data.js";
 import { makeLayer, makeMovable } from "./layer.js";
 import { drawShape, eventsAt, kindsShown, shownEvents } from "./marks.js";
+import { partsOf } from "./stairway.js";
 import { element } from "./tables.js";
 import { boundsOf, drawTrainGraph, gutterOf, nearestTrain, plotOf, scaleOf } from "./traingraph.js";
 import { clock } from "./view.js";
@@ -99,16 +100,16 @@ function tools(doc, paper, context) {
     type: "checkbox", checked: options[name], "data-option": name,
     onchange: (event) => {
       options[name] = event.target.checked;
-      if (name === "lesser") doc.querySelector(".legend")?.replaceWith(legend(doc, context.day, options, words));
+      if (name === "lesser" || name === "stairway") doc.querySelector(".legend")?.replaceWith(legend(doc, context.day, options, words));
       layer.invalidate();
     },
-  }), words.say({ sections: "sections_layer" }[name] ?? name, { label: context.day.beside?.label }));
+  }), words.say({ sections: "sections_layer", stairway: "stairway_layer" }[name] ?? name, { label: context.day.beside?.label }));
   return element(doc, "div", { class: "tools" },
     button("−", words.say("zoom_out"), () => pane.zoom(1.6, 1)), button("+", words.say("zoom_in"), () => pane.zoom(1 / 1.6, 1)),
     button(words.say("zoom_all"), words.say("zoom_all"), () => pane.fit()),
     button(words.say("hours_2"), words.say("hours_2"), toWidth(7200)), button(words.say("minutes_20"), words.say("minutes_20"), toWidth(1200)),
     button("↕+", words.say("taller"), () => pane.zoom(1, 1 / 1.4)), button("↕−", words.say("flatter"), () => pane.zoom(1, 1.4)),
-    ...["plan", "run", "sections", "lesser", ...(context.day.beside ? ["beside"] : [])].map(box));
+    ...["plan", "run", "sections", ...(context.day.stairway.length ? ["stairway"] : []), "lesser", ...(context.day.beside ? ["beside"] : [])].map(box));
 }
 
 function legend(doc, day, options, words) {
@@ -120,7 +121,9 @@ function legend(doc, day, options, words) {
     const count = shownEvents(day, options).filter((event) => event.kind === kind).length;
     return element(doc, "span", {}, sign, `${words.has(`event_${kind}`) ? words.say(`event_${kind}`) : kind} ${count}`);
   });
-  return element(doc, "p", { class: "legend" }, ...items);
+  const parts = (options.stairway ? partsOf(day) : []).map(([part, colour]) => element(doc, "span", {},
+    element(doc, "span", { class: "part", style: `background:${colour}` }), words.say(`part_${part}`)));
+  return element(doc, "p", { class: "legend" }, ...items, ...parts);
 }
 
 function point(paper, context, x, y) {

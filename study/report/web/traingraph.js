@@ -2,6 +2,7 @@
 import { lastBefore, valueAt } from "./data.js";
 import { COLOURS, font, unitColour } from "./layer.js";
 import { drawEvents, drawFaultNumbers, drawFaults, drawStrip, stripHeight } from "./marks.js";
+import { drawStairway } from "./stairway.js";
 import { clock, clockGrid, spread } from "./view.js";
 
 export const TOP = 24;
@@ -53,7 +54,7 @@ function stationText(station, words, width) {
   return width < 600 ? `${words.place(station)} ${km}` : `${words.place(station)}  ${km} km`;
 }
 
-/** Draw all of it. `options`: gutter, plan, run, sections, lesser, chosen (number of a train), words, moment {t, m}. */
+/** Draw all of it. `options`: gutter, plan, run, sections, stairway, lesser, chosen (number of a train), words, moment {t, m}. */
 export function drawTrainGraph(context, day, view, options, width, height) {
   const plot = plotOf(day, options, width, height);
   const scale = scaleOf(view, plot);
@@ -66,6 +67,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   context.clip();
   drawFaults(context, day, scale, plot);
   if (options.sections) drawSections(context, day, view, scale);
+  if (options.stairway) drawStairway(context, day, view, scale, options.chosen);
   drawClockLines(context, view, scale, plot, grid);
   drawStationLines(context, day, scale, plot);
   drawTurns(context, day, view, scale);

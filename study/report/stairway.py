@@ -1,0 +1,181 @@
+"""The blocking-time stairway (閉そく占有時分, Sperrzeitentreppe): what the time of each section goes into, with the trains.
+
+Sections stand one below the other in the order of the line, those beside one another too, short ones higher than they
+are long: else a set of points would not be seen. Trains are drawn through the sections that they run through.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from study.capacity.occupation import Conflict, Occupation, Part
+from study.report.data import Run, sections_in_order
+from study.report.packing import packed, places_in
+from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, draw_clock_axis, time_bands
+from study.run.blocking_table import read_blocking
+
+PANEL_IN: Final = 4.4
+LEAST_SHARE: Final = 0.045  # of the panel's height, that the shortest section has
+SEEN_S: Final = 1.0  # on the page shorter slices are their neighbour's
+
+# One hue a cost, one shade a part of it.
+COLOUR_OF: Final[Mapping[Part, str]] = {
+    Part.REQUEST: "#08306b",
+    Part.AIR: "#2171b5",
+    Part.GRANT: "#4292c6",
+    Part.PROOF: "#6baed6",
+    Part.RELEASE: "#9ecae1",
+    Part.THROW: "#e6550d",
+    Part.APPROACH: "#c7e9c0",
+    Part.RUN: "#41ab5d",
+    Part.HELD: "#00602b",
+    Part.LENGTH: "#84c98a",
+    Part.READY: "#f2e6c2",
+    Part.DWELL: "#d9b95a",
+    Part.LAYOVER: "#e8d28f",
+    Part.CHANGE_ENDS: "#a6801d",
+    Part.CHARGING: "#d36ba6",
+    Part.BOUND: "#cbbfe0",
+}
+
+
+def draw_stairway(
+    run: Run, occupations: Sequence[Occupation], conflicts: Sequence[Conflict] = ()
+) -> Figure | None:
+    """The stairway in the panels of the train graph; hatched in red: what two trains want at once. None: no time."""
+    if not occupations:
+        return None
+    bands, grid = time_bands(*run.window_s)
+    rows = _rows(run)
+    figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(bands) + 0.7), layout="constrained")
+    for axes, band in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands, strict=True):
+        draw_clock_axis(axes, band, grid)
+        axes.set_ylim(1.0, 0.0)
+        axes.set_yticks([(low + high) / 2 for low, high in rows.values()], list(rows), fontsize=6.5)
+        axes.tick_params(axis="y", length=0)
+        for _, high in rows.values():
+            axes.axhline(high, color=RULE, lw=0.5, zorder=0.6)
+        _draw_boxes(axes, occupations, rows, band)
+        _draw_conflicts(axes, conflicts, rows, band)
+        _draw_trains(axes, run, rows, band)
+        axes.spines[:].set_color(RULE)
+    parts = [part for part in Part if any(one.of_part(part) > 0.0 for one in occupations)]
+    legend = [Patch(color=COLOUR_OF[part], lw=0, label=part.value) for part in parts]
+    if conflicts:
+        legend.append(Patch(fc="none", ec=RED, hatch="////", lw=0.8, label="conflict"))
+    figure.legend(handles=legend, loc="outside lower left", ncols=9, handlelength=1.2, fontsize=6.5)
+    return figure
+
+
+def _rows(run: Run) -> dict[str, tuple[float, float]]:
+    """Where each section stands, as shares of the height from above, in the order of the line."""
+    sections = sections_in_order(run)
+    lengths_m = [
+        max((run.line.pieces[piece].length_m for piece in section.piece_ids), default=0.0)
+        for section in sections
+    ]
+    whole_m = sum(lengths_m) or 1.0
+    shares = np.maximum(np.asarray(lengths_m) / whole_m, LEAST_SHARE)
+    ends = np.concatenate(([0.0], np.cumsum(shares / shares.sum())))
+    return {s.id: (float(a), float(b)) for s, a, b in zip(sections, ends[:-1], ends[1:], strict=True)}
+
+
+def _draw_boxes(
+    axes: Axes, occupations: Iterable[Occupation], rows: Mapping[str, tuple[float, float]], band: TimeBand
+) -> None:
+    boxes: list[Rectangle] = []
+    colours: list[str] = []
+    frames: list[Rectangle] = []
+    for one in occupations:
+        row = rows.get(one.section_id)
+        if row is None or not band.meets(one.begin_s, one.end_s):
+            continue
+        frames.append(Rectangle((one.begin_s, row[0]), one.length_s, row[1] - row[0]))
+        for piece in one.slices:
+            boxes.append(Rectangle((piece.begin_s, row[0]), piece.length_s, row[1] - row[0]))
+            colours.append(COLOUR_OF[piece.part])
+    axes.add_collection(PatchCollection(boxes, facecolor=colours, edgecolor="none", alpha=0.75, zorder=1.0))
+    axes.add_collection(PatchCollection(frames, facecolor="none", edgecolor=INK, lw=0.45, zorder=1.6))
+
+
+def _draw_conflicts(
+    axes: Axes, conflicts: Iterable[Conflict], rows: Mapping[str, tuple[float, float]], band: TimeBand
+) -> None:
+    for one in conflicts:
+        row, from_s = rows.get(one.section_id), one.second.begin_s
+        if row is not None and band.meets(from_s, from_s + one.overlap_s):
+            box = Rectangle((from_s, row[0]), one.overlap_s, row[1] - row[0])
+            box.set(fc="none", ec=RED, hatch="////", lw=0.8, zorder=4.0)
+            axes.add_patch(box)
+
+
+def _draw_trains(axes: Axes, run: Run, rows: Mapping[str, tuple[float, float]], band: TimeBand) -> None:
+    """Each train's front through the rows of the sections that it is in, with its number where it begins."""
+    pieces = run.line.pieces
+    for (_, number), course in run.courses.items():
+        shown = course.filter(pl.col("t_s").is_between(band.from_s, band.to_s))
+        if shown.is_empty():
+            continue
+        heights: list[float] = []
+        for piece_id, at_m in shown.select("piece", "kilometrage_m").iter_rows():
+            piece = pieces[piece_id]
+            low, high = rows[piece.section_id]
+            section = run.line.sections[piece.section_id]
+            from_m = min(pieces[p].from_m for p in section.piece_ids)
+            to_m = max(pieces[p].to_m for p in section.piece_ids)
+            share = min(max((at_m - from_m) / max(to_m - from_m, 1e-9), 0.0), 1.0)
+            heights.append(low + share * (high - low))
+        axes.plot(shown["t_s"].to_numpy(), heights, color=INK, lw=0.8, zorder=3.0)
+        middle = len(heights) // 2
+        axes.text(
+            float(shown["t_s"][middle]),
+            heights[middle],
+            number,
+            fontsize=5.5,
+            color=INK,
+            ha="center",
+            va="bottom",
+            zorder=5.0,
+            clip_on=True,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.3},
+        )
+
+
+def stairway_shown(run: Run) -> dict[str, Any]:
+    """The stairway as the page has it: whole seconds, and no slice too short to be seen."""
+    found = [one for one in read_blocking(run.tables.blocking) if one.section_id in run.line.sections]
+    slices = [(one, part, begin_s, end_s) for one in found for part, begin_s, end_s in _coarse(one)]
+    sections, at = places_in([one.section_id for one, *_ in slices])
+    trains, of = places_in([one.number for one, *_ in slices])
+    parts, what = places_in([part.value for _, part, *_ in slices])
+    return {
+        "sections": sections,
+        "trains": trains,
+        "parts": parts,
+        "colours": [COLOUR_OF[Part(part)] for part in parts],
+        "section": at,
+        "train": of,
+        "part": what,
+        "from": packed([begin_s for *_, begin_s, _ in slices], 1),
+        "to": packed([end_s for *_, end_s in slices], 1),
+    }
+
+
+def _coarse(one: Occupation) -> list[tuple[Part, float, float]]:
+    """The slices of an occupation, what is shorter than a second added to the one before it, or after it."""
+    found: list[tuple[Part, float, float]] = []
+    begin_s = one.begin_s
+    for piece in one.slices:
+        if piece.length_s < SEEN_S and found:
+            found[-1] = (*found[-1][:2], piece.end_s)
+        elif piece.length_s >= SEEN_S:
+            found.append((piece.part, found[-1][2] if found else begin_s, piece.end_s))
+    return found
