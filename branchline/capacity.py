@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,8 +17,9 @@ from network.errors import InputError
 
 if TYPE_CHECKING:
     from simulation.setup import Setup
+    from study.capacity.equipment import Measured, Worth
     from study.capacity.legs import Leg
-    from study.capacity.line_capacity import Period, Rate
+    from study.capacity.line_capacity import Period, Rate, Terms
     from study.capacity.more import More
 
 ALL = "all"
@@ -53,7 +54,7 @@ def capacity(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Occupancy by timetable compression (UIC 406) by part of the line, the limits beside it, and room for more trains."""
+    """Occupancy of each part of a line by compression (UIC 406), the limits beside it, and room for more trains."""
     from study.capacity.cut import WAYS, cut_of
     from study.capacity.legs import legs_of, places_of
     from study.capacity.line_capacity import rates_of
@@ -98,7 +99,7 @@ def cut_of_unknown(name: str) -> None:
     raise InputError("command line", "--cut", name, one_of([*WAYS, ALL], name))
 
 
-def _terms(traffic: str, stops: str) -> Any:
+def _terms(traffic: str, stops: str) -> Callable[[float], Terms]:
     from network.files.toml_input import one_of
     from study.capacity.compression import Stops
     from study.capacity.limits import Traffic
@@ -136,7 +137,7 @@ def _periods(legs: Sequence[Leg], between_s: tuple[float | None, float | None]) 
     return (chosen,)
 
 
-def _worth(setup: Setup) -> Any:
+def _worth(setup: Setup) -> tuple[Worth, ...]:
     from study.capacity.equipment import worth_of
 
     return worth_of(setup)
@@ -147,7 +148,7 @@ def _as_dict(
     how: Mapping[str, str],
     more: More,
     periods: Sequence[Period],
-    worth: Any,
+    worth: Sequence[Worth] | None,
     *,
     theory: bool,
 ) -> dict[str, Any]:
@@ -210,14 +211,19 @@ def _print_more(more: More, periods: Sequence[Period]) -> None:
         sys.stdout.write(f"  thrown out by the judgement: {', '.join(more.dropped)}\n")
 
 
-def _print_worth(worth: Sequence[Any]) -> None:
+def _print_worth(worth: Sequence[Worth]) -> None:
     """What each parameter is worth from its low to its high end."""
     sys.stdout.write(
-        "\nwhat equipment is worth: follower's headway, s, and occupancy of the fullest part, %\n"
+        "\nwhat equipment is worth: follower's headway as units do it and with five virtual blocks, longest from an"
+        " arrival to the opposing departure, s; occupancy of the fullest part, %\n"
     )
     for one in worth:
-        row = one.as_dict()
-        sys.stdout.write(
-            f"  {one.name:24} {row['low']:>16} {row['low_headway_s']:9.1f} s {row['low_percent']:6.1f} %"
-            f"   {row['high']:>16} {row['high_headway_s']:9.1f} s {row['high_percent']:6.1f} %\n"
-        )
+        cells = [
+            f"{word:>16}" + "".join(f"{value:9.1f}" for value in _figures(end))
+            for word, end in ((one.low, one.low_end), (one.high, one.high_end))
+        ]
+        sys.stdout.write(f"  {one.name:24}{'  '.join(cells)}\n")
+
+
+def _figures(end: Measured) -> tuple[float, ...]:
+    return end.headway_s, end.block_headway_s, end.meet_s, 100.0 * end.occupied_share

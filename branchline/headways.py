@@ -38,7 +38,7 @@ def headway(
     as_csv: Annotated[bool, typer.Option("--csv", help="Print the table as CSV on stdout.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Least headways (続行, 開通, 追い込み, 着発, 発着) by station and kinds of trains, with the section and the costs."""
+    """Least headways (続行, 開通, 追い込み, 着発, 発着) by station and kinds of trains, with section and costs."""
     from network.files.toml_input import one_of
     from study.capacity.headway import line_cases
     from study.report.headways import FILES, headway_table, write_headways

@@ -35,7 +35,7 @@ class HeadwayKind(StrEnum):
     @property
     def english(self) -> str:
         """The name in English."""
-        return self.name.lower().replace("_", " ")
+        return _ENGLISH[self]
 
     @property
     def between(self) -> str:
@@ -43,6 +43,13 @@ class HeadwayKind(StrEnum):
         return _BETWEEN[self]
 
 
+_ENGLISH: Final[Mapping[HeadwayKind, str]] = {
+    HeadwayKind.FOLLOWING: "following",
+    HeadwayKind.OPEN: "way open",
+    HeadwayKind.CLOSING_UP: "closing up",
+    HeadwayKind.ARRIVAL_DEPARTURE: "arrival to departure",
+    HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
+}
 NEAR: Final = 8  # trains: who is further from another is not held up by it
 _BETWEEN: Mapping[HeadwayKind, str] = {
     HeadwayKind.FOLLOWING: "departure to departure",
@@ -283,11 +290,11 @@ class _Found:
     closest: Headway | None = None
     pairs: int = 0
 
-    def take(self, one: Headway, *, follows: bool) -> None:
-        """One more pair; `follows`: it is so in the plan."""
+    def take(self, one: Headway) -> None:
+        """One more pair; where the events are in that order it is one of the plan."""
         if one.least_s > self.greatest.least_s + TOUCH_S:
             self.greatest = one
-        if follows and one.planned_s > 0.0:
+        if one.planned_s > 0.0:
             self.pairs += 1
             if self.closest is None or one.buffer_s < self.closest.buffer_s - TOUCH_S:
                 self.closest = one
@@ -304,7 +311,7 @@ def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math
             for first, second in ((visit, other), (other, visit)):
                 for one in headways_of(first, second, dwell_min_s):
                     key = kind_of_visit(first), kind_of_visit(second), one.kind
-                    found.setdefault(key, _Found(one)).take(one, follows=first is visit)
+                    found.setdefault(key, _Found(one)).take(one)
     return tuple(
         Case(station_id, first, second, one.greatest, one.closest, one.pairs)
         for (first, second, _), one in found.items()

@@ -47,7 +47,7 @@ class Stretch:
 def stretch_of(
     legs: Sequence[Leg], copies: Sequence[Leg], ends: tuple[frozenset[str], frozenset[str]]
 ) -> Stretch:
-    """The stretch between two stations, given by their tracks, low end first; `copies` are the same legs as other trains.
+    """The stretch between two stations, given by their tracks, low end first; `copies`: the same legs as other trains.
 
     ValueError where no leg leads from one to the other each way.
     """

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -47,7 +48,7 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A stretch of one line by number of blocks. `as_units`: with routes had whole and given back at the arrival tag."""
+    """A stretch of a line by number of blocks. `as_units`: routes are had whole and given back at the arrival tag."""
 
     scenario: str
     name: str
@@ -103,9 +104,7 @@ def curves_of(name: str, counts: Sequence[int], seed: int) -> tuple[Curve, ...]:
 def _longest(line: Line) -> tuple[Station, Station]:
     """The two stations with tracks next to each other that lie furthest apart."""
     stations = sorted((s for s in line.stations.values() if not s.is_halt), key=lambda s: s.position_m)
-    return max(
-        zip(stations, stations[1:], strict=False), key=lambda two: two[1].position_m - two[0].position_m
-    )
+    return max(pairwise(stations), key=lambda two: two[1].position_m - two[0].position_m)
 
 
 def _stretch(setup: Setup, low: Station, high: Station, blocks: int, rules: Rules) -> Stretch:
@@ -182,10 +181,10 @@ def _figures(curve: Curve) -> tuple[Figure, ...]:
 
 
 _REMARKS: Final = (
-    "the paper's corridor is 2,000 miles of single and double track with freight trains and a dispatcher; ours is one"
-    " single track between two stations with short trains that go as they come: the comparison is of shape, not of size",
+    "the paper's corridor is 2,000 miles of single and double track with freight trains and a dispatcher; ours is"
+    " one single track between two stations with short trains that go as they come: shapes are compared, not sizes",
     "one of our fixed blocks is the whole way between two stations; signal blocks of a main line are shorter, so that"
     " five parts of ours are longer than five of theirs",
-    "opposing trains gain nothing from blocks: with one direction alone the gain would be greater, without followers none",
+    "opposing trains gain nothing from blocks: in one direction alone the gain would be greater",
     "stations are taken to have room for all trains that wait; a loop of two tracks has not",
 )

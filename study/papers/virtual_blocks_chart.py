@@ -1,4 +1,4 @@
-"""The picture of virtual blocks: traffic at one mean speed and headway by number of blocks, the paper's figures beside."""
+"""The picture of virtual blocks: traffic at one mean speed, and headway, by number of blocks; the paper's beside."""
 
 from __future__ import annotations
 

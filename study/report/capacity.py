@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
+from study.capacity.equipment import BLOCKS, Measured, Worth
 from study.capacity.line_capacity import Rate
-from study.report.headways import save
+from study.report.headways import COST_COLOURS, save
 from study.report.style import INK, PALE, RED, WIDTH_IN, drawing
 
 PICTURE: Final = "occupation"
-FILES: Final = frozenset({"occupation.csv", f"{PICTURE}.png", f"{PICTURE}.svg"})
+TORNADO: Final = "tornado"
+FILES: Final = frozenset(
+    {
+        "occupation.csv",
+        "equipment.csv",
+        *(f"{n}.{form}" for n in (PICTURE, TORNADO) for form in ("png", "svg")),
+    }
+)
 _FULL, _OVER = "#3b6ea5", RED
 
 
@@ -55,10 +65,74 @@ def _draw_cut(axes: Axes, rates: Sequence[Rate]) -> None:
     axes.grid(axis="x")
 
 
-def write_occupation(folder: Path, by_cut: Mapping[str, Sequence[Rate]]) -> None:
-    """Make a folder with occupation.csv and the picture; OSError when it cannot be written."""
+def draw_tornado(worth: Sequence[Worth]) -> Figure | None:
+    """A panel a figure: how far each parameter moves headways and occupancy, from its one end to the other."""
+    panels: tuple[tuple[str, Callable[[Measured], float]], ...] = (
+        ("headway of a follower on the way down, s", lambda one: one.headway_s),
+        (f"the same with {BLOCKS} virtual blocks a section, s", lambda one: one.block_headway_s),
+        ("from an arrival to the opposing departure, s", lambda one: one.meet_s),
+        ("occupancy of the day of the fullest part, %", lambda one: 100.0 * one.occupied_share),
+    )
+    shown = [panel for panel in panels if any(math.isfinite(panel[1](one.base)) for one in worth)]
+    if not shown:
+        return None
+    rows = math.ceil(len(shown) / 2)
+    figure = Figure(figsize=(WIDTH_IN, rows * (1.1 + 0.36 * len(worth))), layout="constrained")
+    grid = figure.subplots(rows, 2, squeeze=False).flat
+    for axes, (text, of) in zip(grid, shown, strict=False):
+        _draw_swings(axes, worth, of)
+        axes.set_xlabel(text)
+    for axes in list(figure.axes)[len(shown) :]:
+        axes.remove()
+    colours = dict.fromkeys(one.cost for one in worth)
+    handles = [Patch(color=COST_COLOURS[cost], label=cost.value) for cost in colours]
+    figure.legend(handles=handles, loc="outside upper right", ncols=6)
+    return figure
+
+
+def _draw_swings(axes: Axes, worth: Sequence[Worth], of: Callable[[Measured], float]) -> None:
+    """A bar a parameter, the widest on top, about the line of what is."""
+    finite = [one for one in worth if math.isfinite(of(one.low_end)) and math.isfinite(of(one.high_end))]
+    ordered = sorted(finite, key=lambda one: abs(of(one.high_end) - of(one.low_end)))
+    base = of(worth[0].base)
+    ends = [end for one in ordered for end in (of(one.low_end), of(one.high_end))]
+    room = 0.45 * max(max(ends) - min(ends), 1e-6)
+    for at, one in enumerate(ordered):
+        low, high = of(one.low_end), of(one.high_end)
+        axes.barh(at, high - low, 0.55, low, color=COST_COLOURS[one.cost])
+        same = abs(high - low) < 0.05
+        words = ((low, f"{one.low}, {one.high}"),) if same else ((low, one.low), (high, one.high))
+        for value, word in words:
+            leftmost = same or value == min(low, high)
+            text = f"{word}: {value:.1f}"
+            axes.annotate(
+                text,
+                (value, at),
+                xytext=(-4 if leftmost else 4, 0),
+                textcoords="offset points",
+                ha="right" if leftmost else "left",
+                va="center",
+                fontsize=6.5,
+                color=INK,
+            )
+    axes.axvline(base, color=INK, lw=0.8)
+    axes.set_yticks(range(len(ordered)), [one.name for one in ordered])
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlim(min(ends) - room, max(ends) + room)
+    axes.set_ylim(-0.6, len(ordered) - 0.4)
+    axes.grid(axis="x")
+
+
+def write_occupation(
+    folder: Path, by_cut: Mapping[str, Sequence[Rate]], worth: Sequence[Worth] | None = None
+) -> None:
+    """Make a folder with occupation.csv and the picture, equipment.csv and the tornado; OSError when it cannot be."""
     folder.mkdir()
     rows = [{"cut": name, **rate.as_dict()} for name, rates in by_cut.items() for rate in rates]
     pl.DataFrame(rows, infer_schema_length=None).write_csv(folder / "occupation.csv")
+    if worth is not None:
+        table = pl.DataFrame([one.as_dict() for one in worth], infer_schema_length=None)
+        table.write_csv(folder / "equipment.csv")
     with drawing():
         save(draw_occupation(by_cut), folder, PICTURE)
+        save(None if worth is None else draw_tornado(worth), folder, TORNADO)
