@@ -30,6 +30,7 @@ class LostWhere(Enum):
 
     AIR = "the air"
     NO_COVERAGE = "no coverage"
+    CABLE = "the cable"  # cut between the centre and one of the two
     RECEIVER_OFF = "receiver off"
 
 

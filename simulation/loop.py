@@ -36,6 +36,7 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
 from simulation.world.books import Books
+from simulation.world.cable import Cable
 from simulation.world.charging import Charging
 from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
@@ -90,6 +91,8 @@ class Simulation:
             self._agenda,
             self.journal,
             self.trains.covered,
+            Cable(setup.line, setup.operation),
+            self.trains.place_m,
         )
         self.checkers = checkers_of(setup, net, self.trains.stock_ids)
         self.journal.watch(self.checkers.journal)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from network.graph import all_routes
 from simulation.faults.fault import Names
 from simulation.setup import Setup
+from simulation.world.cable import stretches_of
 from wayside.config import MANAGER_ID
 
 
@@ -24,5 +25,6 @@ def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
         people=people,
         routes=tuple(route.id for route in all_routes(line)),
         pieces=tuple(line.pieces),
+        cable=stretches_of(line),
         chargers=() if setup.battery is None else tuple(line.chargers),
     )

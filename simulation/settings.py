@@ -291,8 +291,28 @@ class Limits(Record):
     ] = 3600.0
 
 
+class Interlocking(StrEnum):
+    """Where it is decided who goes where."""
+
+    ONBOARD = "onboard"  # units ask the manager and command terminals, by radio
+    CENTRAL = "central"  # a centre (CTC) does, over a cable along the line
+
+
 class Operation(Record):
-    """`[operation]`: what people do."""
+    """`[operation]`: what people do, and from where the line is worked."""
+
+    interlocking: Annotated[
+        Interlocking,
+        Field(strict=False),
+        about(
+            "on board, or by a centre whose cable reaches trains and points: beyond a cut (`cable_cut`) no train moves"
+            " further than it may already",
+            "Sugiyama: on board",
+        ),
+    ] = Interlocking.ONBOARD
+    centre: Annotated[
+        str | None, about("station at which the centre's cable joins the line; left out: the first")
+    ] = None
 
     portal_lead_s: Annotated[
         Wait,

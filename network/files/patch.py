@@ -3,6 +3,7 @@
 Besides the words of `network.files.edits` it knows, before them:
 
 - `remove_tracks = ["OGN.2"]`: see `network.files.track_removal`;
+- `add_loops = ["NIT"]`: see `network.files.loop_addition`;
 - `remove_tags = { purpose = "position", near_marks_m = 200.0 }`: tags of that purpose on sections, as near as that
   to a stopping mark of the same alignment;
 
@@ -25,6 +26,7 @@ from network.files.edits import Asked, Change, Data, Patched, Words, differences
 from network.files.kinds import about
 from network.files.line_file import line_of
 from network.files.line_schema import LineFile
+from network.files.loop_addition import with_loop
 from network.files.quantities import PositionBound
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.files.track_removal import without_track
@@ -51,6 +53,9 @@ class LineWords(Words):
     remove_tracks: Annotated[list[str], about("platform tracks taken out with their points")] = Field(
         default_factory=list
     )
+    add_loops: Annotated[
+        list[str], about("halts that get a second track with points, where trains can meet")
+    ] = Field(default_factory=list)
     remove_tags: Annotated[TagsOut | None, about("tags taken out by purpose")] = None
 
 
@@ -92,6 +97,8 @@ def _patched(data: Mapping[str, Any], asked: Asked) -> tuple[Patched, LineFile]:
     entry = validate(data, file, LineFile)
     for i, track_id in enumerate(wanted.remove_tracks):
         entry = without_track(entry, track_id, file, f"{asked.key}.remove_tracks[{i}]")
+    for i, station_id in enumerate(wanted.add_loops):
+        entry = with_loop(entry, station_id, file, f"{asked.key}.add_loops[{i}]")
     if wanted.remove_tags is not None:
         entry = _without_tags(entry, wanted.remove_tags, file, f"{asked.key}.remove_tags")
     plain = entry.model_dump(exclude_unset=True, exclude_none=True)

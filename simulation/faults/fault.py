@@ -41,6 +41,7 @@ class Names:
     people: tuple[str, ...] = ()
     routes: tuple[str, ...] = ()
     pieces: tuple[str, ...] = ()
+    cable: tuple[str, ...] = ()  # its stretches, each between two neighbouring stations
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
 
 

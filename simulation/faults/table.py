@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
+from simulation.faults.cable import CutCable
 from simulation.faults.chargers import ChargerDead
 from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerOff, Restart
@@ -32,6 +33,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Reorder,
     Flip,
     DeadZone,
+    CutCable,
     Scale,
     StuckOutput,
     NoOutput,

@@ -28,6 +28,7 @@ from simulation.events import (
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
+from simulation.world.cable import Cable
 from simulation.world.clock import Clock
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from wayside.config import MANAGER_ID
@@ -47,6 +48,8 @@ class WaysideWorld:
         agenda: Agenda,
         journal: Journal,
         covered: Callable[[str], bool],
+        cable: Cable,
+        place_m: Callable[[str], float],
     ) -> None:
         self.machines: dict[str, PointMachine] = {
             points.id: point_machine.machine_of(points) for points in line.points.values()
@@ -61,6 +64,8 @@ class WaysideWorld:
         self._agenda = agenda
         self._journal = journal
         self._covered = covered
+        self.cable: Final = cable
+        self._place_m = place_m
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
         self._down: set[str] = set()
@@ -81,10 +86,12 @@ class WaysideWorld:
 
     def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:
         """Send a telegram through the air."""
-        unit_id = destination if source in self._device_ids else source
+        unit_id, device_id = (destination, source) if source in self._device_ids else (source, destination)
         covered = self._covered(unit_id)
         deliveries = self._air.transmit(step, source, destination, data, covered)
         deliveries = self.disturb(step, source, destination, deliveries)
+        whole = not self.cable.severed or self.cable.carries(self._place_m(unit_id), device_id)
+        deliveries = deliveries if whole else ()
         header = header_of(data)
         kind = None if header is None else kind_of(header)
         count = self.telegrams[source, destination, kind or "?"]
@@ -104,7 +111,8 @@ class WaysideWorld:
         )
         self._journal.write(step / STEPS_PER_S, source, sent)
         if not deliveries:
-            self.lost(step, destination, data, LostWhere.AIR if covered else LostWhere.NO_COVERAGE)
+            of_air = LostWhere.AIR if covered else LostWhere.NO_COVERAGE
+            self.lost(step, destination, data, of_air if whole or not covered else LostWhere.CABLE)
         due = Due.TO_DEVICE if destination in self._device_ids else Due.TO_UNIT
         for delivery in deliveries:
             self._agenda.put(delivery.step, due, destination, delivery.data)

@@ -173,6 +173,14 @@ class Trains:
         """True kilometrage of the front, m."""
         return self.true_path(slot).kilometrage_m(float(self.truths[slot].position_m))
 
+    def place_m(self, stock_id: str) -> float:
+        """True kilometrage of the front, m; of stock outside, where it comes onto the line."""
+        slot = self.slot_of[stock_id]
+        if self.truths[slot].active:
+            return self.kilometrage_m(slot)
+        duty = self.duties[slot]
+        return math.nan if duty is None else duty.mission.path.kilometrage_m(0.0)
+
     def covered(self, stock_id: str) -> bool:
         """Whether the radio truly reaches the train."""
         slot = self.slot_of.get(stock_id)

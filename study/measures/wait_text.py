@@ -38,6 +38,7 @@ _REASONS: Final[Mapping[str, Name]] = {
     "": Name("", ""),
     "no power": Name("it has no power", "電源が切れています"),
     "frozen": Name("it does nothing (frozen)", "動作を停止しています"),
+    "cable cut": Name("the cable to the centre is cut", "センターへの通信ケーブルが切断されています"),
     "undefined": Name("it does not know yet what every unit holds", "在線状態が復元されておらず未定義です"),
     "unknown route": Name("it knows no such route", "そのような進路がありません"),
     "unknown section": Name("it knows no such section", "そのような閉そく区間がありません"),

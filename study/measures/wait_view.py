@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Any, Final
 
 from onboard import notes
-from radio.noted import Noted, Sent, TookEffect
+from radio.noted import Lost, LostWhere, Noted, Sent, TookEffect
 from simulation import events
 from simulation.events import MANAGER, Entry
 from simulation.world.clock import Clock
@@ -84,6 +84,7 @@ class View:
     powered: bool = True
     frozen: bool = False
     set_back: bool = False
+    cable_cut: bool = False  # what it said last was lost in the cable
     clocks: dict[str, tuple[float, dict[str, float]]] = field(
         default_factory=dict[str, tuple[float, dict[str, float]]]
     )
@@ -213,6 +214,7 @@ def _sent(view: View, t_s: float, event: Sent) -> None:
 
 
 def _took_effect(view: View, _t_s: float, event: TookEffect) -> None:
+    view.cable_cut = False
     request = view.requests.get(Asked.REPORT)
     confirmed = event.receiver == view.unit and event.kind == "HoldingConfirmed"
     if confirmed and request is not None and request.correlation == event.correlation and not view.mismatch:
@@ -319,6 +321,7 @@ _READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
     notes.CrewWaitsAtPoints: lambda view, _t_s, event: setattr(view, "crew_waits_at", event.points_id),
     notes.CrewCheckedPoints: _set(crew_waits_at=""),
     Sent: _sent,
+    Lost: _set(cable_cut=True),
     TookEffect: _took_effect,
     events.PowerOff: _set(powered=False),
     events.PowerOn: _set(powered=True, emergency=True),
@@ -338,6 +341,8 @@ def subject_of(entry: Entry) -> str:
             return receiver
         case events.DoorsHeld(unit_id=unit):
             return unit
+        case Lost(where=LostWhere.CABLE, source=str() as source):
+            return source
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit
         case _:

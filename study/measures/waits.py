@@ -38,6 +38,7 @@ WRONG_CLOCK: Final = "clock"
 NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
 DOORS_OPEN: Final = Vehicle(doors_closed=False).unfit
+CABLE_CUT: Final = "cable cut"
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
 
@@ -359,8 +360,8 @@ class _Finder:
             cause = Cause.ANSWER if self._covered(t_s) else Cause.COVERAGE
             return self._make(cause, **known), until_s
         known["since_s"] = request.since_s
-        if ails:
-            known["reason"] = ails
+        if ails or self._view.cable_cut:
+            known["reason"] = ails or CABLE_CUT
             return self._make(Cause.ANSWER, **known), until_s
         for section in sections:
             holder = self._history.holder(section, t_s, self._view.unit)
@@ -401,8 +402,8 @@ class _Finder:
             "section": view.limit_before or "",
             "party": item.terminal_id,
         }
-        if ails:
-            known["reason"] = ails
+        if ails or self._view.cable_cut:
+            known["reason"] = ails or CABLE_CUT
             return self._make(Cause.POINTS_PROOF, **known), until_s
         if points in view.points_refused:
             known["reason"] = view.points_refused[points]

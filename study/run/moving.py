@@ -118,6 +118,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "reorder": Single(120.0, {"p": 0.5, "seconds": 2.0}),
     "flip": Single(120.0, {"p": 0.5}),
     "dead_zone": Single(120.0, {"length_m": 1000.0}),
+    "cable_cut": Single(60.0, {}),
     "scale": Single(60.0, {"factor": 0.9}),
     "stuck_output": Single(20.0, {}),
     "no_output": Single(20.0, {}),

@@ -20,7 +20,15 @@ from onboard.localisation.marker_patterns import PATTERNS
 from onboard.unit_records import UnitParameters
 from simulation.design import overrated
 from simulation.events import WORLD
-from simulation.settings import Carried, Driving, Sensors, Tuning, Vision
+from simulation.settings import (
+    Carried,
+    Driving,
+    Interlocking,
+    Operation,
+    Sensors,
+    Tuning,
+    Vision,
+)
 from simulation.setup import Setup
 from simulation.world.scatter import Scatter
 from vehicle.train_file import TrainType
@@ -46,6 +54,18 @@ def check_parties(timetable_file: str, line_file: str, line: Line, timetable: Ti
         if (whose := taken.get(diagram.stock_id)) is not None:
             key = f"diagrams[{i}].stock"
             raise InputError(timetable_file, key, diagram.stock_id, f"{_OWN_NAME}; {whose} has it")
+
+
+def check_centre(file: str, operation: Operation, stations: Collection[str]) -> None:
+    """A centre is named only where there is one, at a station that exists, or InputError."""
+    if operation.centre is None:
+        return
+    if operation.interlocking is not Interlocking.CENTRAL:
+        expected = 'no such key with interlocking = "onboard"'
+        raise InputError(file, "operation.centre", operation.centre, expected)
+    if operation.centre not in stations:
+        expected = f"a station: {one_of(sorted(stations), operation.centre)}"
+        raise InputError(file, "operation.centre", operation.centre, expected)
 
 
 def check_scatter(file: str, scatter: Scatter, stock_ids: Iterable[str]) -> None:

@@ -28,6 +28,7 @@ from study.scenario.battery_choice import check_battery, heated
 from study.scenario.belief import belief_of
 from study.scenario.curvature_choice import curvature_map_of
 from study.scenario.fleet_file import (
+    check_centre,
     check_grip,
     check_margins,
     check_markers,
@@ -101,6 +102,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
     lengths_m = {stock_id: float(train.row[0]["length_m"]) for stock_id, train in trains.items()}
     validate_train_fits(line, lengths_m, timetable, str(path))
     check_scatter(str(path), model.scatter, trains)
+    check_centre(str(path), model.operation, line.stations)
     check_vision(str(path), model.vision, line.stations)
     check_margins(str(path), model.driving)
     check_wheels(str(path), model.sensors, model.unit, trains)

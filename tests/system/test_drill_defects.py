@@ -30,6 +30,7 @@ from onboard.records import UnitRow
 from onboard.unit import Answer, Report, Unit
 from onboard.vehicle import Vehicle
 from radio.envelope import header_of
+from simulation.world.cable import Cable
 from simulation.world.crew import Crew
 from simulation.world.points import WaysideWorld
 from study.run.drill import shipped_drills
@@ -172,6 +173,16 @@ def believes_no_fix_after_a_restart(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Fixes, "_may_be_here", lambda *_, **__: False)
 
 
+def reaches_over_a_cut(patch: pytest.MonkeyPatch) -> None:
+    """A centre that is reached whatever becomes of its cable."""
+    patch.setattr(Cable, "severed", False)
+
+
+def says_everything_over_the_cable(patch: pytest.MonkeyPatch) -> None:
+    """The cut of a cable takes away what goes by radio."""
+    patch.setattr(Cable, "severed", property(lambda self: bool(self._cuts)))
+
+
 # what it checks lies in compiled code that no test can patch: that slides widen the bounds (tests/onboard)
 NOT_YET: Final = frozenset({"27_slippery_rail"})
 
@@ -270,6 +281,8 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "nothing is given back before the driver has spoken",
         ),
         "73_restart_without_tags": (believes_no_fix_after_a_restart, "a fix tells the position"),
+        "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),
+        "80b_cable_cut_on_board": (says_everything_over_the_cable, "no telegram is lost in the cable"),
     }
 )
 

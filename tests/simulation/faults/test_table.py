@@ -21,6 +21,7 @@ NAMES = Names(
     chargers=("KRS",),
     sections=("OGN.1",),
     markers=("1",),
+    cable=("A - B",),
 )
 PARTIES = st.sampled_from(["K1", "K2", "block-manager", "OGN-W", ANY])
 

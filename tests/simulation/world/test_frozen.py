@@ -16,6 +16,7 @@ from simulation.agenda import Agenda
 from simulation.cabs import Cabs
 from simulation.journal import Journal
 from simulation.setup import Setup
+from simulation.world.cable import Cable
 from simulation.world.points import WaysideWorld
 from wayside.said import PointsDetected
 
@@ -46,7 +47,8 @@ def agenda() -> Agenda:
 def wayside(rtri_setup: Setup, agenda: Agenda) -> tuple[WaysideWorld, Parties]:
     line: Line = rtri_setup.line
     parties = Parties()
-    made: Any = (parties, SimpleNamespace(), agenda, Journal(), lambda _unit: True)
+    cable = Cable(line, rtri_setup.operation)
+    made: Any = (parties, SimpleNamespace(), agenda, Journal(), lambda _unit: True, cable, lambda _unit: 0.0)
     return WaysideWorld(line, *made), parties
 
 

@@ -31,6 +31,7 @@ BEFORE_S: Final = 30  # trains ask for their routes before they move
 GIVE_BACK_P: Final = 0.15
 BY_HAND_P: Final = 0.2
 OTHER_LAW_P: Final = 0.3
+CENTRAL_P: Final = 0.3
 AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
 
 
@@ -107,6 +108,8 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
         head["air"] = AIR
     if draw.chance(BY_HAND_P):
         head["operation"] = {"reentry": "by_hand"}
+    if draw.of("interlocking").chance(CENTRAL_P):
+        head["operation"] = head.get("operation", {}) | {"interlocking": "central"}
     law = draw.of("law")
     if law.chance(OTHER_LAW_P):
         head["driving"] = {"law": law.one_of(LAW_NAMES)}

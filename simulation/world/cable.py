@@ -1,0 +1,91 @@
+"""Invariant: with a central interlocking nothing is said that does not go over the cable, and nothing goes over a cut.
+
+A centre (CTC) joins the line at one station; its cable runs from there along the line both ways, to the terminals and
+to what stands for lineside signals and track circuits, the radio that trains hear (assumed: line files have neither).
+The block manager stands in the centre. So a telegram between a unit and the manager goes along the cable between
+the centre and the train, one between a unit and a terminal also from the centre to the terminal, however near the
+two may be. Beyond a cut, seen from the centre, nobody is reached; where the whole cable is cut nobody is at all.
+
+With interlocking on board nothing of it goes over a cable: units, manager and terminals have their radio, and a cut
+takes nothing away. What else a line's cable may carry (telephones, level crossings, the supply) is not modelled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+from network.model import Line
+from simulation.settings import Interlocking, Operation
+from wayside.config import MANAGER_ID
+
+WHOLE: Final = "*"
+BETWEEN: Final = " - "
+
+
+def stretches_of(line: Line) -> tuple[str, ...]:
+    """What of a line's cable may be cut: between two neighbouring stations, as `A - B` with the kilometrage."""
+    ids = [station.id for station in sorted(line.stations.values(), key=lambda station: station.position_m)]
+    return tuple(f"{low}{BETWEEN}{high}" for low, high in pairwise(ids))
+
+
+def centre_of(line: Line, operation: Operation) -> str:
+    """The station at which the centre's cable joins the line; where none is named, the lowest."""
+    return operation.centre or min(line.stations.values(), key=lambda station: station.position_m).id
+
+
+@dataclass(frozen=True, slots=True)
+class CableCut:
+    """Where the cable is cut: a stretch of it, and how far along that; or all of it (`*`)."""
+
+    stretch: str
+    along_share: float
+
+
+class Cable:
+    """The cable of one run, whole as it begins; its places are kilometrages, m."""
+
+    def __init__(self, line: Line, operation: Operation) -> None:
+        self.central: Final = operation.interlocking is Interlocking.CENTRAL
+        self._station_m: Final = {station.id: station.position_m for station in line.stations.values()}
+        self._centre_m: Final = self._station_m[centre_of(line, operation)]
+        self._device_m: Final = {MANAGER_ID: self._centre_m, **_terminals_m(line)}
+        self._cuts: tuple[CableCut, ...] = ()
+
+    def cut(self, cuts: Sequence[CableCut]) -> None:
+        """From now on the cable is cut there, and nowhere else."""
+        self._cuts = tuple(cuts)
+
+    @property
+    def severed(self) -> bool:
+        """Whether anybody may be out of the centre's reach."""
+        return self.central and bool(self._cuts)
+
+    def carries(self, unit_m: float, device_id: str) -> bool:
+        """Whether a telegram between a unit that stands there and a device gets through."""
+        return not self.severed or (self._reaches(unit_m) and self._reaches(self._device_m[device_id]))
+
+    def _reaches(self, place_m: float) -> bool:
+        return not any(self._severed(cut, place_m) for cut in self._cuts)
+
+    def _severed(self, cut: CableCut, place_m: float) -> bool:
+        if cut.stretch == WHOLE:
+            return True
+        low, high = (self._station_m[station] for station in cut.stretch.split(BETWEEN))
+        cut_m = low + cut.along_share * (high - low)
+        return place_m > cut_m if cut_m >= self._centre_m else place_m < cut_m
+
+
+def _terminals_m(line: Line) -> dict[str, float]:
+    """Where each terminal stands: amid its points."""
+    pieces_m: dict[str, list[float]] = {}
+    for points in line.points.values():
+        stem = line.pieces[points.stem_piece]
+        pieces_m.setdefault(points.terminal_id, []).append(0.5 * (stem.from_m + stem.to_m))
+    return {terminal_id: _mean(places_m) for terminal_id, places_m in pieces_m.items()}
+
+
+def _mean(places_m: Collection[float]) -> float:
+    return sum(places_m) / len(places_m)
