@@ -38,7 +38,20 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run, drill, bench, reproduce, check, compare, plot, duties, sweep, blocking, headway, capacity):
+for command in (
+    run,
+    drill,
+    bench,
+    reproduce,
+    check,
+    compare,
+    plot,
+    duties,
+    sweep,
+    blocking,
+    headway,
+    capacity,
+):
     app.command()(command)
 app.command("running-times")(running_times)
 app.add_typer(importers, name="import")

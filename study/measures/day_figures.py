@@ -28,7 +28,9 @@ LIMITS_S: Final = (
 )  # on time to the minute; UIC's and a common limit of punctuality, assumed
 
 
-EVENTS: Final = frozenset({*delays.READS, *deadlock.READS})  # of the journal, from which they are made
+EVENTS: Final = tuple(
+    dict.fromkeys((*delays.READS, *deadlock.READS))
+)  # of the journal, from which they are made
 
 
 class DayFigures(msgspec.Struct, frozen=True):

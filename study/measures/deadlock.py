@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from simulation.events import MANAGER
+from simulation.events import MANAGER, EventType
 from simulation.result import Ending, RunResult
 from wayside.said import Granted, Refused
 
-READS: Final = (Granted, Refused)  # events that a journal must have kept
+READS: Final[tuple[EventType, ...]] = (Granted, Refused)  # events that a journal must have kept
 
 
 def deadlocked(result: RunResult) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from typing import Final
 
 from network.timetable import AtPortal
 from onboard.notes import PositionFault, Resumed
-from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, Entry, PowerOff
+from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, Entry, EventType, PowerOff
 from simulation.faults.script import Failure
 from simulation.result import RunResult, StopRecord
 from simulation.setup import STEPS_PER_S, Setup
@@ -24,7 +24,17 @@ from wayside.said import Accepted, Granted, Refused
 
 SIGNS_ON_S: Final = 5.0  # so soon a train at its portal is on the line, if nothing stands in its way
 # Events that a journal must have kept.
-READS: Final = (Accepted, CameLate, DoorsHeld, Entered, Granted, PositionFault, PowerOff, Refused, Resumed)
+READS: Final[tuple[EventType, ...]] = (
+    Accepted,
+    CameLate,
+    DoorsHeld,
+    Entered,
+    Granted,
+    PositionFault,
+    PowerOff,
+    Refused,
+    Resumed,
+)
 Span = tuple[float, float]
 
 

@@ -339,10 +339,8 @@ def subject_of(entry: Entry) -> str:
             return target
         case TookEffect(receiver=receiver):
             return receiver
-        case events.DoorsHeld(unit_id=unit):
+        case events.DoorsHeld(unit_id=unit) | Lost(where=LostWhere.CABLE, source=str() as unit):
             return unit
-        case Lost(where=LostWhere.CABLE, source=str() as source):
-            return source
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit
         case _:
