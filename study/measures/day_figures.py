@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 
 from network.timetable import Timetable
+from simulation.events import EventType
 from simulation.late.day import counts_of, late_day
 from simulation.result import RunResult, StopRecord
 from simulation.setup import Setup
@@ -26,11 +27,8 @@ LIMITS_S: Final = (
     180.0,
     300.0,
 )  # on time to the minute; UIC's and a common limit of punctuality, assumed
-
-
-EVENTS: Final = tuple(
-    dict.fromkeys((*delays.READS, *deadlock.READS))
-)  # of the journal, from which they are made
+# Of the journal, what figures are made from.
+EVENTS: Final[tuple[EventType, ...]] = tuple(dict.fromkeys((*delays.READS, *deadlock.READS)))
 
 
 class DayFigures(msgspec.Struct, frozen=True):
