@@ -20,7 +20,7 @@ from network.errors import InputError
 from network.model import Line
 from network.timetable import clock
 from simulation.carriers.carrier import Carrier
-from simulation.events import Unsafe
+from simulation.events import EventType, Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Checker
 from simulation.result import Ending, RunResult
@@ -37,7 +37,7 @@ from sumo_cfg.truth_map import NetMap, read_net
 
 SCENARIOS_KEPT: Final = 4  # a worker is given days of one point after the other
 # All that an outcome is told by beside what the checkers found, and figures are made of.
-KEPT_EVENTS: Final = (Unsafe, *EVENTS)
+KEPT_EVENTS: Final[tuple[EventType, ...]] = (Unsafe, *EVENTS)
 
 ScenarioOf = Callable[[DaySpec], Scenario]
 ReplayOf = Callable[[DaySpec], str]
