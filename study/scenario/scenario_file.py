@@ -23,6 +23,7 @@ from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Dispatch,
     Driving,
     Limits,
     Load,
@@ -86,6 +87,7 @@ class PatchTable(Record):
     trains: Annotated[TableWords | None, about("on [trains]")] = None
     limits: Annotated[TableWords | None, about("on [limits]")] = None
     operation: Annotated[TableWords | None, about("on [operation]")] = None
+    dispatch: Annotated[TableWords | None, about("on [dispatch]")] = None
     battery: Annotated[TableWords | None, about("on [battery]")] = None
     fault: Annotated[ListWords | None, about("on [[fault]]")] = None
     act: Annotated[ListWords | None, about("on [[act]]")] = None
@@ -127,6 +129,7 @@ class ScenarioFile(Record):
     lidar: Lidar = Field(default_factory=Lidar)
     limits: Limits = Field(default_factory=Limits)
     operation: Operation = Field(default_factory=Operation)
+    dispatch: Dispatch = Field(default_factory=Dispatch)
     battery: Annotated[
         BatterySettings | None, about("trains that have a battery run on it; left out: all run from a wire")
     ] = None
