@@ -1,10 +1,10 @@
 """Invariant: where `finish` returns an order, every train makes all its moves in it, and none ever enters what another
 holds; where it says that there is none, there is none.
 
-The proof that all trains of a line can still finish, as a pure function: a train goes from track to track by the moves of
-its plan, needs all sections of a move free of others, and holds the last of them afterwards, or nothing off the line.
-Bankers' trains: an order in which all come to their end shows that nobody is stuck; that no order exists shows who is in
-whose way. Moves count as done when they are granted, since what a train holds it can always run.
+The proof that all trains of a line can still finish, as a pure function: a train goes from track to track by the moves
+of its plan, needs all sections of a move free of others, and holds the last of them afterwards, or nothing off the
+line. An order in which all come to their end shows that nobody is stuck; that no order exists shows who is in whose way.
+Moves count as done when they are granted, since what a train holds it can always run.
 
 The search tries the moves in the order that it is given, and takes back only what it has to: a train that leaves the
 line is in nobody's way, trains that wait for each other in a circle end a try at once, and no state is tried twice.
@@ -165,7 +165,7 @@ class _Search:
         return Found(proof, tuple(self._order) if proof is Proof.ORDER else (), circle, steps)
 
     def _choices(self, *, careful: bool) -> list[int]:
-        """Trains that can move, the one to be tried first at the end; one alone where its move costs nobody anything."""
+        """Trains that can move, the first to be tried at the end; one alone where its move costs nobody anything."""
         possible: list[tuple[float, int]] = []
         taken, at, holds = self._taken, self._at, self._holds
         for index, train in enumerate(self._trains):

@@ -2,8 +2,8 @@
 trains. Off unless the manager's fixed data say otherwise; then who asks first has it.
 
 Invariant: what is granted is granted only if the register has it free; nothing here adds to that. With the certificate,
-from a state in which an order is known by which all can finish, no grant leads to one without; and the train that is first
-in that order is always let on, so somebody can always move. Nobody is held by the order of trains for longer than
+from a state in which an order is known by which all can finish, no grant leads to one without; and the train that is
+first in that order is always let on, so somebody can always move. Nobody is held by the order of trains for longer than
 `hold_s_max`, nor when more than `overtaken_max` trains were let on before it.
 """
 
@@ -86,9 +86,9 @@ class _Weighing:
         before = self._before()
         after = None if before is None else self._after(before)
         against: Against | None = None
-        if before is not None and after is not None and after.proof is not Proof.ORDER:
-            if self._days.certificate:
-                against = self._no_way_on(before, after)
+        doomed = after is not None and after.proof is not Proof.ORDER
+        if before is not None and after is not None and doomed and self._days.certificate:
+            against = self._no_way_on(before, after)
         if against is None and self._days.order is not Order.FIRST_COME:
             against = self._by_order()
         if against is None:
@@ -244,9 +244,9 @@ class _Weighing:
             yield f"{days.unit_ids[index]} {hop.section_id}"
 
     def _to_the_end(self, index: int) -> int:
-        """How many moves the present train of a stock still has."""
+        """How many moves the present train of a stock still has; none where it has ended and the next has not begun."""
         hops, at = self._days.hops[index], self._stands.at[index]
-        if at == len(hops):
+        if at == len(hops) or (index != self._index and at and hops[at - 1].train != hops[at].train):
             return 0
         train = hops[at].train
         return sum(hop.train == train for hop in hops[at:])
@@ -257,7 +257,8 @@ class _Weighing:
 
     def _where(self, index: int) -> str:
         hops, at = self._days.hops[index], self._stands.at[index]
-        place = hops[at - 1].section_id if at else ""
         if at < len(hops) and not hops[at].route_id:
             return f"{self._train(index)} outside {hops[at].section_id}"
-        return f"{self._train(index)} at {place}" if place else self._train(index)
+        bits = self._days.bits.items()
+        place = hops[at - 1].section_id if at else next((s for s, bit in bits if bit == hops[0].start), "")
+        return f"{self._train(index)} at {place}"

@@ -1,9 +1,9 @@
 """Where every stock is in its day, as the block manager can know it: from what it granted and what is held.
 
 Fixed data: the moves of each stock's day (`wayside.config.Journey`). What the register adds: how many of them were
-granted. A move counts as made when it is granted, since its train can always run what it holds; one that is given back is
-to be made again. A stock that asks for what is not in its day is astray until it asks for something that is: nothing is
-known of where it goes, so nobody is held for it, and it is held for nobody.
+granted. A move counts as made when it is granted, since its train can always run what it holds; one that is given back
+is to be made again. A stock that asks for what is not in its day is astray until it asks for something that is: nothing
+is known of where it goes, so nobody is held for it, and it is held for nobody.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class Days:
 class Trip:
     """How far a stock is in its day. `done`: moves granted. `late_s`: how late it asked for the last of them.
 
-    `asked_s`: since when it asks for the next one in vain; `held_s`: since when others are let on before it by the order
-    of trains; `overtaken`: how many were, or took its way, meanwhile. `said`: what the journal said of it last.
+    `asked_s`: since when it asks for the next one in vain; `held_s`: since when the order of trains holds it back;
+    `overtaken`: how many were let on over its way meanwhile. `said`: what the journal said of it last.
     """
 
     done: int = 0

@@ -1,16 +1,16 @@
 """Whose turn it is over open line that several trains want: the planned order, and when it is changed.
 
-Planned is that the train goes first that is to leave first by the timetable. That order is kept while the train that is
-first is less late than `late_s`. Beyond that it is left to who asks first (`planned`), or both orders are played through in
-blocks and minutes for all trains of the line and the one with less delay is taken (`least_delay`). Nobody waits by it for
-longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max` trains have gone before it; nor
-does it let a train on before one that was overtaken so often.
+Planned is that the train goes first that is to leave first by the timetable. That order is kept while the train that
+is first is less late than `late_s`. Beyond that it is left to who asks first (`planned`), or both orders are played
+through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`). Nobody
+waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max` trains have gone
+before it; nor does it let a train on before one that was overtaken so often.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from wayside.certificate import Proof, finish
@@ -131,7 +131,7 @@ def _before(register: Register, days: Days, stands: Stands, index: int, first: _
 
 
 def _coming(days: Days, stands: Stands, index: int, first: _First) -> tuple[int, ...] | None:
-    """Moves after which the other has gone, this train staying: who is in the way moves on; None where that is this one."""
+    """Moves after which the other has gone, who is in its way moving on; None where that is the train that stays."""
     at, holds = list(stands.at), list(stands.holds)
     moves: list[int] = []
     wanted = [first.index]
@@ -186,7 +186,7 @@ def _least_delay(
 
 
 def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
-    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all can finish so."""
+    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
     after = stands
     for mover in begins:
         after = after.after(days, mover)
