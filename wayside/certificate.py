@@ -3,8 +3,8 @@ holds; where it says that there is none, there is none.
 
 The proof that all trains of a line can still finish, as a pure function: a train goes from track to track by the moves
 of its plan, needs all sections of a move free of others, and holds the last of them afterwards, or nothing off the
-line. An order in which all come to their end shows that nobody is stuck; that no order exists shows who is in whose way.
-Moves count as done when they are granted, since what a train holds it can always run.
+line. An order in which all come to their end shows that nobody is stuck; that there is none, who is in whose way. Moves
+count as done when they are granted, since what a train holds it can always run.
 
 The search tries the moves in the order that it is given, and takes back only what it has to: a train that leaves the
 line is in nobody's way, trains that wait for each other in a circle end a try at once, and no state is tried twice.

@@ -3,8 +3,8 @@
 Planned is that the train goes first that is to leave first by the timetable. That order is kept while the train that
 is first is less late than `late_s`. Beyond that it is left to who asks first (`planned`), or both orders are played
 through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`). Nobody
-waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max` trains have gone
-before it; nor does it let a train on before one that was overtaken so often.
+waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max` trains have
+gone before it; nor does it let a train on before one that was overtaken so often.
 """
 
 from __future__ import annotations
@@ -99,35 +99,36 @@ def _late_s(register: Register, days: Days, stands: Stands, index: int) -> float
 
 def _before(register: Register, days: Days, stands: Stands, index: int, first: _First) -> Turn:
     """Whether the train goes before one that comes first by plan, or has waited longest."""
-    unit_id, other_id = days.unit_ids[index], days.unit_ids[first.index]
-    trip, other = trip_of(register, unit_id), trip_of(register, other_id)
+    other = trip_of(register, days.unit_ids[first.index])
     mine = days.hops[index][stands.at[index]]
-    train, ahead = mine.train, first.hop.train
-    late = f"it is {_minutes(first.late_s)} min late"
-    held_s = 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, mine.departs_s)
-    if held_s >= days.hold_s_max:
-        return Turn(
-            first.index,
-            True,
-            f"order changed: {train} has waited {_minutes(held_s)} min for {ahead}, the most it may",
-        )
-    if trip.overtaken >= days.overtaken_max > 0:
-        why = f"order changed: {train} goes before {ahead}, {trip.overtaken} trains have gone before it"
-        return Turn(first.index, True, why)
+    train, ahead, to = mine.train, first.hop.train, first.hop.section_id
+    if why := _waited_enough(register, days, stands, index, ahead):
+        return Turn(first.index, True, f"order changed: {train} {why}")
     coming = _coming(days, stands, index, first)
     if coming is None:
         return Turn(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
-    if other.overtaken >= days.overtaken_max > 0:
+    if other.overtaken >= days.overtaken_max:
         why = f"{train} waits for {ahead}, before which {other.overtaken} trains have gone"
-        return Turn(first.index, False, why, first.hop.section_id)
-    planned_first = first.hop.departs_s < mine.departs_s
+        return Turn(first.index, False, why, to)
+    late = f"planned first; it is {_minutes(first.late_s)} min late"
     if first.late_s < days.late_s:
-        threshold = f"threshold {_minutes(days.late_s)}"
-        why = f"{train} waits for {ahead}, planned first; {late}, {threshold}"
-        return Turn(first.index, not planned_first, why if planned_first else "", first.hop.section_id)
+        why = f"{train} waits for {ahead}, {late}, threshold {_minutes(days.late_s)}"
+        return Turn(first.index, False, why, to)
     if days.order is Order.PLANNED:
-        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, planned first; {late}")
+        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}")
     return _least_delay(register, days, stands, index, first, coming, late)
+
+
+def _waited_enough(register: Register, days: Days, stands: Stands, index: int, ahead: str) -> str:
+    """Why the train waits no longer for its turn, whoever is planned first; empty: it may have to."""
+    trip = trip_of(register, days.unit_ids[index])
+    due_s = days.hops[index][stands.at[index]].departs_s
+    held_s = 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, due_s)
+    if held_s >= days.hold_s_max:
+        return f"has waited {_minutes(held_s)} min for {ahead}, the most it may"
+    if trip.overtaken >= days.overtaken_max:
+        return f"goes before {ahead}: {trip.overtaken} trains have gone before it"
+    return ""
 
 
 def _coming(days: Days, stands: Stands, index: int, first: _First) -> tuple[int, ...] | None:
@@ -167,22 +168,14 @@ def _least_delay(
     train, ahead = days.hops[index][stands.at[index]].train, first.hop.train
     going = _delay_s(register, days, stands, (index,))
     holding = _delay_s(register, days, stands, coming)
-    if going is None or (holding is not None and going > holding - GAIN_S):
-        cost = (
-            ""
-            if going is None or holding is None
-            else f": {_minutes(holding)} min in all, {_minutes(going)} the other way"
-        )
-        return Turn(
-            first.index,
-            False,
-            f"{train} waits for {ahead}, planned first; {late}{cost}",
-            first.hop.section_id,
-        )
-    saved = "" if holding is None else f": {_minutes(going)} min late in all, not {_minutes(holding)}"
-    return Turn(
-        first.index, True, f"order changed: {train} goes before {ahead}, planned first; {late}{saved}"
-    )
+    goes = going is not None and (holding is None or going <= holding - GAIN_S)
+    cost = ""
+    if going is not None and holding is not None:
+        chosen, other = (going, holding) if goes else (holding, going)
+        cost = f": {_minutes(chosen)} min late in all, the other way {_minutes(other)}"
+    if goes:
+        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}{cost}")
+    return Turn(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
 
 
 def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:

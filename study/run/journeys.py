@@ -1,7 +1,7 @@
 """The day of every stock as the block manager knows it: its moves from track to track with their planned times.
 
-Fixed data of the manager (`wayside.config.DispatchEntry`), made of the missions that the run draws up, so that the tracks
-are those that the units will ask for.
+Fixed data of the manager (`wayside.config.DispatchEntry`), made of the missions that the run draws up, so that the
+tracks are those that the units will ask for.
 """
 
 from __future__ import annotations
