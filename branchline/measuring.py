@@ -19,7 +19,7 @@ def bench(
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
     part: Annotated[
         list[str] | None,
-        typer.Option("--part", help="links, laws or collation; may be repeated. Default: all."),
+        typer.Option("--part", help="links, laws, collation or certificate; may be repeated. Default: all."),
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-STEPS_MAX: Final = 4000  # assumed: moves tried before the search gives up, some 10 ms
+STEPS_MAX: Final = 2000  # assumed: moves tried before the search gives up, some 10 ms
+CORES_MAX: Final = 4  # assumed: so many groups of a few trains are looked at then
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +64,9 @@ def finish(trains: Sequence[Train], steps_max: int = STEPS_MAX) -> Found:
     search = _Search(trains)
     found = search.run(steps_max)
     core = set(found.circle)
-    while found.proof is Proof.UNKNOWN and 0 < len(core) < len(trains):
+    for _ in range(CORES_MAX):
+        if found.proof is not Proof.UNKNOWN or not 0 < len(core) < len(trains):
+            break
         few = tuple(sorted(core))
         alone = _Search([trains[index] for index in few]).run(steps_max)
         if alone.proof is Proof.NONE:

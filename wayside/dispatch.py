@@ -24,6 +24,7 @@ from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
 
 Against = tuple[RefusalReason, str | None, str | None]
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
+SEARCHES_EVERY_S: Final = 60.0  # assumed: while no order is known, what persons do may change that
 LOOKED_BACK: Final = 40  # assumed: moves of the order looked at for the one that lets a train on
 
 
@@ -102,10 +103,14 @@ class _Weighing:
         kept, stands = self._register.kept, self._stands
         if kept is not None and (kept.at, kept.holds) == (stands.at, stands.holds):
             return kept.order
+        register = self._register
+        if register.now_s < register.search_again_s:
+            return None
         found = finish(self._trains)
         if found.proof is Proof.ORDER:
-            self._register = replace(self._register, kept=Kept(stands.at, stands.holds, found.order))
+            self._register = replace(register, kept=Kept(stands.at, stands.holds, found.order))
             return found.order
+        self._register = replace(register, search_again_s=register.now_s + SEARCHES_EVERY_S)
         if self._days.certificate:
             self._no_order_known(found)
         return None
@@ -128,12 +133,13 @@ class _Weighing:
         trains = stands.trains(self._days)
         rest = (*before[:mine], *before[mine + 1 :])
         near = mine + len(trains)
-        if near < len(rest):
+        while near < len(rest):  # it is enough to come to where the order before comes, too
             counts = [rest[:near].count(index) for index in range(len(trains))]
             few = [Train(t.holds, t.ahead[:count]) for t, count in zip(trains, counts, strict=True)]
             found = finish(few, NEAR_STEPS)
             if found.proof is Proof.ORDER:
                 return Found(Proof.ORDER, (*found.order, *rest[near:]))
+            near *= 4
         return finish(trains, STEPS_MAX)
 
     def _no_way_on(self, before: tuple[int, ...], after: Found) -> Against:

@@ -116,7 +116,8 @@ class Register:
     `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
     to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
     often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
-    in which all can finish, as last proven, and `now_s` when the last telegram came; all three where `plan.days` are.
+    in which all can finish, as last proven, `search_again_s` when it is looked for again if none is known, and `now_s`
+    when the last telegram came; all where `plan.days` are.
     """
 
     plan: Plan
@@ -135,6 +136,7 @@ class Register:
     trips: Mapping[str, Trip] = field(default_factory=dict[str, Trip])
     trips_lost: bool = False
     kept: Kept | None = None
+    search_again_s: float = 0.0
     now_s: float = 0.0
 
     @property
