@@ -17,8 +17,8 @@ from typing import Any, Final
 from msgspec.structs import replace as with_fields
 
 from network.graph import all_routes
-from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
 from radio.keys import KEY_BYTES
+from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
 from study.run.journeys import dispatch_of
 from study.scenario.scenario import load_scenario
 from wayside.actions import Send

@@ -6,7 +6,6 @@ its certificate is switched off, or on.
 
 from __future__ import annotations
 
-
 from dataclasses import replace
 from typing import Final
 

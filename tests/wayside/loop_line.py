@@ -6,6 +6,7 @@ search without any cleverness, in which nothing is left out.
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -33,7 +34,7 @@ def route_of(here: str, there: str) -> RouteEntry:
     name = f"{here}>{there}"
     if "." not in here or "." not in there:
         return RouteEntry(name, here, (there,))
-    low, high = sorted((int(here.split(".")[0]), int(there.split(".")[0])))
+    low, high = sorted((int(here.split(".", maxsplit=1)[0]), int(there.split(".", maxsplit=1)[0])))
     return RouteEntry(name, here, (f"{low}-{high}", there))
 
 
@@ -48,7 +49,7 @@ def config_of(tracks: Sequence[int], ways: Sequence[Sequence[str]], **dispatch: 
         moves: list[JourneyMove] = []
         if way and way[0] in "PQ":
             moves.append(JourneyMove(f"{number}", "", way[0], False, float(number), float(number), 0.0))
-        for k, (here, there) in enumerate(zip(way, way[1:], strict=False), start=1):
+        for k, (here, there) in enumerate(itertools.pairwise(way), start=1):
             route = route_of(here, there)
             routes[route.route_id] = route
             due_s = 100.0 * k + number
