@@ -19,7 +19,9 @@ def bench(
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
     part: Annotated[
         list[str] | None,
-        typer.Option("--part", help="links, laws, collation or sweep; may be repeated. Default: all."),
+        typer.Option(
+            "--part", help="links, laws, collation, certificate or sweep; may be repeated. Default: all."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

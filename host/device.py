@@ -42,10 +42,19 @@ class _Machine(Protocol):
         ...
 
 
+class _Spare(msgspec.Struct, frozen=True, array_like=True):
+    """What a manager keeps: the units on the line, sections not swept, how many moves of its day each unit has made."""
+
+    ledger: tuple[str, ...] = ()
+    unswept: tuple[str, ...] = ()
+    moves_done: dict[str, int] = {}
+
+
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
-        ledger, unswept = _remembered(durable.spare)
-        self.register = start_register(config, durable.epoch, keys.capabilities, ledger, unswept)
+        kept = _remembered(durable.spare)
+        known = (None,) if kept is None else (kept.ledger, kept.unswept, kept.moves_done)
+        self.register = start_register(config, durable.epoch, keys.capabilities, *known)
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
@@ -67,7 +76,8 @@ class _Manager:
         return block_manager.wake_at_s(self.register)
 
     def kept(self, before: Durable) -> Durable:
-        kept = tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept))
+        done = {unit_id: trip.done for unit_id, trip in sorted(self.register.trips.items())}
+        kept = _Spare(tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept)), done)
         return msgspec.structs.replace(before, spare=msgspec.msgpack.encode(kept))
 
 
@@ -111,14 +121,14 @@ def _memory(kept: bytes) -> Memory:
         ) from None
 
 
-def _remembered(kept: bytes | None) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    """The units that were on the line and the sections not swept; a manager that never ran has none. None: lost."""
+def _remembered(kept: bytes | None) -> _Spare | None:
+    """What the manager had before; nothing of one that never ran. None: lost."""
     if not kept:
-        return (None if kept is None else ()), ()
+        return None if kept is None else _Spare()
     try:
-        return msgspec.msgpack.decode(kept, type=tuple[tuple[str, ...], tuple[str, ...]])
+        return msgspec.msgpack.decode(kept, type=_Spare)
     except msgspec.MsgspecError:
-        return None, ()
+        return None
 
 
 def _not_for_device(given: Input) -> Sequence[Action]:

@@ -44,6 +44,8 @@ class RefusalReason(Enum):
     STALE_TOKEN = 8
     CLAIM_NEEDED = 9  # neither side knows what the unit holds: a person must say
     WRONG_UNIT = 10  # the unit named is not the one that sent it
+    NO_WAY_ON = 11  # granted, not every train could still finish; named: who is waited for, to come where
+    NOT_ITS_TURN = 12  # another goes first by the order of trains; named likewise
 
 
 class PointsRefusalReason(Enum):

@@ -18,10 +18,12 @@ from network.files.quantities import (
     Creep,
     Days,
     Deceleration,
+    DelayMin,
     Distance,
     Flangeway,
     FrameRate,
     Gain,
+    Overtaken,
     Reaction,
     ReadError,
     RunLimit,
@@ -34,7 +36,7 @@ from network.files.quantities import (
 )
 from network.files.toml_input import Record
 from simulation.sensors.open_air import Light
-from wayside.config import ReentryMode
+from wayside.config import Order, ReentryMode
 
 
 class Driving(Record):
@@ -326,6 +328,34 @@ class Operation(Record):
         Field(strict=False),
         about("how the block state comes back after the manager lost it", "assumed: people are helped"),
     ] = ReentryMode.ASSISTED
+
+
+class Dispatch(Record):
+    """`[dispatch]`: how the block manager gives routes that are free; left out, to who asks first."""
+
+    certificate: Annotated[
+        bool, about("a route is granted only if it is proven that all trains can still finish", "off")
+    ] = False
+    order: Annotated[
+        Order,
+        Field(strict=False),
+        about(
+            "who goes first over open line: who asks first, who is planned first while it is not too late, or beyond"
+            " that by the least delay of all trains",
+            "off",
+        ),
+    ] = Order.FIRST_COME
+    keep_order_below_min: Annotated[
+        DelayMin,
+        about("the planned order is kept while the train that is first is less late", "assumed: 4 min"),
+    ] = 4.0
+    hold_min_max: Annotated[
+        DelayMin, about("no train waits for its turn longer than this", "assumed: a quarter of an hour")
+    ] = 15.0
+    overtaken_max: Annotated[
+        Overtaken,
+        about("so many trains may be let on before one that waits for the same line", "assumed: two"),
+    ] = 2
 
 
 NO_TUNING: Final = Tuning(learn=False)  # a scenario without that table

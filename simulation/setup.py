@@ -30,6 +30,7 @@ from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Dispatch,
     Driving,
     Limits,
     Load,
@@ -92,6 +93,7 @@ class Setup:
     load: Load = field(default_factory=Load)
     limits: Limits = field(default_factory=Limits)
     operation: Operation = field(default_factory=Operation)
+    dispatch: Dispatch = field(default_factory=Dispatch)
     battery: BatterySettings | None = None  # None: all trains run from a wire
     late: Late = NO_LATE  # from which distributions the disturbances of the day are drawn
 

@@ -42,8 +42,9 @@ from radio.messages import (
     SignOnRefused,
 )
 from radio.table import Row, rows
-from wayside import acts, reentry
+from wayside import acts, dispatch, reentry
 from wayside.actions import Action, Send, Show
+from wayside.dispatch import Asked
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
 from wayside.said import Accepted, Contradicted, Freed, Granted, Outside, Refused, Swept
@@ -95,6 +96,8 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
     register, taken_back = acts.spoke(register, heard.unit_id)
+    if register.plan.days is not None:
+        register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
     if unit.barred and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
         return register, (*taken_back, Send(heard.unit_id, ClaimQuery(), heard.correlation))
@@ -128,10 +131,15 @@ def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
-    """Granted whole if the line is defined and all of the route is free or the unit's own; else refused."""
+    """Granted whole if the line is defined, all of the route is free or the unit's own, and its time has come."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
-    return _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
+    shown: tuple[Action, ...] = ()
+    if against is not None or not set(heard.message.section_ids) <= set(held):
+        asked = Asked(heard.unit_id, heard.message.route_id)
+        register, against, shown = dispatch.weigh(register, asked, against)
+    answer = _grant(register, heard, held) if against is None else _refuse_route(register, heard, *against)
+    return answer[0], (*shown, *answer[1])
 
 
 def _against(
@@ -349,14 +357,18 @@ def _enter(
     if register.unit(unit_id).standing is Standing.UNKNOWN:
         register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, heard.epoch))
         shows = (Show(Outside(unit_id=unit_id, was=Standing.UNKNOWN.value)),)
+    against: dispatch.Against | None = None
     if not register.defined:
-        blocking = (*register.undefined_because_of(), None)
-        register, actions = _refuse_claim(register, heard, RefusalReason.UNDEFINED, None, blocking[0])
+        against = (RefusalReason.UNDEFINED, None, (*register.undefined_because_of(), None)[0])
     elif conflict is not None:
-        register, actions = _refuse_claim(register, heard, RefusalReason.HELD, *conflict)
-    else:
+        against = (RefusalReason.HELD, *conflict)
+    asked = Asked(unit_id, portal=next(iter(portals), ""))
+    register, against, shown = dispatch.weigh(register, asked, against)
+    if against is None:
         register, actions = _accept_claim(register, heard, portals)
-    return register, (*shows, *actions)
+    else:
+        register, actions = _refuse_claim(register, heard, *against)
+    return register, (*shows, *shown, *actions)
 
 
 def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:

@@ -48,6 +48,56 @@ class RouteEntry(msgspec.Struct, frozen=True):
     section_ids: tuple[str, ...]
 
 
+class Order(Enum):
+    """Who goes first over a section that several trains want."""
+
+    FIRST_COME = "first_come"  # who asks first
+    PLANNED = "planned"  # as planned, until the train that is first is late
+    LEAST_DELAY = "least_delay"  # as planned; beyond that, the order that delays all trains least
+
+
+class JourneyMove(msgspec.Struct, frozen=True, array_like=True):
+    """A move of a stock's day: by a route, or onto the line by a portal (then `route_id` is empty).
+
+    `section_id`: where it ends; `leaves`: by that portal, off the line. Planned times s since midnight; `stays_s`: from
+    its end to the next move at least.
+    """
+
+    train: str
+    route_id: str
+    section_id: str
+    leaves: bool
+    departs_s: float
+    arrives_s: float
+    stays_s: float
+
+
+class Journey(msgspec.Struct, frozen=True):
+    """All moves of one stock's day, in order, from where it stands at first."""
+
+    unit_id: str
+    moves: tuple[JourneyMove, ...]
+
+
+class DispatchEntry(msgspec.Struct, frozen=True):
+    """How routes are given to trains that could all have them; see `wayside.dispatch`."""
+
+    certificate: bool = False
+    order: Order = Order.FIRST_COME
+    late_s: float = 240.0
+    hold_s_max: float = 900.0
+    overtaken_max: int = 2
+    journeys: tuple[Journey, ...] = ()
+
+    @property
+    def weighs(self) -> bool:
+        """Whether anything but the register decides."""
+        return self.certificate or self.order is not Order.FIRST_COME
+
+
+NO_DISPATCH: Final = DispatchEntry()
+
+
 class ManagerConfig(msgspec.Struct, frozen=True, tag="block-manager"):
     """Fixed data of the block manager. `unit_ids` is the fleet list; units not on it do not exist."""
 
@@ -59,6 +109,7 @@ class ManagerConfig(msgspec.Struct, frozen=True, tag="block-manager"):
     ask_interval_s: float = ASK_INTERVAL_S
     telegram_age_max_s: float = AGE_MAX_S
     reentry: ReentryMode = ReentryMode.ASSISTED
+    dispatch: DispatchEntry = NO_DISPATCH
 
 
 class PointsEntry(msgspec.Struct, frozen=True):
@@ -100,6 +151,7 @@ def manager_config(
     unit_ids: Sequence[str],
     age_max_s: float = AGE_MAX_S,
     reentry: ReentryMode = ReentryMode.ASSISTED,
+    dispatch: DispatchEntry = NO_DISPATCH,
 ) -> ManagerConfig:
     """Fixed data of the line's one block manager; sections in the order of the line file."""
     terminals: dict[str, set[str]] = {}
@@ -123,6 +175,7 @@ def manager_config(
         entries,
         telegram_age_max_s=age_max_s,
         reentry=reentry,
+        dispatch=dispatch,
     )
 
 

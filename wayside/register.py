@@ -16,6 +16,7 @@ from network.errors import InputError
 from radio.keys import capability_mac
 from radio.messages import Capability
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
+from wayside.journeys import Days, Kept, Trip, days_of
 
 
 class Standing(Enum):
@@ -72,6 +73,7 @@ class Plan:
     ask_interval_s: float
     telegram_age_max_s: float
     reentry: ReentryMode
+    days: Days | None = None  # None: nothing but the register decides
 
 
 class Stage(Enum):
@@ -113,7 +115,9 @@ class Register:
     over power cuts; it blocks and never frees. `foreign_token`: the greatest heard that no known boot gave.
     `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
     to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
-    often it was asked in vain since.
+    often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
+    in which all can finish, as last proven, `search_again_s` when it is looked for again if none is known, and `now_s`
+    when the last telegram came; all where `plan.days` are.
     """
 
     plan: Plan
@@ -129,6 +133,11 @@ class Register:
     unswept: frozenset[str] = frozenset()
     doubted: Mapping[str, int] = field(default_factory=dict[str, int])
     reentry: Reentry = field(default_factory=Reentry)
+    trips: Mapping[str, Trip] = field(default_factory=dict[str, Trip])
+    trips_lost: bool = False
+    kept: Kept | None = None
+    search_again_s: float = 0.0
+    now_s: float = 0.0
 
     @property
     def defined(self) -> bool:
@@ -233,13 +242,15 @@ def start(
     capability_keys: Mapping[str, bytes],
     ledger: Iterable[str] | None = None,
     unswept: Iterable[str] = (),
+    moves_done: Mapping[str, int] | None = None,
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
     `ledger`: the units on the line when the boot before ended; None: lost, so every unit counts as on the
-    line and all of it as not swept, except at the first start. Raises InputError if it names a unit that is not on
-    the fleet list.
+    line and all of it as not swept, except at the first start. `moves_done`: how far each unit was in its day. Raises
+    InputError if the ledger names a unit that is not on the fleet list.
     """
+    trips_lost = epoch > 1 and (ledger is None or moves_done is None)
     if ledger is None and epoch > 1:
         unswept = (section.section_id for section in config.sections if not section.portal)
     if ledger is None:
@@ -259,5 +270,14 @@ def start(
         config.ask_interval_s,
         config.telegram_age_max_s,
         config.reentry,
+        days_of(config),
     )
-    return Register(plan, epoch, restoring=epoch > 1, ledger=on_line, unswept=frozenset(unswept))
+    return Register(
+        plan,
+        epoch,
+        restoring=epoch > 1,
+        ledger=on_line,
+        unswept=frozenset(unswept),
+        trips={unit_id: Trip(done) for unit_id, done in (moves_done or {}).items()},
+        trips_lost=trips_lost,
+    )

@@ -192,6 +192,43 @@ class Swept(Noted, frozen=True, kw_only=True, tag="swept"):
     section_ids: tuple[str, ...]
 
 
+class Certified(Noted, frozen=True, kw_only=True, tag="certified"):
+    """What is granted next leaves every train a way to finish: `moves` in order, each a unit and the section to which
+    it goes, until all that are on the line have ended their trains; `beyond` are those of the day after that.
+    """
+
+    unit_id: str
+    moves: tuple[str, ...]
+    beyond: int = 0
+
+
+class HeldBack(Noted, frozen=True, kw_only=True, tag="held_back"):
+    """A unit's route is free, but it waits for another unit to come to the section; `why` says it in a sentence."""
+
+    unit_id: str
+    other_id: str
+    section_id: str
+    certificate: bool = False
+    why: str
+
+
+class OrderChanged(Noted, frozen=True, kw_only=True, tag="order_changed"):
+    """The unit goes before the other, which is planned first; `why` says it in a sentence."""
+
+    unit_id: str
+    other_id: str
+    why: str
+
+
+class NoOrderKnown(Noted, frozen=True, kw_only=True, tag="no_order_known"):
+    """No order is known in which all can finish, whoever goes next: these units are in each other's way. Routes are
+    granted as without a certificate.
+    """
+
+    unit_ids: tuple[str, ...]
+    why: str
+
+
 class PointsCommanded(Noted, frozen=True, kw_only=True, tag="points_commanded"):
     """A terminal took a command: the points are the unit's until its section is another's."""
 
@@ -247,6 +284,10 @@ ManagerNote = (
     | ToBeSwept
     | Swept
     | Contradicted
+    | Certified
+    | HeldBack
+    | OrderChanged
+    | NoOrderKnown
     | TelegramDropped
     | TookEffect
 )

@@ -194,6 +194,12 @@ WAIT: Final = Quantity(
     "assumed: what people and rules wait for in running, at most an hour",
 )
 REACTION: Final = Quantity("reaction time", "s", ((0.0, 30.0),), "assumed: as a lag")
+DELAY: Final = Quantity(
+    "delay of a train", "min", ((0.0, 1440.0),), "assumed: what is a day late is a train of another day"
+)
+OVERTAKEN: Final = Quantity(
+    "trains let on before another", "", ((1, 1000),), "assumed: as many as a dense day has; 0: nobody waits"
+)
 RUN_LIMIT: Final = Quantity("limit of a run", "s", ((1.0, 259_200.0),), "assumed: three days")
 DRILL_TIME: Final = Quantity("time in a drill", "s", ((0.0, 259_200.0),), "as the limit of a run")
 DURATION: Final = Quantity("duration in a drill", "s", ((0.1, 259_200.0),), "a step; as the limit of a run")
@@ -433,6 +439,8 @@ ThrowTime = Annotated[float, THROW_TIME]
 TagId = Annotated[int, TAG_ID]
 TagsWrong = Annotated[int, TAGS_WRONG]
 Wait = Annotated[float, WAIT]
+DelayMin = Annotated[float, DELAY]
+Overtaken = Annotated[int, OVERTAKEN]
 Reaction = Annotated[float, REACTION]
 RunLimit = Annotated[float, RUN_LIMIT]
 DrillTime = Annotated[float, DRILL_TIME]

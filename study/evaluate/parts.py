@@ -16,6 +16,7 @@ PARTS: Final[Mapping[str, str]] = {
     "laws": "study.evaluate.laws",
     "collation": "study.evaluate.collation",
     "sweep": "study.evaluate.sweep_bench",
+    "certificate": "study.evaluate.certificate",
 }
 
 

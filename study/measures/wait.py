@@ -23,6 +23,8 @@ class Cause(StrEnum):
     DEPARTURE_TIME = "departure time"
     DWELL = "dwell"
     ROUTE_HELD = "route held"  # another stock has a section of its route
+    NO_WAY_ON = "no way on"  # its route is free, but if it went now not every train could still finish
+    NOT_ITS_TURN = "not its turn"  # its route is free, but another goes first by the order of trains
     REFUSED = "refused"  # the block manager refused, for another reason
     ANSWER = "answer"  # no answer to a request yet
     COVERAGE = "coverage"  # a request cannot be sent where it stands

@@ -82,6 +82,9 @@ _ENGLISH: Final[Mapping[Cause, str]] = {
     Cause.DEPARTURE_TIME: "{train} stands {place} until its departure time, {until_at}{why}.",
     Cause.DWELL: "{train} stands {place} for its passengers{until}.",
     Cause.ROUTE_HELD: "{train} waits {place} for its way: section {section} is held by {party}{since}{until}.",
+    Cause.NO_WAY_ON: "{train} waits {place} for {party} to come to section {section}: if it went now, not all trains"
+    " could still finish.",
+    Cause.NOT_ITS_TURN: "{train} waits {place} for {party}, which goes first, to come to section {section}.",
     Cause.REFUSED: "{train} waits {place}: the block manager has refused {asked}{why}.",
     Cause.ANSWER: "{train} waits {place} for the block manager's answer to {asked}{since}{why}.",
     Cause.COVERAGE: "{train} waits {place}: the radio does not reach there, and {asked} cannot be sent.",
@@ -114,6 +117,9 @@ _JAPANESE: Final[Mapping[Cause, str]] = {
     Cause.DEPARTURE_TIME: "{train}は{place}で発車時刻{until_at}を待っています{why}。",
     Cause.DWELL: "{train}は{place}で客扱い中です{until}。",
     Cause.ROUTE_HELD: "{train}は{place}で{asked}を待っています：{section}区間を{party}が{since}{until}確保しています。",
+    Cause.NO_WAY_ON: "{train}は{place}で{party}が{section}区間に着くのを待っています"
+    "：いま出ると全列車が運行を終えられなくなります。",
+    Cause.NOT_ITS_TURN: "{train}は{place}で、先に通る{party}が{section}区間に着くのを待っています。",
     Cause.REFUSED: "{train}は{place}で待っています：閉そく管理装置が{asked}を拒否しました{why}。",
     Cause.ANSWER: "{train}は{place}で{asked}に対する閉そく管理装置の応答を待っています{since}{why}。",
     Cause.COVERAGE: "{train}は{place}で待っています：無線エリア外のため{asked}を送信できません。",
@@ -137,6 +143,8 @@ _JAPANESE: Final[Mapping[Cause, str]] = {
 }
 _LIMITED_BY: Final[Mapping[str, Name]] = {  # causes, where one holds the stop limit back
     Cause.ROUTE_HELD.value: Name("held by {party}{since}{until}", "{party}が{since}{until}確保"),
+    Cause.NO_WAY_ON.value: Name("it waits for {party} to come to its section", "{party}の到着待ち"),
+    Cause.NOT_ITS_TURN.value: Name("{party} goes first", "{party}が先行"),
     Cause.POINTS_MOVE.value: Name("points {points} are being thrown", "転てつ機{points}が転換中"),
     Cause.POINTS_PROOF.value: Name("points {points} are not proven", "転てつ機{points}が未照査"),
     Cause.POINTS_REFUSED.value: Name("points {points} were refused", "転てつ機{points}の制御が拒否された"),

@@ -27,7 +27,7 @@ from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, drawn_up
 from study.measures.wait import Asked, Cause, Wait
 from study.measures.wait_history import History
-from study.measures.wait_view import Doing, View, subject_of
+from study.measures.wait_view import Doing, Request, View, subject_of
 from study.measures.where import Whereabouts
 
 AT_ITS_STOP: Final = (Phase.AT_STOP, Phase.LAYOVER)
@@ -39,6 +39,7 @@ NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
 DOORS_OPEN: Final = Vehicle(doors_closed=False).unfit
 CABLE_CUT: Final = "cable cut"
+NOT_NOW: Final[Mapping[str, Cause]] = {"no way on": Cause.NO_WAY_ON, "not its turn": Cause.NOT_ITS_TURN}
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
 
@@ -367,12 +368,22 @@ class _Finder:
             holder = self._history.holder(section, t_s, self._view.unit)
             if holder is not None and request.refusal.startswith(HELD_REASON):
                 return self._held(asked, section, holder.unit, holder.from_s, holder.to_s, t_s), until_s
+        for reason, cause in NOT_NOW.items():
+            if request.refusal.startswith(reason):
+                return self._behind(cause, asked, request), until_s
         if request.refusal and not request.refusal.startswith(HELD_REASON):
             known["reason"] = request.refusal
             return self._make(Cause.REFUSED, **known), until_s
         if request.refusal:  # nobody has it any more: it asks again in a moment
             known["since_s"], known["reason"] = None, ASKS_AGAIN
         return self._make(Cause.ANSWER, **known), until_s
+
+    def _behind(self, cause: Cause, asked: Asked, request: Request) -> Wait:
+        """Its way is free, but another is to come first: that, and where to, the refusal names last."""
+        _, _, named = request.refusal.partition(": section ")
+        section, _, unit = named.partition(" of ")
+        train, since_s = self._history.train_of(unit, request.since_s), request.since_s
+        return self._make(cause, asked=asked, section=section, party=unit, party_train=train, since_s=since_s)
 
     def _held(self, asked: Asked, section: str, unit: str, from_s: float, to_s: float, t_s: float) -> Wait:
         return self._make(

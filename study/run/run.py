@@ -54,6 +54,7 @@ from study.run.directory import (
 )
 from study.run.driving import driving_table
 from study.run.energy import Make
+from study.run.journeys import dispatch_of
 from study.run.late import late_part, late_summary
 from study.run.localisation import localisation_summary
 from study.run.outcome import broken_rules, outside_design, unfinished
@@ -341,7 +342,13 @@ def specs_of(setup: Setup, master_key: bytes) -> tuple[PartySpec, ...]:
     line = setup.line
     unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
     return device_specs(
-        manager_config(line, all_routes(line), unit_ids, reentry=setup.operation.reentry),
+        manager_config(
+            line,
+            all_routes(line),
+            unit_ids,
+            reentry=setup.operation.reentry,
+            dispatch=dispatch_of(setup),
+        ),
         terminal_configs(line),
         master_key,
     )

@@ -139,6 +139,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         load=model.trains,
         limits=model.limits,
         operation=model.operation,
+        dispatch=model.dispatch,
         battery=model.battery,
         late=model.late,
     )

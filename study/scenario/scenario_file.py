@@ -24,6 +24,7 @@ from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
     NO_VISION,
+    Dispatch,
     Driving,
     Limits,
     Load,
@@ -87,6 +88,7 @@ class PatchTable(Record):
     trains: Annotated[TableWords | None, about("on [trains]")] = None
     limits: Annotated[TableWords | None, about("on [limits]")] = None
     operation: Annotated[TableWords | None, about("on [operation]")] = None
+    dispatch: Annotated[TableWords | None, about("on [dispatch]")] = None
     battery: Annotated[TableWords | None, about("on [battery]")] = None
     late: Annotated[TableWords | None, about("on [late]")] = None
     fault: Annotated[ListWords | None, about("on [[fault]]")] = None
@@ -129,6 +131,7 @@ class ScenarioFile(Record):
     lidar: Lidar = Field(default_factory=Lidar)
     limits: Limits = Field(default_factory=Limits)
     operation: Operation = Field(default_factory=Operation)
+    dispatch: Dispatch = Field(default_factory=Dispatch)
     battery: Annotated[
         BatterySettings | None, about("trains that have a battery run on it; left out: all run from a wire")
     ] = None

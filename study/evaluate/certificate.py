@@ -1,0 +1,223 @@
+"""What a certificate costs: microseconds a grant, of a scenario's day and of a line with twenty trains.
+
+The manager alone is asked, as its host does it: every stock asks for its next route when it is due, in blocks without
+minutes, and gives back what lies behind. Late days have every stock delayed anew at each train, from a seed, so that
+orders change and some are refused. What a grant costs without a certificate is told beside it.
+"""
+
+from __future__ import annotations
+
+import random
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from msgspec.structs import replace as with_fields
+
+from network.graph import all_routes
+from radio.keys import KEY_BYTES
+from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
+from study.run.journeys import dispatch_of
+from study.scenario.scenario import load_scenario
+from wayside.actions import Send
+from wayside.block_manager import Heard, step
+from wayside.config import (
+    NO_DISPATCH,
+    DispatchEntry,
+    Journey,
+    JourneyMove,
+    ManagerConfig,
+    RouteEntry,
+    SectionEntry,
+    manager_config,
+)
+from wayside.register import Register, start
+
+TRAINS: Final = 20
+ROUNDS: Final = 2  # that each of the twenty makes
+STATIONS: Final = 22
+RUN_S: Final = 360.0
+STAYS_S: Final = 60.0
+AGAIN_S: Final = 5.0
+LATE_S_MAX: Final = 1200.0
+US_MAX: Final = 1000.0
+ASKED_MAX: Final = 200_000  # more, and the day is no bench any more
+
+
+@dataclass
+class Day:
+    """A manager and all its stock, each at a place of its journey."""
+
+    config: ManagerConfig
+    journeys: Sequence[Journey]
+    late_s: Callable[[], float]
+    grants_us: list[float] = field(default_factory=list[float])
+    refused_us: list[float] = field(default_factory=list[float])
+
+    def __post_init__(self) -> None:
+        terminals = {terminal for section in self.config.sections for terminal in section.terminal_ids}
+        keys = {terminal: bytes(KEY_BYTES) for terminal in terminals}
+        self.register: Register = start(self.config, 1, keys)
+        self.routes = {route.route_id: route for route in self.config.routes}
+        self.at = [0] * len(self.journeys)
+        for journey in self.journeys:
+            first = self.routes.get(journey.moves[0].route_id) if journey.moves else None
+            self._hear(journey.unit_id, Claim((first.from_section,) if first else (), 0), 0.0)
+
+    def play(self) -> None:
+        """Whoever is due first asks; who is refused asks again a little later, until nobody has anything to do."""
+        due_s = [self._due_s(k) for k in range(len(self.journeys))]
+        for _ in range(ASKED_MAX):
+            k = min(range(len(due_s)), key=due_s.__getitem__)
+            if due_s[k] == float("inf"):
+                return
+            granted = self._asks(k, due_s[k])
+            due_s[k] = max(self._due_s(k), due_s[k] + STAYS_S) if granted else due_s[k] + AGAIN_S
+
+    def _due_s(self, k: int) -> float:
+        moves, at = self.journeys[k].moves, self.at[k]
+        if at == len(moves):
+            return float("inf")
+        begins = at == 0 or moves[at - 1].train != moves[at].train
+        return moves[at].departs_s + (self.late_s() if begins else 0.0)
+
+    def _asks(self, k: int, now_s: float) -> bool:
+        unit_id, move = self.journeys[k].unit_id, self.journeys[k].moves[self.at[k]]
+        route = self.routes.get(move.route_id)
+        message: AnyMessage = SignOn(unit_id, (move.section_id,))
+        if route is not None:
+            message = RouteRequest(unit_id, route.route_id, route.section_ids)
+        before = self.register.counter
+        began = time.perf_counter()
+        self._hear(unit_id, message, now_s)
+        spent_us = 1e6 * (time.perf_counter() - began)
+        granted = self.register.counter != before
+        if not granted:
+            self.refused_us.append(spent_us)
+            return False
+        self.at[k] += 1
+        if route is None:
+            return True
+        self.grants_us.append(spent_us)
+        token = self.register.unit(unit_id).token
+        self._hear(unit_id, HoldingReport((move.section_id,), token), now_s)
+        if move.leaves:
+            self._hear(unit_id, SignOff(unit_id, token), now_s)
+        return True
+
+    def _hear(self, unit_id: str, message: AnyMessage, now_s: float) -> None:
+        self.register, actions = step(self.register, Heard(unit_id, 1, True, 0, message), now_s)
+        assert any(isinstance(action, Send) for action in actions)
+
+
+def of_scenario(scenario: str) -> ManagerConfig:
+    """The manager of a scenario, with the certificate."""
+    setup = load_scenario(scenario).setup
+    given = replace(setup, dispatch=setup.dispatch.model_copy(update={"certificate": True}))
+    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
+    return manager_config(setup.line, all_routes(setup.line), unit_ids, dispatch=dispatch_of(given))
+
+
+def of_twenty() -> ManagerConfig:
+    """Two-track stations in a row with twenty sets on them, which go to the end, turn back, and so on, left-hand."""
+    sections = [
+        SectionEntry(f"{s}.{t}") if t else SectionEntry(f"{s}-{s + 1}", open_line=True)
+        for s in range(STATIONS)
+        for t in (1, 2, 0)
+    ]
+    routes = {
+        name: RouteEntry(name, here, (f"{min(s, to)}-{max(s, to)}", there))
+        for s in range(STATIONS)
+        for to in (s - 1, s + 1)
+        if 0 <= to < STATIONS
+        for t in (1, 2)
+        for u in (1, 2)
+        for here, there in [(f"{s}.{t}", f"{to}.{u}")]
+        for name in [f"{here}>{there}"]
+    }
+    journeys = tuple(Journey(f"u{k}", tuple(_shuttle(k))) for k in range(TRAINS))
+    unit_ids = tuple(journey.unit_id for journey in journeys)
+    entry = DispatchEntry(certificate=True, journeys=journeys)
+    return ManagerConfig("line", "m", unit_ids, tuple(sections), tuple(routes.values()), dispatch=entry)
+
+
+def _shuttle(number: int) -> list[JourneyMove]:
+    """Sets stand in every station but the ends, down and up by turns; each goes round so often and is home again."""
+    home, down = number + 1, number % 2 == 0
+    at, track = home, 1 if down else 2
+    goals = [STATIONS - 1, 0] if down else [0, STATIONS - 1]
+    moves: list[JourneyMove] = []
+    now_s = 0.0
+    for turn, goal in enumerate([*goals * ROUNDS, home]):
+        while at != goal:
+            to, there = (1, at + 1) if goal > at else (2, at - 1)
+            name = f"{at}.{track}>{there}.{to}"
+            train = f"{number}/{turn}"
+            moves.append(JourneyMove(train, name, f"{there}.{to}", False, now_s, now_s + RUN_S, STAYS_S))
+            now_s += RUN_S + STAYS_S
+            at, track = there, to
+    return moves
+
+
+def day_of(config: ManagerConfig, *, certificate: bool, late: bool) -> Day:
+    """A day of the manager, played through."""
+    chance = random.Random("late" if late else "planned")
+    journeys = config.dispatch.journeys
+    given = config if certificate else with_fields(config, dispatch=NO_DISPATCH)
+    day = Day(given, journeys, lambda: chance.uniform(0.0, LATE_S_MAX) if late else 0.0)
+    day.play()
+    return day
+
+
+def row_of(name: str, config: ManagerConfig, *, late: bool) -> dict[str, Any]:
+    """The figures of one day."""
+    without, with_it = (day_of(config, certificate=c, late=late) for c in (False, True))
+    left = sum(len(j.moves) - at for j, at in zip(with_it.journeys, with_it.at, strict=True))
+    lost = sum(len(j.moves) - at for j, at in zip(without.journeys, without.at, strict=True))
+    grants = sorted(with_it.grants_us)
+    return {
+        "day": name,
+        "grants": len(grants),
+        "us_a_grant": round(statistics.fmean(grants), 1),
+        "us_median": round(statistics.median(grants), 1),
+        "us_of_100_the_slowest": round(grants[int(0.99 * (len(grants) - 1))], 1),
+        "us_max": round(grants[-1], 1),
+        "us_without": round(statistics.fmean(without.grants_us), 1),
+        "us_refused_max": round(max(with_it.refused_us, default=0.0), 1),
+        "moves_left": left,
+        "moves_left_without": lost,
+    }
+
+
+def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
+    """The days of a scenario and of twenty trains, as planned and late; the best of all rounds counts."""
+    days = {scenario: of_scenario(scenario), f"{TRAINS} trains": of_twenty()}
+    rows: list[dict[str, Any]] = []
+    for name, config in days.items():
+        for late in (False, True):
+            shown = f"{name}, late" if late else name
+            tell(f"certificate: {shown}")
+            tried = [row_of(shown, config, late=late) for _ in range(rounds)]
+            rows.append(min(tried, key=lambda row: float(row["us_a_grant"])))
+    return report(scenario, rounds, rows)
+
+
+def report(scenario: str, rounds: int, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The rows, and whether a grant costs no more than it may."""
+    return {
+        "scenario": scenario,
+        "rounds": rounds,
+        "same_digest": True,  # no day runs here
+        "rows": list(rows),
+        "budgets": [
+            {
+                "what": f"us a grant, {row['day']}",
+                "limit": US_MAX,
+                "found": row["us_a_grant"],
+                "kept": row["us_a_grant"] <= US_MAX,
+            }
+            for row in rows
+        ],
+    }

@@ -1,0 +1,29 @@
+"""The budget of a certificate, and that the days of its bench are days: everybody gets to the end."""
+
+from __future__ import annotations
+
+import pytest
+
+from study.evaluate import certificate
+from study.evaluate.certificate import bench, of_scenario, report, row_of
+from study.evaluate.parts import part_of
+
+
+@pytest.mark.parametrize(("us", "kept"), [(900.0, True), (1100.0, False)])
+def test_a_grant_that_costs_too_much_is_said_to(us: float, kept: bool) -> None:
+    (budget,) = report("x", 1, [{"day": "a day", "us_a_grant": us}])["budgets"]
+    assert (budget["limit"], budget["found"], budget["kept"]) == (1000.0, us, kept)
+
+
+def test_the_part_is_listed_and_its_days_end() -> None:
+    assert part_of("certificate") is bench
+    row = row_of("planned", of_scenario("karasuyama_weekday"), late=False)
+    assert (row["moves_left"], row["moves_left_without"], row["us_refused_max"]) == (0, 0, 0.0)
+    assert row["grants"] == 78
+
+
+def test_twenty_trains_go_round_and_are_home_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certificate, "ROUNDS", 1)
+    day = certificate.day_of(certificate.of_twenty(), certificate=True, late=True)
+    assert day.at == [len(journey.moves) for journey in day.journeys]
+    assert len(day.journeys) == certificate.TRAINS

@@ -1,0 +1,103 @@
+"""Lines on which trains get into each other's way: lost with who asks first, and not with the certificate.
+
+Three trains and two loops, and the layouts of SUMO's reports 17834 and 17926. The drills come in pairs; each fails when
+its certificate is switched off, or on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import pytest
+
+from simulation.result import Ending
+from study.measures.wait import Cause
+from study.measures.wait_text import text_of
+from study.measures.waits import waits_of
+from study.run.drill import find_drill, run_drill, shipped_drills
+from study.run.run import CarrierKind, Link, Run, execute
+from study.scenario.scenario import Scenario, load_scenario
+from wayside.said import Certified, HeldBack, NoOrderKnown
+
+pytestmark = pytest.mark.system
+
+WITHOUT: Final = ("01_one_siding", "02_two_sidings", "03_two_loops")
+WITH: Final = {
+    "01b_one_siding_certified": "W2 waits for S3 to come to section ASA.1",
+    "02b_two_sidings_certified": "B waits for S3 to come to section OKA.1",
+    "03b_two_loops_certified": "D2 waits for S3 to come to section IZU.2",
+}
+
+
+def test_the_drills_come_in_pairs() -> None:
+    shipped = {name.removeprefix("sidings/") for name in shipped_drills() if name.startswith("sidings/")}
+    assert shipped == {*WITHOUT, *WITH}
+
+
+@pytest.mark.parametrize("name", WITHOUT)
+def test_without_the_certificate_nobody_gets_on(name: str) -> None:
+    drill = run_drill(f"sidings/{name}", Link.SIMULATED)
+    assert drill.passed
+    assert drill.run.result.ended_because is Ending.STALLED
+    assert not any(isinstance(e.event, Certified | HeldBack) for e in drill.run.result.journal.entries)
+
+
+@pytest.mark.parametrize(("name", "waits"), WITH.items())
+def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str, waits: str) -> None:
+    drill = run_drill(f"sidings/{name}", Link.SIMULATED)
+    assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
+    assert drill.run.broken == ()
+    held = [e.event for e in drill.run.result.journal.entries if isinstance(e.event, HeldBack)]
+    assert held and all("could not all finish" in note.why for note in held)
+    found = waits_of(drill.run.result, drill.run.scenario.setup)
+    (told,) = {w.party: w for w in found if w.cause is Cause.NO_WAY_ON}.values()
+    train, _, rest = waits.partition(" waits ")
+    assert (told.train, f"for {told.party} to come to section {told.section}") == (train, rest)
+    assert "not all trains could still finish" in text_of(told, "en")
+
+
+@pytest.mark.parametrize("name", WITH)
+def test_each_drill_fails_with_the_certificate_switched_off(name: str) -> None:
+    scenario = certified(load_scenario(find_drill(f"sidings/{name}")), on=False)
+    assert execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN).result.ended_because is Ending.STALLED
+
+
+def test_the_manager_as_a_process_decides_alike() -> None:
+    name = f"sidings/{next(iter(WITH))}"
+    alone, process = (run_drill(name, link).run.result.digest for link in (Link.SIMULATED, Link.ZENOH))
+    assert alone == process
+
+
+def certified(scenario: Scenario, *, on: bool) -> Scenario:
+    """The scenario with the certificate on, or off."""
+    dispatch = scenario.setup.dispatch.model_copy(update={"certificate": on})
+    return replace(scenario, setup=replace(scenario.setup, dispatch=dispatch))
+
+
+def kept_to_plan(name: str) -> tuple[Run, Run]:
+    """A day without and with the certificate."""
+    scenario = load_scenario(name)
+
+    def day(on: bool) -> Run:
+        return execute(certified(scenario, on=on), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+    return day(on=False), day(on=True)
+
+
+def changes_nothing(without: Run, with_it: Run) -> None:
+    """The same motion; the journal has a certificate more for each grant, and nobody was held."""
+    assert with_it.result.motion_digest == without.result.motion_digest
+    notes = [entry.event for entry in with_it.result.journal.entries]
+    assert any(isinstance(note, Certified) for note in notes)
+    assert not any(isinstance(note, HeldBack | NoOrderKnown) for note in notes)
+
+
+def test_on_a_day_that_goes_as_planned_it_changes_nothing() -> None:
+    changes_nothing(*kept_to_plan("karasuyama_weekday"))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["busy_line", "isumi_weekday", "kururi_weekday"])
+def test_nor_on_other_lines(name: str) -> None:
+    changes_nothing(*kept_to_plan(name))

@@ -1,0 +1,149 @@
+"""The certificate: it refuses exactly the grants after which not all could finish; without it some lines are lost."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from radio.messages import RefusalReason, RouteRefused, SignOnRefused
+from tests.wayside.loop_line import Play, can_finish, config_of, random_case
+from wayside.certificate import STEPS_MAX, Move, Proof, Train, finish, follows
+from wayside.said import Certified, Granted, HeldBack, NoOrderKnown
+
+# One siding, S: two from the west are to use either track of it, one from the east the second (SUMO, report 17834).
+ONE_SIDING = ([2, 1, 2, 1, 2], [["0.1", "1.1", "2.1", "3.1", "4.1"], ["0.2", "1.1", "2.2", "3.1", "4.2"]])
+FROM_EAST = ["4.2", "3.1", "2.2", "1.1", "0.1"]
+
+
+def play_of(seed: int, *, certificate: bool) -> Play:
+    """A random line and its trains, from which all can finish."""
+    tracks, ways = random_case(random.Random(seed))
+    return Play(config_of(tracks, ways, certificate=certificate), ways)
+
+
+def run_through(play: Play, chance: random.Random, *, watched: bool) -> bool:
+    """Stocks ask in random order until all have finished, or none is let on any more; whether all have."""
+    while not all(map(play.done, range(len(play.ways)))):
+        going = [k for k in range(len(play.ways)) if not play.done(k)]
+        chance.shuffle(going)
+        if not any(asked(play, k, watched=watched) for k in going):
+            return False
+    return True
+
+
+def asked(play: Play, k: int, *, watched: bool) -> bool:
+    """One stock asks; whether it was let on. What the certificate says is held against the exhaustive search."""
+    place, outside = play.at[k], play.outside[k]
+    answer = play.asks(k)
+    if not isinstance(answer, RouteRefused | SignOnRefused):
+        assert not watched or play.finishes(), "a grant after which not all can finish"
+        return True
+    if watched and answer.reason is RefusalReason.NO_WAY_ON:
+        at = [p + (j == k and not outside) for j, p in enumerate(play.at)]
+        out = [o and j != k for j, o in enumerate(play.outside)]
+        assert (play.at[k], play.outside[k]) == (place, outside)
+        assert not can_finish(play.ways, at, out), "a refusal although all could finish"
+    return False
+
+
+@given(st.integers(0, 10**6), st.integers(0, 10**6))
+@settings(max_examples=200)
+def test_the_certificate_refuses_what_loses_the_line_and_nothing_else(seed: int, order: int) -> None:
+    play = play_of(seed, certificate=True)
+    assume(play.finishes())
+    assert run_through(play, random.Random(order), watched=True)
+    assert not any(isinstance(note, NoOrderKnown) for note in play.notes)
+
+
+def test_without_the_certificate_lines_are_lost() -> None:
+    lost = 0
+    for seed in range(300):
+        play = play_of(seed, certificate=False)
+        lost += play.finishes() and not run_through(play, random.Random(seed), watched=False)
+    assert lost > 0
+
+
+@given(st.data())
+@settings(max_examples=300)
+def test_the_search_finds_an_order_exactly_where_there_is_one(data: st.DataObject) -> None:
+    tracks = data.draw(st.integers(2, 6))
+    bits = st.integers(0, tracks - 1).map(lambda bit: 1 << bit)
+    starts = data.draw(st.lists(st.integers(0, tracks - 1), unique=True, max_size=min(5, tracks)))
+    ends = st.one_of(st.just(0), bits)
+    moves = st.builds(
+        lambda end, via, due_s: Move(end | via << tracks, end, due_s), ends, st.booleans(), st.floats(0, 9)
+    )
+    trains = [Train(1 << bit, tuple(data.draw(st.lists(moves, max_size=4)))) for bit in starts]
+    found = finish(trains)
+    assert found.proof is not Proof.UNKNOWN
+    assert (found.proof is Proof.ORDER) is _exists(trains, (0,) * len(trains), {})
+    if found.proof is Proof.ORDER:
+        assert follows(trains, found.order)
+        assert [found.order.count(k) for k in range(len(trains))] == [len(train.ahead) for train in trains]
+    else:
+        assert len(set(found.circle)) > 1
+
+
+def _exists(trains: list[Train], at: tuple[int, ...], known: dict[tuple[int, ...], bool]) -> bool:
+    if at not in known:
+        holds = [t.ahead[a - 1].keeps if a else t.holds for t, a in zip(trains, at, strict=True)]
+        known[at] = all(a == len(t.ahead) for t, a in zip(trains, at, strict=True)) or any(
+            a < len(trains[k].ahead)
+            and not any(trains[k].ahead[a].needs & held for j, held in enumerate(holds) if j != k)
+            and _exists(trains, (*at[:k], a + 1, *at[k + 1 :]), known)
+            for k, a in enumerate(at)
+        )
+    return known[at]
+
+
+def test_the_siding_of_report_17834_is_lost_without_and_not_with_it() -> None:
+    tracks, ways = ONE_SIDING[0], [*ONE_SIDING[1], FROM_EAST]
+    for certificate in (False, True):
+        play = Play(config_of(tracks, ways, certificate=certificate), ways)
+        for k in (0, 0, 2, 1):  # the first stands in the siding, the third before it, the second asks
+            answer = play.asks(k)
+        assert isinstance(answer, RouteRefused) is certificate
+        assert play.finishes() is certificate
+    assert (answer.reason, answer.section_id, answer.holder) == (RefusalReason.NO_WAY_ON, "0.1", "u2")
+    (held,) = [note for note in play.notes if isinstance(note, HeldBack)]
+    assert held.why == "1 at 0.2 waits for 2 to come to 0.1: if it went now, 1 and 2 could not all finish"
+    play.asks(1)  # the same again: the journal has it once
+    assert sum(isinstance(note, HeldBack) for note in play.notes) == 1
+
+
+def test_a_certificate_names_the_tracks_that_every_train_uses() -> None:
+    tracks, ways = ONE_SIDING[0], [ONE_SIDING[1][0], FROM_EAST]
+    play = Play(config_of(tracks, ways, certificate=True), ways)
+    play.asks(0)
+    certified, granted = [note for note in play.notes if isinstance(note, Certified | Granted)]
+    assert isinstance(certified, Certified)
+    assert isinstance(granted, Granted)
+    tracks_of = {u: [m.split()[1] for m in certified.moves if m.split()[0] == u] for u in ("u0", "u1")}
+    assert tracks_of == {"u0": ways[0][1:], "u1": ways[1][1:]}
+    assert certified.beyond == 0
+
+
+def test_a_search_that_runs_out_of_steps_still_knows_a_few_trains_that_cannot_finish() -> None:
+    """Two that are to pass each other where there is one track, and many others that could go on for long."""
+    ends = ((1, 2), (2, 1))
+    lost = [Train(here, (Move(4, 4, 50.0), Move(there, there, 60.0))) for here, there in ends]
+    others = [
+        Train(1 << (8 + k), tuple(Move(1 << (8 + k), 1 << (8 + k), float(n)) for n in range(20)))
+        for k in range(10)
+    ]
+    found = finish([*lost, *others], STEPS_MAX)
+    assert (found.proof, found.circle) == (Proof.NONE, (0, 1))
+    assert found.steps > STEPS_MAX
+
+
+@pytest.mark.parametrize("held", [0, 1])
+def test_a_train_that_ends_where_another_must_pass_goes_last(held: int) -> None:
+    """Whatever is due first: a stabled train is in the way for ever."""
+    stays = Train(held << 1, (Move(4, 4, 0.0),))
+    passes = Train(1, (Move(4, 4, 5.0), Move(8, 8, 6.0)))
+    found = finish([stays, passes])
+    assert found.proof is Proof.ORDER
+    assert found.order[-1] == 0

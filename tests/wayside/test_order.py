@@ -1,0 +1,127 @@
+"""The order of trains: kept while the train that is first is not too late, changed by its rule, and never for ever."""
+
+from __future__ import annotations
+
+import pytest
+from msgspec.structs import replace
+
+from radio.messages import RefusalReason, RouteGranted, RouteRefused
+from tests.wayside.loop_line import Play, config_of
+from wayside.config import Order
+from wayside.said import HeldBack, OrderChanged
+
+# The first is planned first over the line between the two stations, from the west; the other comes from the east.
+TRACKS, WAYS = [2, 2], [["0.1", "1.1"], ["1.2", "0.2"]]
+FIRST_DUE_S, SECOND_DUE_S = 100.0, 101.0
+LATE_S, HOLD_S = 240.0, 900.0
+
+
+def play_of(order: Order, ways: list[list[str]] = WAYS, overtaken_max: int = 2, **more: object) -> Play:
+    config = config_of(TRACKS, ways, order=order, overtaken_max=overtaken_max, **more)
+    return Play(config, ways)
+
+
+def why_held(play: Play) -> list[str]:
+    return [note.why for note in play.notes if isinstance(note, HeldBack)]
+
+
+def why_changed(play: Play) -> list[str]:
+    return [note.why for note in play.notes if isinstance(note, OrderChanged)]
+
+
+def test_who_asks_first_has_it_unless_an_order_is_asked_for() -> None:
+    play = play_of(Order.FIRST_COME)
+    assert isinstance(play.asks(1), RouteGranted)
+    assert play.register.plan.days is None
+
+
+@pytest.mark.parametrize("order", [Order.PLANNED, Order.LEAST_DELAY])
+def test_the_planned_order_is_kept_below_the_threshold(order: Order) -> None:
+    play = play_of(order)
+    play.now_s = FIRST_DUE_S + LATE_S - 1.0
+    refused = play.asks(1)
+    assert isinstance(refused, RouteRefused)
+    assert (refused.reason, refused.section_id, refused.holder) == (RefusalReason.NOT_ITS_TURN, "1.1", "u0")
+    assert why_held(play) == ["1 waits for 0, planned first; it is 3 min late, threshold 4"]
+    play.asks(0)
+    assert isinstance(play.asks(1), RouteGranted)
+    assert why_changed(play) == []
+
+
+def test_beyond_the_threshold_who_asks_first_goes() -> None:
+    play = play_of(Order.PLANNED)
+    play.now_s = FIRST_DUE_S + LATE_S
+    assert isinstance(play.asks(1), RouteGranted)
+    assert why_changed(play) == ["order changed: 1 goes before 0, planned first; it is 4 min late"]
+
+
+def test_least_delay_counts_all_trains_and_changes_only_for_a_gain() -> None:
+    """A run takes a minute either way: whoever waits, the other is a minute later, and nothing is gained."""
+    play = play_of(Order.LEAST_DELAY)
+    play.now_s = FIRST_DUE_S + LATE_S
+    assert isinstance(play.asks(1), RouteRefused)
+    (why,) = why_held(play)
+    assert why == "1 waits for 0, planned first; it is 4 min late: 8 min late in all, the other way 8"
+
+
+def test_least_delay_lets_a_train_on_when_the_late_one_is_still_far() -> None:
+    """The first is ten minutes late and has another run to make before it comes to the line that both want."""
+    ways = [["0.1", "1.1", "2.1"], ["2.2", "1.2"]]
+    config = config_of([2, 2, 2], ways, order=Order.LEAST_DELAY)
+    first, second = config.dispatch.journeys
+    moves = tuple(
+        replace(m, departs_s=m.departs_s + 150.0, arrives_s=m.arrives_s + 150.0) for m in second.moves
+    )
+    journeys = (first, replace(second, moves=moves))
+    play = Play(replace(config, dispatch=replace(config.dispatch, journeys=journeys)), ways)
+    play.now_s = 700.0
+    assert isinstance(play.asks(1), RouteGranted)
+    (why,) = why_changed(play)
+    assert why.startswith("order changed: 1 goes before 0, planned first; it is 10 min late: ")
+
+
+def test_nobody_waits_for_longer_than_it_may() -> None:
+    play = play_of(Order.PLANNED, late_s=10_000.0)
+    play.now_s = FIRST_DUE_S
+    assert isinstance(play.asks(1), RouteRefused)
+    play.now_s = SECOND_DUE_S + HOLD_S - 1.0
+    assert isinstance(play.asks(1), RouteRefused)
+    play.now_s = SECOND_DUE_S + HOLD_S
+    assert isinstance(play.asks(1), RouteGranted)
+    assert why_changed(play) == ["order changed: 1 has waited 15 min for 0, the most it may"]
+
+
+def test_a_train_that_cannot_come_first_is_not_waited_for() -> None:
+    """The first is to go to the track on which the other stands: it must go, whatever the plan says."""
+    ways = [["0.1", "1.2"], ["1.2", "0.2"]]
+    play = play_of(Order.PLANNED, ways)
+    play.now_s = FIRST_DUE_S
+    assert isinstance(play.asks(1), RouteGranted)
+    assert why_changed(play) == ["order changed: 0 cannot come before 1 has gone"]
+
+
+def test_no_train_is_let_on_before_one_that_was_overtaken_so_often() -> None:
+    """Two have gone over its line while it asked: the third waits, though the late one is far beyond the threshold."""
+    tracks = [3, 4]
+    ways = [["0.1", "1.1"], ["0.2", "1.2"], ["0.3", "1.3"], ["1.4", "0.1"]]
+    play = Play(config_of(tracks, ways, order=Order.PLANNED, overtaken_max=2, late_s=60.0), ways)
+    play.now_s = 90.0
+    assert isinstance(play.asks(3), RouteRefused)  # it is planned last
+    for k in (0, 1):
+        assert isinstance(play.asks(k), RouteGranted)
+    play.now_s = 110.0
+    assert isinstance(play.asks(2), RouteRefused)
+    assert why_held(play)[-1] == "2 waits for 3, before which 2 trains have gone"
+    assert isinstance(play.asks(3), RouteGranted)
+    assert isinstance(play.asks(2), RouteGranted)
+
+
+def test_the_order_never_grants_what_the_certificate_refuses() -> None:
+    """On time, the second is planned first into the siding that the third needs; that would be the end."""
+    tracks = [2, 1, 2, 1, 2]
+    ways = [["2.1", "3.1", "4.1"], ["0.2", "1.1", "2.2", "3.1", "4.2"], ["3.1", "2.2", "1.1", "0.1"]]
+    for certificate in (True, False):
+        play = Play(config_of(tracks, ways, order=Order.PLANNED, certificate=certificate), ways)
+        play.now_s = 99.0
+        assert isinstance(play.asks(1), RouteRefused) is certificate
+        assert play.finishes() is certificate

@@ -1,0 +1,270 @@
+"""Whether a route that is free is granted now: by the certificate that all trains can still finish, and by the order of
+trains. Off unless the manager's fixed data say otherwise; then who asks first has it.
+
+Invariant: what is granted is granted only if the register has it free; nothing here adds to that. With the certificate,
+from a state in which an order is known by which all can finish, no grant leads to one without; and the train that is
+first in that order is always let on, so somebody can always move. Nobody is held by the order of trains for longer than
+`hold_s_max`, nor when more than `overtaken_max` trains were let on before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from radio.messages import RefusalReason
+from wayside.actions import Show
+from wayside.certificate import STEPS_MAX, Found, Proof, Train, finish, follows
+from wayside.config import Order
+from wayside.journeys import Days, Kept, Stands, Trip, next_hop, stands_of, trip_of, with_trip
+from wayside.order import turn_of
+from wayside.register import Register
+from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
+
+Against = tuple[RefusalReason, str | None, str | None]
+NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
+SEARCHES_EVERY_S: Final = 60.0  # assumed: while no order is known, what persons do may change that
+LOOKED_BACK: Final = 40  # assumed: moves of the order looked at for the one that lets a train on
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a unit asks for: a route, or else a portal by which to come onto the line."""
+
+    unit_id: str
+    route_id: str = ""
+    portal: str = ""
+
+
+def weigh(
+    register: Register, asked: Asked, against: Against | None
+) -> tuple[Register, Against | None, tuple[Show, ...]]:
+    """The register with what is known of the days; why not now, if so, and what the journal is told.
+
+    `against` is what the register has against the request: then the unit only counts as waiting.
+    """
+    days = register.plan.days
+    if days is None or asked.unit_id not in days.index:
+        return register, against, ()
+    index = days.index[asked.unit_id]
+    trip = trip_of(register, asked.unit_id)
+    if trip.astray:  # a day is known again from the first move that is its own
+        trip = replace(trip, astray=False)
+        register = with_trip(register, asked.unit_id, trip)
+    stands = stands_of(register, days)
+    place = next_hop(days, index, stands.at[index], asked.route_id, asked.portal)
+    if place is None:
+        astray = replace(trip, astray=True, done=max(trip.done, 0))
+        return with_trip(register, asked.unit_id, astray), against, ()
+    if against is not None:
+        waits = replace(trip, asked_s=trip.asked_s if trip.asked_s is not None else register.now_s)
+        return with_trip(register, asked.unit_id, waits), against, ()
+    if place != stands.at[index]:
+        stands = _skipped(stands, index, place)
+    return _Weighing(register, days, stands, index).done()
+
+
+def _skipped(stands: Stands, index: int, place: int) -> Stands:
+    return replace(stands, at=(*stands.at[:index], place, *stands.at[index + 1 :]))
+
+
+class _Weighing:
+    """One request that the register has nothing against."""
+
+    def __init__(self, register: Register, days: Days, stands: Stands, index: int) -> None:
+        self._register = register
+        self._days = days
+        self._stands = stands
+        self._index = index
+        self._unit_id = days.unit_ids[index]
+        self._trip = trip_of(register, self._unit_id)
+        self._trains = stands.trains(days)
+        self._shows: list[Show] = []
+
+    def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
+        """The answer."""
+        before = self._before()
+        after = None if before is None else self._after(before)
+        against: Against | None = None
+        doomed = after is not None and after.proof is not Proof.ORDER
+        if before is not None and after is not None and doomed and self._days.certificate:
+            against = self._no_way_on(before, after)
+        if against is None and self._days.order is not Order.FIRST_COME:
+            against = self._by_order()
+        if against is None:
+            self._granted(after)
+        return self._register, against, tuple(self._shows)
+
+    # the certificate ------------------------------------------------------------------------------------------
+
+    def _before(self) -> tuple[int, ...] | None:
+        """An order in which all can finish as things are; the one of the last certificate where that still leads on."""
+        kept, stands = self._register.kept, self._stands
+        if kept is not None and (kept.at, kept.holds) == (stands.at, stands.holds):
+            return kept.order
+        register = self._register
+        if register.now_s < register.search_again_s:
+            return None
+        found = finish(self._trains)
+        if found.proof is Proof.ORDER:
+            self._register = replace(register, kept=Kept(stands.at, stands.holds, found.order))
+            return found.order
+        self._register = replace(register, search_again_s=register.now_s + SEARCHES_EVERY_S)
+        if self._days.certificate:
+            self._no_order_known(found)
+        return None
+
+    def _no_order_known(self, found: Found) -> None:
+        """Shown once for each circle of trains."""
+        units = tuple(self._days.unit_ids[index] for index in found.circle)
+        why = f"{found.proof.value}: {', '.join(map(self._where, found.circle))}"
+        if self._trip.said != why:
+            self._shows.append(Show(NoOrderKnown(unit_ids=units, why=why)))
+            self._say(why)
+
+    def _after(self, before: tuple[int, ...]) -> Found:
+        """An order in which all can finish once this is granted: as near to the one before as there is."""
+        mine = before.index(self._index)
+        ahead = (self._index, *before[:mine])
+        if follows(self._trains, ahead):  # afterwards all is as in the order before
+            return Found(Proof.ORDER, (*before[:mine], *before[mine + 1 :]))
+        stands = self._stands.after(self._days, self._index)
+        trains = stands.trains(self._days)
+        rest = (*before[:mine], *before[mine + 1 :])
+        near = mine + len(trains)
+        while near < len(rest):  # it is enough to come to where the order before comes, too
+            counts = [rest[:near].count(index) for index in range(len(trains))]
+            few = [Train(t.holds, t.ahead[:count]) for t, count in zip(trains, counts, strict=True)]
+            found = finish(few, NEAR_STEPS)
+            if found.proof is Proof.ORDER:
+                return Found(Proof.ORDER, (*found.order, *rest[near:]))
+            near *= 4
+        return finish(trains, STEPS_MAX)
+
+    def _no_way_on(self, before: tuple[int, ...], after: Found) -> Against:
+        """Refused: behind which train it waits, and where that will have come when it is let on."""
+        mine = before.index(self._index)
+        first = max(1, mine - LOOKED_BACK)
+        lets_on = next(
+            k
+            for k in range(first, mine + 1)
+            if follows(self._trains, (*before[:k], self._index, *before[k:mine]))
+        )
+        other = before[lets_on - 1]
+        hop = self._days.hops[other][self._stands.at[other] + before[:lets_on].count(other) - 1]
+        circle = [index for index in after.circle if index != self._index]
+        proof = "" if after.proof is Proof.NONE else " as far as could be looked"
+        stuck = " and ".join(map(self._train, [self._index, *circle]))
+        why = (
+            f"{self._where(self._index)} waits for {self._train(other)} to come to {hop.section_id}: if it went now,"
+            f" {stuck} could not all finish{proof}"
+        )
+        self._held_back(
+            why,
+            HeldBack(
+                unit_id=self._unit_id,
+                other_id=self._days.unit_ids[other],
+                section_id=hop.section_id,
+                certificate=True,
+                why=why,
+            ),
+        )
+        return RefusalReason.NO_WAY_ON, hop.section_id, self._days.unit_ids[other]
+
+    # the order of trains --------------------------------------------------------------------------------------
+
+    def _by_order(self) -> Against | None:
+        turn = turn_of(self._register, self._days, self._stands, self._index)
+        if turn is None:
+            return None
+        other_id = self._days.unit_ids[turn.other]
+        if turn.goes:
+            if turn.why and self._trip.said != turn.why:
+                self._shows.append(Show(OrderChanged(unit_id=self._unit_id, other_id=other_id, why=turn.why)))
+            return None
+        self._held_by_order()
+        note = HeldBack(unit_id=self._unit_id, other_id=other_id, section_id=turn.section_id, why=turn.why)
+        self._held_back(turn.why, note)
+        return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
+
+    def _held_by_order(self) -> None:
+        if self._trip.held_s is None:
+            self._trip = replace(self._trip, held_s=self._register.now_s)
+
+    # what follows ---------------------------------------------------------------------------------------------
+
+    def _held_back(self, why: str, note: HeldBack) -> None:
+        """It counts as waiting; the journal is told when the reason changes."""
+        if self._trip.said != why:
+            self._shows.append(Show(note))
+        asked_s = self._register.now_s if self._trip.asked_s is None else self._trip.asked_s
+        self._trip = replace(self._trip, asked_s=asked_s)
+        self._say(why)
+
+    def _say(self, why: str) -> None:
+        self._trip = replace(self._trip, said=why)
+        self._register = with_trip(self._register, self._unit_id, self._trip)
+
+    def _granted(self, after: Found | None) -> None:
+        """The move counts as made; trains that wait for the same line were overtaken."""
+        register, days, index = self._register, self._days, self._index
+        place = self._stands.at[index]
+        hop = days.hops[index][place]
+        late_s = max(0.0, register.now_s - hop.departs_s)
+        register = with_trip(register, self._unit_id, Trip(place + 1, late_s))
+        for other, unit_id in enumerate(days.unit_ids):
+            trip = register.trips.get(unit_id)
+            at = self._stands.at[other]
+            if other == index or trip is None or trip.asked_s is None or at == len(days.hops[other]):
+                continue
+            if days.hops[other][at].line & hop.line:
+                register = with_trip(register, unit_id, replace(trip, overtaken=trip.overtaken + 1))
+        kept = None
+        if after is not None and after.proof is Proof.ORDER:
+            stands = self._stands.after(days, index)
+            kept = Kept(stands.at, stands.holds, after.order)
+            if days.certificate:
+                self._shows.append(Show(self._certificate(after.order)))
+        self._register = replace(register, kept=kept)
+
+    def _certificate(self, rest: Sequence[int]) -> Certified:
+        order = (self._index, *rest)
+        moves = tuple(self._moves(order))
+        return Certified(unit_id=self._unit_id, moves=moves, beyond=len(order) - len(moves))
+
+    def _moves(self, order: Sequence[int]) -> Iterator[str]:
+        """Moves of the order, until all that are on the line have ended their present trains."""
+        days, at = self._days, list(self._stands.at)
+        left = {index: self._to_the_end(index) for index, held in enumerate(self._stands.holds) if held}
+        left[self._index] = self._to_the_end(self._index)
+        open_moves = sum(left.values())
+        for index in order:
+            if not open_moves:
+                return
+            hop = days.hops[index][at[index]]
+            at[index] += 1
+            if left.get(index, 0):
+                left[index] -= 1
+                open_moves -= 1
+            yield f"{days.unit_ids[index]} {hop.section_id}"
+
+    def _to_the_end(self, index: int) -> int:
+        """How many moves the present train of a stock still has; none where it has ended and the next has not begun."""
+        hops, at = self._days.hops[index], self._stands.at[index]
+        if at == len(hops) or (index != self._index and at and hops[at - 1].train != hops[at].train):
+            return 0
+        train = hops[at].train
+        return sum(hop.train == train for hop in hops[at:])
+
+    def _train(self, index: int) -> str:
+        hops, at = self._days.hops[index], self._stands.at[index]
+        return hops[min(at, len(hops) - 1)].train if hops else self._days.unit_ids[index]
+
+    def _where(self, index: int) -> str:
+        hops, at = self._days.hops[index], self._stands.at[index]
+        if at < len(hops) and not hops[at].route_id:
+            return f"{self._train(index)} outside {hops[at].section_id}"
+        bits = self._days.bits.items()
+        place = hops[at - 1].section_id if at else next((s for s, bit in bits if bit == hops[0].start), "")
+        return f"{self._train(index)} at {place}"

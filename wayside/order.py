@@ -1,0 +1,228 @@
+"""Whose turn it is over open line that several trains want: the planned order, and when it is changed.
+
+Planned is that the train goes first that is to leave first by the timetable. That order is kept while the train that
+is first is less late than `late_s`. Beyond that it is left to who asks first (`planned`), or both orders are played
+through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`). Nobody
+waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max` trains have
+gone before it; nor does it let a train on before one that was overtaken so often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from wayside.certificate import Proof, finish
+from wayside.config import Order
+from wayside.journeys import Days, Hop, Stands, trip_of
+
+if TYPE_CHECKING:
+    from wayside.register import Register
+
+AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
+ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
+GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """Whether a train goes before another that is planned first, and the sentence that says why; else it waits for that
+    to come to `section_id`.
+    """
+
+    other: int
+    goes: bool
+    why: str
+    section_id: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _First:
+    """A train that is planned first over a line: its move there, by its place in its day, and how late it is, s."""
+
+    index: int
+    place: int
+    hop: Hop
+    late_s: float
+
+
+def turn_of(register: Register, days: Days, stands: Stands, index: int) -> Turn | None:
+    """Whether the train goes now that asks for its next move; None where no other is planned first."""
+    ahead = _planned_first(register, days, stands, index)
+    overtaken = _too_often(register, days, stands, index)
+    changed: Turn | None = None
+    for first in [*ahead, *overtaken]:
+        turn = _before(register, days, stands, index, first)
+        if not turn.goes:
+            return turn
+        changed = changed or turn
+    return changed
+
+
+def _planned_first(register: Register, days: Days, stands: Stands, index: int) -> list[_First]:
+    """Trains that are still to go over line that this one wants, and are planned to do so before it."""
+    mine = days.hops[index][stands.at[index]]
+    found: list[_First] = []
+    for other, hops in enumerate(days.hops):
+        if other == index or trip_of(register, days.unit_ids[other]).astray:
+            continue
+        for place in range(stands.at[other], len(hops)):
+            hop = hops[place]
+            if hop.departs_s >= mine.departs_s:
+                break
+            if hop.line & mine.line:
+                found.append(_First(other, place, hop, _late_s(register, days, stands, other)))
+                break
+    return sorted(found, key=lambda first: first.hop.departs_s)
+
+
+def _too_often(register: Register, days: Days, stands: Stands, index: int) -> list[_First]:
+    """Trains that wait for line that this one wants, and were overtaken as often as may be."""
+    mine = days.hops[index][stands.at[index]]
+    found: list[_First] = []
+    for other, hops in enumerate(days.hops):
+        at, trip = stands.at[other], trip_of(register, days.unit_ids[other])
+        if other == index or at == len(hops) or trip.asked_s is None or trip.overtaken < days.overtaken_max:
+            continue
+        if hops[at].line & mine.line and hops[at].departs_s >= mine.departs_s:
+            found.append(_First(other, at, hops[at], _late_s(register, days, stands, other)))
+    return found
+
+
+def _late_s(register: Register, days: Days, stands: Stands, index: int) -> float:
+    """How late a train is: it was when it left last, or its next departure is overdue."""
+    hops, at = days.hops[index], stands.at[index]
+    overdue_s = register.now_s - hops[at].departs_s if at < len(hops) else 0.0
+    return max(0.0, trip_of(register, days.unit_ids[index]).late_s, overdue_s)
+
+
+def _before(register: Register, days: Days, stands: Stands, index: int, first: _First) -> Turn:
+    """Whether the train goes before one that comes first by plan, or has waited longest."""
+    other = trip_of(register, days.unit_ids[first.index])
+    mine = days.hops[index][stands.at[index]]
+    train, ahead, to = mine.train, first.hop.train, first.hop.section_id
+    if why := _waited_enough(register, days, stands, index, ahead):
+        return Turn(first.index, True, f"order changed: {train} {why}")
+    coming = _coming(days, stands, index, first)
+    if coming is None:
+        return Turn(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
+    if other.overtaken >= days.overtaken_max:
+        why = f"{train} waits for {ahead}, before which {other.overtaken} trains have gone"
+        return Turn(first.index, False, why, to)
+    late = f"planned first; it is {_minutes(first.late_s)} min late"
+    if first.late_s < days.late_s:
+        why = f"{train} waits for {ahead}, {late}, threshold {_minutes(days.late_s)}"
+        return Turn(first.index, False, why, to)
+    if days.order is Order.PLANNED:
+        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}")
+    return _least_delay(register, days, stands, index, first, coming, late)
+
+
+def _waited_enough(register: Register, days: Days, stands: Stands, index: int, ahead: str) -> str:
+    """Why the train waits no longer for its turn, whoever is planned first; empty: it may have to."""
+    trip = trip_of(register, days.unit_ids[index])
+    due_s = days.hops[index][stands.at[index]].departs_s
+    held_s = 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, due_s)
+    if held_s >= days.hold_s_max:
+        return f"has waited {_minutes(held_s)} min for {ahead}, the most it may"
+    if trip.overtaken >= days.overtaken_max:
+        return f"goes before {ahead}: {trip.overtaken} trains have gone before it"
+    return ""
+
+
+def _coming(days: Days, stands: Stands, index: int, first: _First) -> tuple[int, ...] | None:
+    """Moves after which the other has gone, who is in its way moving on; None where that is the train that stays."""
+    at, holds = list(stands.at), list(stands.holds)
+    moves: list[int] = []
+    wanted = [first.index]
+    while at[first.index] <= first.place:
+        mover = wanted[-1]
+        if at[mover] == len(days.moves[mover]):
+            return None
+        move = days.moves[mover][at[mover]]
+        in_the_way = next((i for i, held in enumerate(holds) if i != mover and held & move.needs), None)
+        if in_the_way is None:
+            holds[mover] = move.keeps
+            at[mover] += 1
+            moves.append(mover)
+            if len(wanted) > 1:
+                wanted.pop()
+        elif in_the_way == index or in_the_way in wanted:
+            return None
+        else:
+            wanted.append(in_the_way)
+    return tuple(moves)
+
+
+def _least_delay(
+    register: Register,
+    days: Days,
+    stands: Stands,
+    index: int,
+    first: _First,
+    coming: tuple[int, ...],
+    late: str,
+) -> Turn:
+    """The order with less delay for all trains, each played through as its trains would then finish."""
+    train, ahead = days.hops[index][stands.at[index]].train, first.hop.train
+    going = _delay_s(register, days, stands, (index,))
+    holding = _delay_s(register, days, stands, coming)
+    goes = going is not None and (holding is None or going <= holding - GAIN_S)
+    cost = ""
+    if going is not None and holding is not None:
+        chosen, other = (going, holding) if goes else (holding, going)
+        cost = f": {_minutes(chosen)} min late in all, the other way {_minutes(other)}"
+    if goes:
+        return Turn(first.index, True, f"order changed: {train} goes before {ahead}, {late}{cost}")
+    return Turn(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
+
+
+def _delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
+    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
+    after = stands
+    for mover in begins:
+        after = after.after(days, mover)
+    found = finish(after.trains(days), ORDER_STEPS)
+    if found.proof is not Proof.ORDER:
+        return None
+    until_s = register.now_s + AHEAD_S
+    at = list(stands.at)
+    ready_s = [_ready_s(register, days, stands, index) for index in range(len(at))]
+    holds = list(stands.holds)
+    free_s: dict[int, float] = {}
+    delay_s = 0.0
+    for mover in (*begins, *found.order):
+        hop = days.hops[mover][at[mover]]
+        leaves_s = max(ready_s[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in _bits(hop.move.needs)))
+        comes_s = leaves_s + hop.arrives_s - hop.departs_s
+        free_s.update(dict.fromkeys(_bits(hop.move.needs | holds[mover]), comes_s))
+        holds[mover] = hop.move.keeps
+        ready_s[mover] = comes_s + hop.stays_s
+        at[mover] += 1
+        hops = days.hops[mover]
+        if hop.arrives_s < until_s and (at[mover] == len(hops) or hops[at[mover]].train != hop.train):
+            delay_s += max(0.0, comes_s - hop.arrives_s)
+    return delay_s
+
+
+def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:
+    """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
+    at, trip = stands.at[index], trip_of(register, days.unit_ids[index])
+    if at == 0 or trip.asked_s is not None:
+        return register.now_s
+    before = days.hops[index][at - 1]
+    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s)
+
+
+def _bits(mask: int) -> list[int]:
+    found: list[int] = []
+    while mask:
+        low = mask & -mask
+        found.append(low)
+        mask ^= low
+    return found
+
+
+def _minutes(time_s: float) -> int:
+    return int(time_s // 60.0)
