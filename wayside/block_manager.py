@@ -131,7 +131,7 @@ def _newly_contested(before: Register, after: Register) -> tuple[Send, ...]:
 
 
 def _request(register: Register, heard: Heard[RouteRequest]) -> Step:
-    """Granted whole if the line is defined, all of the route is free or the unit's own, and its time has come."""
+    """Granted whole if the line is defined and all of the route is free or the unit's own; else refused."""
     held = register.held_by(heard.unit_id)
     against = _against(register, heard, frozenset(held))
     shown: tuple[Action, ...] = ()
