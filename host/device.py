@@ -53,8 +53,9 @@ class _Spare(msgspec.Struct, frozen=True, array_like=True):
 class _Manager:
     def __init__(self, config: ManagerConfig, keys: KeyRing, durable: Durable) -> None:
         kept = _remembered(durable.spare)
-        known = (None,) if kept is None else (kept.ledger, kept.unswept, kept.moves_done)
-        self.register = start_register(config, durable.epoch, keys.capabilities, *known)
+        ledger, moves_done = (None, None) if kept is None else (kept.ledger, kept.moves_done)
+        unswept = () if kept is None else kept.unswept
+        self.register = start_register(config, durable.epoch, keys.capabilities, ledger, unswept, moves_done)
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event

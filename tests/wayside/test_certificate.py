@@ -73,9 +73,11 @@ def test_the_search_finds_an_order_exactly_where_there_is_one(data: st.DataObjec
     bits = st.integers(0, tracks - 1).map(lambda bit: 1 << bit)
     starts = data.draw(st.lists(st.integers(0, tracks - 1), unique=True, max_size=min(5, tracks)))
     ends = st.one_of(st.just(0), bits)
-    moves = st.builds(
-        lambda end, via, due_s: Move(end | via << tracks, end, due_s), ends, st.booleans(), st.floats(0, 9)
-    )
+
+    def move(end: int, via: bool, due_s: float) -> Move:
+        return Move(end | via << tracks, end, due_s)
+
+    moves = st.builds(move, ends, st.booleans(), st.floats(0, 9))
     trains = [Train(1 << bit, tuple(data.draw(st.lists(moves, max_size=4)))) for bit in starts]
     found = finish(trains)
     assert found.proof is not Proof.UNKNOWN
@@ -103,10 +105,16 @@ def test_the_siding_of_report_17834_is_lost_without_and_not_with_it() -> None:
     tracks, ways = ONE_SIDING[0], [*ONE_SIDING[1], FROM_EAST]
     for certificate in (False, True):
         play = Play(config_of(tracks, ways, certificate=certificate), ways)
-        for k in (0, 0, 2, 1):  # the first stands in the siding, the third before it, the second asks
-            answer = play.asks(k)
+        for k in (0, 0, 2):  # the first stands in the siding, the third before it, the second asks
+            play.asks(k)
+        answer = play.asks(1)
         assert isinstance(answer, RouteRefused) is certificate
         assert play.finishes() is certificate
+    play = Play(config_of(tracks, ways, certificate=True), ways)
+    for k in (0, 0, 2):
+        play.asks(k)
+    answer = play.asks(1)
+    assert isinstance(answer, RouteRefused)
     assert (answer.reason, answer.section_id, answer.holder) == (RefusalReason.NO_WAY_ON, "0.1", "u2")
     (held,) = [note for note in play.notes if isinstance(note, HeldBack)]
     assert held.why == "1 at 0.2 waits for 2 to come to 0.1: if it went now, 1 and 2 could not all finish"
