@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final
 
+from network.files import chances
 from network.files.quantity import Quantity
 
 _TRAIN: Final = (
@@ -327,22 +328,7 @@ FLANGEWAY: Final = Quantity(
 DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
-SWEEP_DAYS: Final = Quantity("days of a sweep", "", ((1, 100_000),), "assumed: several nights")
-PER_DAY: Final = Quantity(
-    "number in a day", "", ((0.0, 1000.0),), "assumed: more than one a minute is no event any more"
-)
-MTBF_H: Final = Quantity(
-    "hours between failures", "h", ((0.1, 1e8),), "assumed: a broken thing; ten thousand years of service"
-)
-MTBF_KM: Final = Quantity(
-    "kilometres between failures", "km", ((0.1, 1e8),), "assumed: a broken thing; a hundred trains' lives"
-)
-MTBF_OPERATIONS: Final = Quantity(
-    "operations between failures", "", ((1.0, 1e9),), "assumed: each one fails; never in a life"
-)
 SEED: Final = Quantity("seed", "", ((0, 2**63 - 1),), "what 63 bits hold")
-CONFIDENCE: Final = Quantity("confidence", "", ((0.5, 0.9999),), "assumed: less says nothing")
-DRAWN_VALUE: Final = Quantity("drawn value", "", ((-1e12, 1e12),), "assumed: its key has a range")
 
 # shares and factors ------------------------------------------------------------------------------------------
 SHARE: Final = Quantity("share", "", ((0.0, 1.0),), "by its meaning")
@@ -366,22 +352,14 @@ READING_FACTOR: Final = Quantity("factor of a reading", "", ((0.0, 10.0),), "ass
 BIT_ERROR_FACTOR: Final = Quantity(
     "factor of bit errors", "", ((0.0, 10_000.0),), "assumed: from Sugiyama, table 7, to nearly every bit"
 )
-LOG_SIGMA: Final = Quantity(
-    "standard deviation of a logarithm",
-    "",
-    ((0.01, 3.0),),
-    "assumed: a hundredth; from a twentieth to twentyfold",
-)
-SHAPE: Final = Quantity(
-    "shape of a distribution", "", ((0.1, 50.0),), "assumed: nearly all at once to nearly none scattered"
-)
-DELAY_FACTOR: Final = Quantity("factor of a delay", "", ((0.0, 100.0),), "assumed: none to a hundred times")
 STRETCH: Final = Quantity(
     "factor of a running time", "", ((0.1, 10.0),), "assumed: ten times as fast or slow"
 )
 
 ALL: Final[tuple[Quantity, ...]] = tuple(
-    value for name, value in dict(globals()).items() if name.isupper() and isinstance(value, Quantity)
+    value
+    for name, value in (globals() | vars(chances)).items()
+    if name.isupper() and isinstance(value, Quantity)
 )
 BY_NAME: Final = {quantity.name: quantity for quantity in ALL}
 
@@ -485,14 +463,7 @@ Creep = Annotated[float, CREEP]
 Conicity = Annotated[float, CONICITY]
 Flangeway = Annotated[float, FLANGEWAY]
 Days = Annotated[int, DAYS]
-SweepDays = Annotated[int, SWEEP_DAYS]
-PerDay = Annotated[float, PER_DAY]
-MtbfH = Annotated[float, MTBF_H]
-MtbfKm = Annotated[float, MTBF_KM]
-MtbfOperations = Annotated[float, MTBF_OPERATIONS]
 Seed = Annotated[int, SEED]
-Confidence = Annotated[float, CONFIDENCE]
-DrawnValue = Annotated[float, DRAWN_VALUE]
 Share = Annotated[float, SHARE]
 ShareAbove0 = Annotated[float, SHARE_ABOVE_0]
 Probability = Annotated[float, PROBABILITY]
@@ -503,7 +474,4 @@ WheelFactor = Annotated[float, WHEEL_FACTOR]
 Slowness = Annotated[float, SLOWNESS]
 ReadingFactor = Annotated[float, READING_FACTOR]
 BitErrorFactor = Annotated[float, BIT_ERROR_FACTOR]
-LogSigma = Annotated[float, LOG_SIGMA]
-Shape = Annotated[float, SHAPE]
-DelayFactor = Annotated[float, DELAY_FACTOR]
 Stretch = Annotated[float, STRETCH]

@@ -10,9 +10,10 @@ from typing import Annotated, Final, Self
 
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
+from network.files.chances import DelayFactor, MtbfH, MtbfKm, MtbfOperations, PerDay
 from network.files.kinds import TEXTS_MAX, TimeOfDay, about
 from network.files.names import Identifier, Prose
-from network.files.quantities import DelayFactor, Distance, MtbfH, MtbfKm, MtbfOperations, PerDay, Share
+from network.files.quantities import Distance, Share
 from network.files.toml_input import Record
 from simulation.late.spread import Spread
 

@@ -13,8 +13,9 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from network.files.chances import LogSigma, Shape
 from network.files.kinds import about
-from network.files.quantities import DrillTime, Duration, LogSigma, Shape
+from network.files.quantities import DrillTime, Duration
 from network.files.toml_input import Record
 
 RESOLUTION_S: Final = 0.1  # draws are rounded to the step of a run

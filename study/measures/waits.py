@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Final, TypedDict
 
@@ -22,9 +22,10 @@ from typing_extensions import Unpack
 from onboard.authority.stop_limit import NOT_PROVEN
 from onboard.vehicle import Vehicle
 from simulation.events import MANAGER, Entry
-from simulation.result import EnergyRecord, Phase, RunResult
+from simulation.result import Phase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, drawn_up
+from study.measures.stretches import Stretch, stretches
 from study.measures.wait import Asked, Cause, Wait
 from study.measures.wait_history import History
 from study.measures.wait_view import Doing, Request, View, subject_of
@@ -41,19 +42,6 @@ DOORS_OPEN: Final = Vehicle(doors_closed=False).unfit
 CABLE_CUT: Final = "cable cut"
 NOT_NOW: Final[Mapping[str, Cause]] = {"no way on": Cause.NO_WAY_ON, "not its turn": Cause.NOT_ITS_TURN}
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
-
-
-@dataclass(frozen=True, slots=True)
-class Stretch:
-    """A part of a stock's day in which it is off the line, moves, or stands, by the truth; `phase` None: off it."""
-
-    unit: str
-    train: str
-    phase: Phase | None
-    from_id: str
-    to_id: str
-    from_s: float
-    to_s: float
 
 
 def waits_of(result: RunResult, setup: Setup) -> tuple[Wait, ...]:
@@ -76,33 +64,6 @@ def _by_unit(entries: Iterable[Entry], into: dict[str, list[Entry]]) -> Iterator
     for entry in entries:
         into[subject_of(entry)].append(entry)
         yield entry
-
-
-def stretches(result: RunResult, unit: str) -> tuple[Stretch, ...]:
-    """A stock's day by the truth, from the beginning of the run to its end, without gap or overlap."""
-    begin_s, end_s = result.begin_step / STEPS_PER_S, result.end_step / STEPS_PER_S
-    records = sorted((r for r in result.energy if r.stock_id == unit), key=lambda r: r.begin_s)
-    found: list[Stretch] = []
-    at_s = begin_s
-    for record in records:
-        if record.end_s <= record.begin_s:
-            continue
-        if record.begin_s > at_s:
-            found.append(_off(unit, at_s, record.begin_s))
-        found.append(_on(record, max(record.begin_s, at_s)))
-        at_s = record.end_s
-    if at_s < end_s:
-        found.append(_off(unit, at_s, end_s))
-    return tuple(found)
-
-
-def _off(unit: str, from_s: float, to_s: float) -> Stretch:
-    return Stretch(unit, "", None, "", "", from_s, to_s)
-
-
-def _on(record: EnergyRecord, from_s: float) -> Stretch:
-    ends = record.from_id, record.to_id
-    return Stretch(record.stock_id, record.number, record.phase, *ends, from_s, record.end_s)
 
 
 class Known(TypedDict, total=False):

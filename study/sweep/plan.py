@@ -12,7 +12,8 @@ from typing import Any, Final
 
 from host.scratch import scratch
 from network.errors import InputError
-from network.files.quantities import SEED, SWEEP_DAYS
+from network.files.chances import SWEEP_DAYS
+from network.files.quantities import SEED
 from network.files.shipped import find_file
 from network.files.text_input import existing_file
 from network.files.toml_input import parse_toml, read_text

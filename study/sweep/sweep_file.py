@@ -6,9 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from network.files.chances import Confidence, DrawnValue, SweepDays
 from network.files.kinds import TEXTS_MAX, about
 from network.files.names import Identifier, Prose, Title
-from network.files.quantities import Confidence, DrawnValue, Seed, SweepDays
+from network.files.quantities import Seed
 from network.files.toml_input import Record
 
 AXES_MAX = 20  # assumed: a grid of two values each has a million points then

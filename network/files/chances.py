@@ -1,0 +1,44 @@
+"""Kinds of figures of what is drawn and counted over days, with their ranges; `network.files.quantities` lists them too."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final
+
+from network.files.quantity import Quantity
+
+SWEEP_DAYS: Final = Quantity("days of a sweep", "", ((1, 100_000),), "assumed: several nights")
+PER_DAY: Final = Quantity(
+    "number in a day", "", ((0.0, 1000.0),), "assumed: more than one a minute is no event any more"
+)
+MTBF_H: Final = Quantity(
+    "hours between failures", "h", ((0.1, 1e8),), "assumed: a broken thing; ten thousand years of service"
+)
+MTBF_KM: Final = Quantity(
+    "kilometres between failures", "km", ((0.1, 1e8),), "assumed: a broken thing; a hundred trains' lives"
+)
+MTBF_OPERATIONS: Final = Quantity(
+    "operations between failures", "", ((1.0, 1e9),), "assumed: each one fails; never in a life"
+)
+CONFIDENCE: Final = Quantity("confidence", "", ((0.5, 0.9999),), "assumed: less says nothing")
+DRAWN_VALUE: Final = Quantity("drawn value", "", ((-1e12, 1e12),), "assumed: its key has a range")
+LOG_SIGMA: Final = Quantity(
+    "standard deviation of a logarithm",
+    "",
+    ((0.01, 3.0),),
+    "assumed: a hundredth; from a twentieth to twentyfold",
+)
+SHAPE: Final = Quantity(
+    "shape of a distribution", "", ((0.1, 50.0),), "assumed: nearly all at once to nearly none scattered"
+)
+DELAY_FACTOR: Final = Quantity("factor of a delay", "", ((0.0, 100.0),), "assumed: none to a hundred times")
+
+SweepDays = Annotated[int, SWEEP_DAYS]
+PerDay = Annotated[float, PER_DAY]
+MtbfH = Annotated[float, MTBF_H]
+MtbfKm = Annotated[float, MTBF_KM]
+MtbfOperations = Annotated[float, MTBF_OPERATIONS]
+Confidence = Annotated[float, CONFIDENCE]
+DrawnValue = Annotated[float, DRAWN_VALUE]
+LogSigma = Annotated[float, LOG_SIGMA]
+Shape = Annotated[float, SHAPE]
+DelayFactor = Annotated[float, DELAY_FACTOR]
