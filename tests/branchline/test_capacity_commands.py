@@ -75,6 +75,7 @@ def test_a_period_of_a_line_without_portals(main: Callable[..., Any]) -> None:
         (("headway", "karasuyama_weekday", "--theory", "--station", "SHN"), "--station"),
         (("headway", "karasuyama_weekday", "--theory", "--csv", "--json"), "--csv"),
         (("headway", "nowhere", "--theory"), "nowhere"),
+        (("capacity", "karasuyama_without_loop", "--theory", "--cut", "whole"), "321M, 322M"),
     ],
 )
 def test_bad_input_is_one_line_and_two(
