@@ -1,4 +1,4 @@
-"""Virtual blocks on a branch line: what the gain is, that a row can fail, and at night the slice that `--quick` takes."""
+"""Virtual blocks on a branch line: what the gain is, that a row can fail, and at night what `--quick` runs."""
 
 from __future__ import annotations
 
