@@ -79,7 +79,7 @@ def reproduce(options: Options) -> Reproduction:
         "virtual-blocks",
         "Virtual blocks on a branch line",
         _parameters(counts),
-        tuple(row for curve in curves for row in _rows(curve)),
+        tuple(row for curve in curves for row in rows_of(curve)),
         (*_REMARKS, *((f"quick: {SCENARIOS[0]} alone, {counts} blocks",) if options.quick else ())),
         tuple(figure for curve in curves for figure in _figures(curve)),
     )
@@ -141,7 +141,8 @@ def _parameters(counts: Sequence[int]) -> tuple[Parameter, ...]:
     )
 
 
-def _rows(curve: Curve) -> tuple[Row, ...]:
+def rows_of(curve: Curve) -> tuple[Row, ...]:
+    """What is judged of a curve: the gain of moving blocks, and what five of them give of it."""
     last = curve.points[-1].blocks
     gain, share = curve.gain_percent(last), curve.share_percent(PAPER_BLOCKS)
     return (

@@ -11,6 +11,7 @@ import pytest
 
 from network.graph import all_routes
 from network.model import Line, SectionKind
+from network.timetable import Diagram
 from simulation.setup import Setup
 from study.capacity import equipment, more
 from study.capacity.compression import compressed
@@ -52,7 +53,7 @@ def weekday() -> Setup:
 def morning(weekday: Setup) -> Setup:
     """The trains of the weekday that begin before half past nine, as far as their sets have run."""
     old = weekday.timetable
-    diagrams = []
+    diagrams = list[Diagram]()
     for diagram in old.diagrams:
         numbers = tuple(n for n in diagram.train_numbers if old.trains[n].calls[-1].first_s < MORNING_S[1])
         while numbers and old.trains[numbers[-1]].direction.name == "DOWN":
