@@ -31,6 +31,7 @@ from simulation.faults.injector import Injector
 from simulation.faults.script import Script
 from simulation.journal import Journal
 from simulation.late.day import late_day
+from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.vigil import Vigil
@@ -39,7 +40,6 @@ from simulation.world.charging import Charging
 from simulation.world.clock import Clock
 from simulation.world.kernel import STANDING_STEPS_MAX, advance, new_sheet
 from simulation.world.on_board import OnBoard
-from simulation.world.platforms import Platforms
 from simulation.world.points import WaysideWorld
 from simulation.world.records import (
     PASSED_FRONT,

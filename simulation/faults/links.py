@@ -11,7 +11,7 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr
 
-from network.files.quantities import AddedDelay, Distance, Probability
+from network.files.quantities import AddedDelay, Distance, Probability, Share
 from network.files.toml_input import one_of
 from radio.air import Delivery
 from simulation.faults.fault import Fault, Names, World
@@ -178,10 +178,10 @@ class Flip(ChanceLinkFault):
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A stretch of a section's axis, on all its tracks: from so far into it, by kilometrage, and how long, m."""
+    """A stretch of line from a share of a section on, by rising kilometrage; its length, m."""
 
     section_id: str
-    from_m: float
+    from_share: float
     length_m: float
 
 
@@ -192,7 +192,10 @@ class DeadZone(Fault[tuple[Stretch, ...]]):
     aims_at = "section"
     changes = "coverage"
     target: str
-    from_m: Distance = Field(description="where it begins, from the section's end of lower kilometrage")
+    from_share: Share = Field(
+        default=0.0,
+        description="where it begins, as a share of the section from its end of lower kilometrage",
+    )
     length_m: Distance = Field(description="how long it is, beyond the section where that is shorter")
 
     @classmethod
@@ -203,7 +206,7 @@ class DeadZone(Fault[tuple[Stretch, ...]]):
         return ()
 
     def over(self, dead: tuple[Stretch, ...]) -> tuple[Stretch, ...]:
-        return (*dead, Stretch(self.target, self.from_m, self.length_m))
+        return (*dead, Stretch(self.target, self.from_share, self.length_m))
 
     def put(self, world: World, dead: tuple[Stretch, ...]) -> None:
         world.trains.dead_zones.put(self.target, dead)

@@ -14,7 +14,7 @@ from itertools import accumulate
 from typing import Any, Final
 
 from network.model import Line
-from network.timetable import CallKind, clock
+from network.timetable import Call, CallKind, clock
 from radio.chance import generator
 from simulation.events import PointsMoving
 from simulation.faults.fault import Fault
@@ -22,12 +22,12 @@ from simulation.faults.links import DeadZone
 from simulation.faults.script import Failure, Matcher, Trigger
 from simulation.faults.table import FAULTS
 from simulation.late.entry import STREAM, entry_late_s, entry_of
-from simulation.late.settings import Failures
+from simulation.late.settings import DeadZones, DoorDelays, DwellScatter, EntryDelays, Failures
 from simulation.names import names_in
 from simulation.setup import Setup
 from simulation.world.roster import Duty, drawn_up
 
-THROWS_MAX: Final = 5000  # in a day, of one machine: what would fail only later is not drawn
+THROWS_A_PASSAGE: Final = 2  # at most, assumed, of points by a train: what would fail only later is not drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,10 +78,11 @@ def late_day(setup: Setup) -> LateDay:
         return PUNCTUAL
     duties = drawn_up(setup, setup.line)
     stays, of_stays = _stays(setup)
-    zones = list(_dead_zones(setup, duties))
-    broken = [
-        pair for name, table in setup.late.failures.items() for pair in _broken(setup, name, table, duties)
+    late = setup.late
+    zones = [
+        pair for name, table in late.dead_zones.items() for pair in _dead_zones(setup, name, table, duties)
     ]
+    broken = [pair for name, table in late.failures.items() for pair in _broken(setup, name, table, duties)]
     both = [*zones, *broken]
     drawn = (*_entries(setup), *of_stays, *(told for told, _ in both))
     return LateDay(stays, tuple(failure for _, failure in both), drawn)
@@ -111,41 +112,51 @@ def _entries(setup: Setup) -> Iterator[Drawn]:
 
 def _stays(setup: Setup) -> tuple[dict[tuple[str, str], Stay], list[Drawn]]:
     """What passengers and doors take at each stop from which a train goes on."""
-    late, stays, drawn = setup.late, dict[tuple[str, str], Stay](), list[Drawn]()
+    stays, drawn = dict[tuple[str, str], Stay](), list[Drawn]()
     for train in setup.timetable.trains.values():
         if not train.revenue:
             continue
         for call in train.calls:
             if call.departure_s is None or call.kind is not CallKind.STOP:
                 continue
-            stop, at_s = (train.number, call.station_id), float(call.departure_s)
-            people_s = doors_s = 0.0
-            if late.dwell is not None and call is not train.calls[0]:
-                factor = late.dwell.factor(call.station_id, at_s)
-                people_s = round(factor * _perhaps_s(setup, late.dwell, ("dwell", *stop)), 1)
-            if late.doors is not None:
-                doors_s = _perhaps_s(setup, late.doors, ("doors", *stop))
-            if people_s > 0.0 and late.dwell is not None:
-                what = f"passengers of train {train.number} need {people_s:.1f} s more at {call.station_id}"
-                drawn.append(Drawn("late.dwell", *stop, at_s, people_s, what, _of(late.dwell)))
-            if doors_s > 0.0 and late.doors is not None:
-                what = f"doors of train {train.number} do not close for {doors_s:.1f} s at {call.station_id}"
-                drawn.append(Drawn("late.doors", *stop, at_s, doors_s, what, _of(late.doors)))
-            if people_s > 0.0 or doors_s > 0.0:
-                stays[stop] = Stay(people_s, doors_s)
+            people = [] if call is train.calls[0] else list(_people(setup, train.number, call))
+            doors = list(_doors(setup, train.number, call))
+            if people or doors:
+                together = (math.fsum(one.seconds for one in found) for found in (people, doors))
+                stays[train.number, call.station_id] = Stay(*together)
+                drawn += [*people, *doors]
     return stays, drawn
 
 
-def _perhaps_s(setup: Setup, table: Any, names: tuple[str, ...]) -> float:  # noqa: ANN401 - tables alike
+def _people(setup: Setup, number: str, call: Call) -> Iterator[Drawn]:
+    station_id, at_s = call.station_id, float(call.departure_s or 0.0)
+    for name, table in setup.late.dwell.items():
+        drawn_s = _perhaps_s(setup, table, ("dwell", name, number, station_id))
+        seconds = round(drawn_s * table.factor(station_id, at_s), 1)
+        if seconds > 0.0:
+            what = f"passengers of train {number} need {seconds:.1f} s more at {station_id}"
+            yield Drawn(f"late.dwell.{name}", number, station_id, at_s, seconds, what, _of(table))
+
+
+def _doors(setup: Setup, number: str, call: Call) -> Iterator[Drawn]:
+    station_id, at_s = call.station_id, float(call.departure_s or 0.0)
+    for name, table in setup.late.doors.items():
+        seconds = _perhaps_s(setup, table, ("doors", name, number, station_id))
+        if seconds > 0.0:
+            what = f"doors of train {number} do not close for {seconds:.1f} s at {station_id}"
+            yield Drawn(f"late.doors.{name}", number, station_id, at_s, seconds, what, _of(table))
+
+
+def _perhaps_s(setup: Setup, table: DwellScatter | DoorDelays, names: tuple[str, ...]) -> float:
     """A draw for a share of the cases, s; 0 for the others, and where the table is switched off."""
     if not table.on:
         return 0.0
     chance = generator(setup.seed, STREAM, *names, *setup.today)
     hit = chance.random() < table.share
-    return float(table.seconds.draw_s(chance)) if hit else 0.0
+    return table.seconds.draw_s(chance) if hit else 0.0
 
 
-def _of(table: Any) -> str:  # noqa: ANN401 - any table that has seconds
+def _of(table: EntryDelays | DwellScatter | DoorDelays | Failures) -> str:
     share = getattr(table, "share", 1.0)
     words = "" if table.seconds is None else table.seconds.words
     return words if share == 1.0 else f"{share:g} of them, {words}"
@@ -154,11 +165,12 @@ def _of(table: Any) -> str:  # noqa: ANN401 - any table that has seconds
 # the radio ------------------------------------------------------------------------------------------------------
 
 
-def _dead_zones(setup: Setup, duties: Mapping[str, Sequence[Duty]]) -> Iterator[tuple[Drawn, Failure]]:
-    table = setup.late.dead_zones
-    if table is None or not table.on:
+def _dead_zones(
+    setup: Setup, name: str, table: DeadZones, duties: Mapping[str, Sequence[Duty]]
+) -> Iterator[tuple[Drawn, Failure]]:
+    if not table.on:
         return
-    chance = generator(setup.seed, STREAM, "dead_zones", *setup.today)
+    chance = generator(setup.seed, STREAM, "dead_zones", name, *setup.today)
     from_s, to_s = _hours(duties)
     sections = list(setup.line.sections)
     lengths_m = [_length_m(setup.line, section_id) for section_id in sections]
@@ -169,11 +181,15 @@ def _dead_zones(setup: Setup, duties: Mapping[str, Sequence[Duty]]) -> Iterator[
         length_m = round(float(chance.uniform(table.length_low_m, table.length_high_m)), 1)
         lasts_s = table.seconds.draw_s(chance)
         index = next(i for i, end_m in enumerate(ends_m) if at_m <= end_m)
-        begins_m = round(at_m - (ends_m[index] - lengths_m[index]), 1)
-        fault = DeadZone(target=sections[index], from_m=begins_m, length_m=length_m)
-        where = f"{length_m:.0f} m from {begins_m:.0f} m into {sections[index]}"
+        into_m = at_m - (ends_m[index] - lengths_m[index])
+        fault = DeadZone(
+            target=sections[index], from_share=round(into_m / lengths_m[index], 4), length_m=length_m
+        )
+        where = f"{length_m:.0f} m from {into_m:.0f} m into {sections[index]}"
         what = f"the radio does not reach {where} for {lasts_s:.1f} s"
-        told = Drawn("late.dead_zones", "radio", sections[index], at_s, lasts_s, what, table.seconds.words)
+        told = Drawn(
+            f"late.dead_zones.{name}", "radio", sections[index], at_s, lasts_s, what, table.seconds.words
+        )
         yield told, Failure(fault, Trigger(at_s=at_s), max(lasts_s, 0.1))
 
 
@@ -201,9 +217,11 @@ def _broken(
         return
     kind: type[Fault[Any]] = FAULTS[table.kind]
     for target in table.targets or kind.targets(names_in(setup)):
-        chance = generator(setup.seed, STREAM, "failures", name, target, *setup.today)
+        names = (STREAM, "failures", name, target)
+        when_chance = generator(setup.seed, *names, "when", *setup.today)
+        chance = generator(setup.seed, *names, "repair", *setup.today)
         fault = kind.model_validate({"target": target, **(table.model_extra or {})})
-        for trigger, when in _triggers(table, target, duties, chance):
+        for trigger, when in _triggers(table, target, duties, when_chance):
             repaired_s = (
                 None if kind.momentary or table.seconds is None else max(table.seconds.draw_s(chance), 0.1)
             )
@@ -226,10 +244,10 @@ def _triggers(
 ) -> Iterator[tuple[Trigger, str]]:
     """When it breaks, by the clock or by counts of throws; in words where it is counted."""
     if table.mtbf_operations is not None:
-        throws = 0
-        while (throws := throws + int(chance.geometric(1.0 / table.mtbf_operations))) <= THROWS_MAX:
+        throws, most = 0, THROWS_A_PASSAGE * _passages(target, duties)
+        while (throws := throws + int(chance.geometric(1.0 / table.mtbf_operations))) <= most:
             on = Matcher(f"points {target} move", (PointsMoving,), data={"points_id": target})
-            yield Trigger(on=on, nth=throws), f" at its throw {throws}"
+            yield Trigger(on=on, nth=throws), f" at its throw {throws}, if it comes to that"
         return
     mean = table.mtbf_h or table.mtbf_km or math.inf
     uses = _in_hours(target, duties) if table.mtbf_km is None else _in_km(target, duties)
@@ -242,6 +260,12 @@ def _triggers(
             yield Trigger(at_s=at_s), ""
             fails_at += float(chance.exponential(mean))
         used += stretch.use
+
+
+def _passages(points_id: str, duties: Mapping[str, Sequence[Duty]]) -> int:
+    """How many trains are to pass points."""
+    missions = (duty.mission for of_stock in duties.values() for duty in of_stock)
+    return sum(any(p == points_id for span in m.spans for p, _, _ in span.points) for m in missions)
 
 
 def _in_hours(target: str, duties: Mapping[str, Sequence[Duty]]) -> list[Exposure]:

@@ -32,7 +32,7 @@ class EntryDelays(Record):
 
 
 class Peak(Record):
-    """`late.dwell.peaks`: a part of the day in which passengers take longer, or less long."""
+    """`late.dwell.<name>.peaks`: a part of the day in which passengers take longer, or less long."""
 
     from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
     to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
@@ -47,7 +47,7 @@ class Peak(Record):
 
 
 class DwellScatter(Record):
-    """`[late.dwell]`: passengers need longer than the shortest stop; what the plan's stop has to spare takes it up."""
+    """`[late.dwell.<name>]`: passengers who need longer than the shortest stop; spare time of the plan takes it up."""
 
     on: Switch = True
     share: Annotated[Share, about("of the stops", "all of them")] = 1.0
@@ -69,7 +69,7 @@ class DwellScatter(Record):
 
 
 class DoorDelays(Record):
-    """`[late.doors]`: doors that do not close at once as the train is to leave: nothing takes that up."""
+    """`[late.doors.<name>]`: doors that do not close at once as the train is to leave: nothing takes that up."""
 
     on: Switch = True
     share: Annotated[Share, about("of the stops")]
@@ -78,7 +78,7 @@ class DoorDelays(Record):
 
 
 class DeadZones(Record):
-    """`[late.dead_zones]`: stretches of line that the radio does not reach for a while, and units do not know of."""
+    """`[late.dead_zones.<name>]`: stretches that the radio does not reach for a while; no unit knows of them."""
 
     on: Switch = True
     per_day: Annotated[
@@ -128,15 +128,17 @@ class Failures(Record):
 class Late(Record):
     """`[late]`: what makes a day late."""
 
-    entry: Annotated[dict[Identifier, EntryDelays], about("trains that come late, by name")] = Field(
+    entry: Annotated[dict[str, EntryDelays], about("trains that come late, by name")] = Field(
         default_factory=dict
     )
-    dwell: Annotated[DwellScatter | None, about("passengers; left out: they need no longer")] = None
-    doors: Annotated[DoorDelays | None, about("doors; left out: they close at once")] = None
-    dead_zones: Annotated[DeadZones | None, about("the radio; left out: it reaches as the line says")] = None
-    failures: Annotated[dict[Identifier, Failures], about("what breaks, by name")] = Field(
+    dwell: Annotated[dict[str, DwellScatter], about("passengers, by name; what tables draw adds up")] = Field(
         default_factory=dict
     )
+    doors: Annotated[dict[str, DoorDelays], about("doors, by name; what tables draw adds up")] = Field(
+        default_factory=dict
+    )
+    dead_zones: Annotated[dict[str, DeadZones], about("the radio, by name")] = Field(default_factory=dict)
+    failures: Annotated[dict[str, Failures], about("what breaks, by name")] = Field(default_factory=dict)
 
 
 NO_LATE: Final = Late()  # a scenario without that table

@@ -17,10 +17,11 @@ class DeadZones:
     def put(self, section_id: str, stretches: tuple[Stretch, ...]) -> None:
         """These are the stretches that are named after a section."""
         pieces = [self._line.pieces[piece_id] for piece_id in self._line.sections[section_id].piece_ids]
-        begins_m = min(piece.from_m for piece in pieces)
+        low_m, high_m = min(piece.from_m for piece in pieces), max(piece.to_m for piece in pieces)
+        begins_m = [low_m + one.from_share * (high_m - low_m) for one in stretches]
         self._by_section[section_id] = [
-            (pieces[0].alignment_id, begins_m + one.from_m, begins_m + one.from_m + one.length_m)
-            for one in stretches
+            (pieces[0].alignment_id, from_m, from_m + one.length_m)
+            for from_m, one in zip(begins_m, stretches, strict=True)
         ]
 
     def hides(self, path: Path, position_m: float) -> bool:

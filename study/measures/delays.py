@@ -2,9 +2,9 @@
 
 Growth between an arrival or departure and the next is put down, in this order, to what was drawn for that stop (late to
 the portal, passengers, doors), to waiting for what another train had (secondary, knock-on delay), and to what failed of
-the train or beside the track meanwhile (primary, too). What is left is driving, and a plan of whole minutes. Of a set
-that turns back late the next train grows no later by that: it was late before. Spare time takes growth back, so that
-the sum of all is more than what trains are late in the end.
+the train, until it runs in the system again, or beside the track meanwhile (primary, too). What is left is driving, and
+a plan of whole minutes. Of a set that turns back late the next train grows no later by that: it was late before. Spare
+time takes growth back, so that the sum of all is more than what trains are late in the end.
 """
 
 from __future__ import annotations
@@ -15,23 +15,16 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from network.timetable import AtPortal
-from simulation.events import MANAGER, CameLate, DoorsHeld, Entered
+from onboard.notes import PositionFault, Resumed
+from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, Entry, PowerOff
 from simulation.faults.script import Failure
 from simulation.result import RunResult, StopRecord
 from simulation.setup import STEPS_PER_S, Setup
 from wayside.said import Accepted, Granted, Refused
 
-SIGNS_ON_S: Final = (
-    5.0  # a train that comes to its portal is on the line so soon, if nothing stands in its way
-)
-READS: Final = (
-    Accepted,
-    CameLate,
-    DoorsHeld,
-    Entered,
-    Granted,
-    Refused,
-)  # events that a journal must have kept
+SIGNS_ON_S: Final = 5.0  # so soon a train at its portal is on the line, if nothing stands in its way
+# Events that a journal must have kept.
+READS: Final = (Accepted, CameLate, DoorsHeld, Entered, Granted, PositionFault, PowerOff, Refused, Resumed)
 Span = tuple[float, float]
 
 
@@ -53,55 +46,59 @@ class Delay:
         return self.grown_s - self.primary_s - self.secondary_s
 
 
+def _spans() -> dict[str, list[Span]]:
+    return defaultdict(list)
+
+
 @dataclass(slots=True)
 class _Seen:
-    """What the journal says of all stocks."""
+    """What the journal says of all stocks: by stock, train, or train and station."""
 
     stock_ids: frozenset[str]
-    waits: dict[str, list[Span]] = field(
-        default_factory=lambda: defaultdict(list)
-    )  # refused for another, by stock
+    waits: dict[str, list[Span]] = field(default_factory=_spans)  # refused for another
+    failed: dict[str, list[Span]] = field(default_factory=_spans)  # until it ran in the system again
+    beside: list[Span] = field(default_factory=list[Span])  # faults of what all use
     held: dict[tuple[str, str], DoorsHeld] = field(default_factory=dict[tuple[str, str], DoorsHeld])
-    came_late_s: dict[str, float] = field(default_factory=dict[str, float])  # by train
+    came_late_s: dict[str, float] = field(default_factory=dict[str, float])
     entered_s: dict[str, float] = field(default_factory=dict[str, float])
-    faults: list[tuple[str, Span]] = field(default_factory=list[tuple[str, Span]])  # by target
+    refused_s: dict[str, float] = field(default_factory=dict[str, float])  # open still, since
+    blind_s: dict[str, float] = field(default_factory=dict[str, float])
 
-
-def delays_of(result: RunResult, setup: Setup) -> tuple[Delay, ...]:
-    """Every growth of lateness of a run, by stock and time."""
-    seen = _seen(result)
-    by_stock: dict[str, list[StopRecord]] = defaultdict(list)
-    for stop in result.stops:
-        by_stock[stop.stock_id].append(stop)
-    return tuple(delay for stops in by_stock.values() for delay in _of_stock(stops, seen, setup))
-
-
-def _seen(result: RunResult) -> _Seen:
-    seen, end_s = _Seen(frozenset(result.stock_ids)), result.end_step / STEPS_PER_S
-    refused_s: dict[str, float] = {}
-    for entry in result.journal.entries:
+    def take(self, entry: Entry) -> None:
+        """A line of the journal."""
         match entry.event:
             case Refused(unit_id=unit, other_id=other) if entry.who == MANAGER and other:
-                refused_s.setdefault(unit, entry.t_s)
-            case Granted(unit_id=unit) | Accepted(unit_id=unit) if unit in refused_s:
-                seen.waits[unit].append((refused_s.pop(unit), entry.t_s))
-            case DoorsHeld(train=number, station=station):
-                seen.held[number, station] = entry.event
+                self.refused_s.setdefault(unit, entry.t_s)
+            case Granted(unit_id=unit) | Accepted(unit_id=unit) if unit in self.refused_s:
+                self.waits[unit].append((self.refused_s.pop(unit), entry.t_s))
+            case DoorsHeld(train=number, station=station) as held:
+                self.held[number, station] = held
             case CameLate(train=number, late_s=late_s):
-                seen.came_late_s[number] = late_s
+                self.came_late_s[number] = late_s
             case Entered(train=number):
-                seen.entered_s[number] = entry.t_s
+                self.entered_s[number] = entry.t_s
+            case PowerOff(device_id=unit) if unit in self.stock_ids:
+                self.blind_s.setdefault(unit, entry.t_s)
+            case PositionFault():
+                self.blind_s.setdefault(entry.who, entry.t_s)
+            case Resumed() if entry.who in self.blind_s:
+                self.failed[entry.who].append((self.blind_s.pop(entry.who), entry.t_s))
             case _:
                 pass
-    for unit, from_s in refused_s.items():
-        seen.waits[unit].append((from_s, end_s))
-    for course in result.courses:
-        if isinstance(course.item, Failure):
-            to_s = end_s if course.over_s is None else course.over_s
-            seen.faults.append(
-                (str(course.item.fault.target), (course.begun_s, max(to_s, course.begun_s + 1.0)))
-            )
-    return seen
+
+    def fault(self, target: str, span: Span) -> None:
+        """A fault is of the stocks that it names (a link may name one), or of what all use."""
+        own = self.stock_ids.intersection(target.split())
+        for stock_id in own:
+            self.failed[stock_id].append(span)
+        if not own:
+            self.beside.append(span)
+
+    def close(self, end_s: float) -> None:
+        """The run is over."""
+        for spans, open_s in ((self.waits, self.refused_s), (self.failed, self.blind_s)):
+            for unit, from_s in open_s.items():
+                spans[unit].append((from_s, end_s))
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +114,22 @@ class _Moment:
     drawn_s: float
     ready_s: float
     comes_s: float | None = None
+
+
+def delays_of(result: RunResult, setup: Setup) -> tuple[Delay, ...]:
+    """Every growth of lateness of a run, by stock and time."""
+    seen, end_s = _Seen(frozenset(result.stock_ids)), result.end_step / STEPS_PER_S
+    for entry in result.journal.entries:
+        seen.take(entry)
+    for course in result.courses:
+        if isinstance(course.item, Failure):
+            to_s = end_s if course.over_s is None else course.over_s
+            seen.fault(str(course.item.fault.target), (course.begun_s, max(to_s, course.begun_s + 1.0)))
+    seen.close(end_s)
+    by_stock: dict[str, list[StopRecord]] = defaultdict(list)
+    for stop in result.stops:
+        by_stock[stop.stock_id].append(stop)
+    return tuple(delay for stops in by_stock.values() for delay in _of_stock(stops, seen, setup))
 
 
 def _of_stock(stops: Iterable[StopRecord], seen: _Seen, setup: Setup) -> Iterator[Delay]:
@@ -166,19 +179,13 @@ def _split(moment: _Moment, grown_s: float, since_s: float, seen: _Seen) -> Dela
     if moment.comes_s is not None:
         outside_s = seen.entered_s.get(stop.number, moment.at_s) - moment.comes_s - SIGNS_ON_S
         waited_s += max(outside_s, 0.0)
-    failed_s = _overlap_s(
-        (span for target, span in seen.faults if _concerns(target, stop.stock_id, seen)), since_s, moment.at_s
-    )
+    # Of a train that failed all is its failure's; of points or radio, for as long as they did.
+    own = _overlap_s(seen.failed[stop.stock_id], since_s, moment.at_s) > 0.0
+    failed_s = grown_s if own else _overlap_s(seen.beside, from_s, moment.at_s)
     primary_s = min(grown_s, moment.drawn_s)
     secondary_s = min(grown_s - primary_s, waited_s)
     primary_s += min(grown_s - primary_s - secondary_s, failed_s)
     return Delay(stop.stock_id, stop.number, stop.station_id, moment.at_s, grown_s, primary_s, secondary_s)
-
-
-def _concerns(target: str, stock_id: str, seen: _Seen) -> bool:
-    """Whether a fault is the stock's own, or of what all use; a link is of the stock that it names."""
-    words = target.split()
-    return stock_id in words or not any(word in seen.stock_ids for word in words)
 
 
 def _overlap_s(spans: Iterable[Span], from_s: float, to_s: float) -> float:

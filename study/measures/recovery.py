@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
+from network.timetable import Timetable
 from simulation.result import RunResult, StopRecord
 from simulation.setup import STEPS_PER_S
 
@@ -32,16 +33,25 @@ class LateStretch:
         return self.to_s - self.from_s
 
 
-def late_stretches(result: RunResult) -> tuple[LateStretch, ...]:
+def late_stretches(result: RunResult, timetable: Timetable) -> tuple[LateStretch, ...]:
     """All of a run's, in order, without overlap."""
     by_train: dict[str, list[StopRecord]] = defaultdict(list)
     for stop in result.stops:
         by_train[stop.number].append(stop)
     end_s = result.end_step / STEPS_PER_S
-    return joined(one for stops in by_train.values() for one in _of_train(stops, end_s))
+    found = [
+        one
+        for number, stops in by_train.items()
+        for one in _of_train(stops, timetable.trains[number].calls[-1].station_id, end_s)
+    ]
+    for number, train in timetable.trains.items():
+        from_s = train.calls[0].last_s + LATE_S
+        if number not in by_train and from_s < end_s:
+            found.append(LateStretch(from_s, end_s, over=False))
+    return joined(found)
 
 
-def _of_train(stops: Sequence[StopRecord], end_s: float) -> list[LateStretch]:
+def _of_train(stops: Sequence[StopRecord], last_id: str, end_s: float) -> list[LateStretch]:
     """When a train was late: from a departure that it missed to the next one that it made, or to its last stop."""
     found: list[LateStretch] = []
     for stop, following in pairwise([*stops, None]):
@@ -50,10 +60,12 @@ def _of_train(stops: Sequence[StopRecord], end_s: float) -> list[LateStretch]:
         from_s = stop.planned_departure_s + LATE_S
         if (stop.departure_s if stop.departure_s is not None else end_s) < from_s:
             continue
-        if following is None:  # it never came to where it was to go
-            found.append(LateStretch(from_s, end_s, over=False))
-            continue
-        to_s = following.departure_s if following.planned_departure_s is not None else following.arrival_s
+        if following is None:  # it leaves the line, or never came to where it was to go
+            to_s = stop.departure_s if stop.station_id == last_id else None
+        elif following.planned_departure_s is not None:
+            to_s = following.departure_s
+        else:
+            to_s = following.arrival_s
         found.append(LateStretch(from_s, end_s if to_s is None else max(to_s, from_s), to_s is not None))
     return found
 

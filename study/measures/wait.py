@@ -17,6 +17,7 @@ class Cause(StrEnum):
     STOP_LIMIT = "stop limit"  # runs slower, towards a stop limit (停止限界点) short of its next mark
     OUTSIDE = "outside"  # not on the line yet
     LEFT = "left"  # off the line, and nothing follows
+    LATE = "late"  # comes to its portal later than planned
     QUEUE = "queue"  # another stock waits before the same portal
     PORTAL = "portal"  # signed on, but a train stands in the portal
     DEPARTURE_TIME = "departure time"

@@ -5,6 +5,7 @@ Made again from its notes in the journal, in their order, and never asked of the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -76,6 +77,7 @@ class View:
     points_refused: dict[str, str] = field(default_factory=dict[str, str])
     crew_waits_at: str = ""
     unfit: str = ""
+    doors_until_s: float = -math.inf  # held open by people until then
     unable: str = ""  # why it may not leave its stop
     emergency: bool = False
     mismatch: str = ""
@@ -180,6 +182,10 @@ def _unfit(view: View, _t_s: float, event: notes.VehicleUnfit) -> None:
     view.unfit = event.why
     if view.doing in (Doing.RUNNING, Doing.ON_SIGHT):
         view.emergency = True
+
+
+def _doors(view: View, _t_s: float, event: events.DoorsHeld) -> None:
+    view.doors_until_s = event.until_s
 
 
 def _unable(view: View, _t_s: float, event: notes.UnableToLeave) -> None:
@@ -293,6 +299,7 @@ _READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
     notes.Intervention: _intervenes,
     notes.EmergencyReleased: _set(emergency=False),
     notes.VehicleUnfit: _unfit,
+    events.DoorsHeld: _doors,
     notes.VehicleFit: _set(unfit=""),
     notes.UnableToLeave: _unable,
     notes.AbleToLeave: _set(unable=""),
@@ -329,6 +336,8 @@ def subject_of(entry: Entry) -> str:
             return target
         case TookEffect(receiver=receiver):
             return receiver
+        case events.DoorsHeld(unit_id=unit):
+            return unit
         case said.Refused(unit_id=unit) if entry.who == MANAGER:
             return unit
         case _:

@@ -20,6 +20,7 @@ import numpy as np
 from typing_extensions import Unpack
 
 from onboard.authority.stop_limit import NOT_PROVEN
+from onboard.vehicle import Vehicle
 from simulation.events import MANAGER, Entry
 from simulation.result import EnergyRecord, Phase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
@@ -36,6 +37,7 @@ ASKS_AGAIN: Final = "asks again"
 WRONG_CLOCK: Final = "clock"
 NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
+DOORS_OPEN: Final = Vehicle(doors_closed=False).unfit
 HELD_REASON: Final = "held"  # how a refusal begins that names another holder
 
 
@@ -188,7 +190,7 @@ class _Finder:
             return self._off_line(t_s)
         if phase is Phase.STABLED:
             return self._make(Cause.STABLED), math.inf
-        return self._out_of_order() or self._by_duty(t_s)
+        return self._boarding(t_s) or self._out_of_order() or self._by_duty(t_s)
 
     # off the line ---------------------------------------------------------------------------------------------
 
@@ -206,12 +208,21 @@ class _Finder:
         if following is None:
             return self._make(Cause.LEFT), math.inf
         train, portal = following.train.number, following.mission.spans[0].section_id
-        if t_s < following.enter_s:
-            enter_s = following.enter_s
-            return self._make(Cause.OUTSIDE, train=train, section=portal, until_s=enter_s), enter_s
+        if t_s < following.comes_s:
+            late = t_s >= following.enter_s
+            until_s = following.comes_s if late else following.enter_s
+            cause = Cause.LATE if late else Cause.OUTSIDE
+            return self._make(cause, train=train, section=portal, until_s=until_s), until_s
         return self._make(Cause.QUEUE, section=portal, until_s=None), math.inf
 
     # on the line ----------------------------------------------------------------------------------------------
+
+    def _boarding(self, t_s: float) -> tuple[Wait, float] | None:
+        """People hold the doors open, which the unit sees as doors that are not closed."""
+        view = self._view
+        if view.unfit != DOORS_OPEN or not view.powered or t_s >= view.doors_until_s:
+            return None
+        return self._make(Cause.DWELL, until_s=view.doors_until_s), view.doors_until_s
 
     def _out_of_order(self) -> tuple[Wait, float] | None:
         view = self._view

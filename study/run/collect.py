@@ -42,6 +42,8 @@ TOLD: Final[Mapping[EventType, str]] = {
     events.FaultBegan: "fault",
     events.FaultOver: "fault over",
     events.Acted: "act",
+    events.CameLate: "late",
+    events.DoorsHeld: "doors",
     notes.PositionFault: "fault",
     notes.PositionFound: "position found",
     notes.FoundElsewhere: "fix refused",

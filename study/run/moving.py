@@ -117,7 +117,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "duplicate": Single(120.0, {"p": 0.5}),
     "reorder": Single(120.0, {"p": 0.5, "seconds": 2.0}),
     "flip": Single(120.0, {"p": 0.5}),
-    "dead_zone": Single(120.0, {"from_m": 0.0, "length_m": 1000.0}),
+    "dead_zone": Single(120.0, {"length_m": 1000.0}),
     "scale": Single(60.0, {"factor": 0.9}),
     "stuck_output": Single(20.0, {}),
     "no_output": Single(20.0, {}),

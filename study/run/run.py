@@ -52,6 +52,7 @@ from study.run.directory import (
 )
 from study.run.driving import driving_table
 from study.run.energy import Make
+from study.run.late import late_part, late_summary
 from study.run.localisation import localisation_summary
 from study.run.outcome import broken_rules, outside_design, unfinished
 from study.run.shown import shown_of
@@ -216,6 +217,7 @@ def execute(
         **summarise(tables, setup.timetable),
         "battery": battery_summary(tables.battery, setup),
         "localisation": localisation_summary(tables, result.fixes),
+        "late": late_summary(result, setup),
         "empty_workings_planned": len(result.empty_planned),
         "empty_workings_arrived": len(result.empty_arrived),
         "invariants_broken": len(result.violations),
@@ -300,11 +302,11 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
     shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill, digests_of_tables(folder))
     (folder / SHOWN_FILE).write_bytes(shown.as_json())
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
+    drawn = late_part(setup)
+    parts = more.parts if drawn is None else (*more.parts, drawn)
     for name, text in more.files.items():
         (folder / name).write_text(text, "utf-8")
-    write_report(
-        folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, more.parts, more.beside
-    )
+    write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, parts, more.beside)
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:

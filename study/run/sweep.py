@@ -14,7 +14,9 @@ from functools import partial
 from itertools import count
 from typing import Final
 
+from network.errors import InputError
 from simulation.faults.script import DEFAULTS, Act, Failure, Script, Trigger
+from simulation.late.day import late_day
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from simulation.world.roster import drawn_up
@@ -119,7 +121,10 @@ def sweep(
     jobs: int,
     progress: Progress | None = None,
 ) -> Swept:
-    """Run every variation at every instant of its window."""
+    """Run every variation at every instant of its window. InputError on a day on which something fails by itself."""
+    if late_day(setup).failures:
+        expected = "no failures and dead zones: a sweep puts faults where there are none"
+        raise InputError(setup.name, "late", None, expected)
     every_step = max(1, round(window.every_s * STEPS_PER_S))
     planned = [_planned(setup, variation, window) for variation in variations]
     if window.staggered:

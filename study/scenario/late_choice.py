@@ -25,8 +25,10 @@ def check_late(file: str, setup: Setup) -> None:
     for name, entry in late.entry.items():
         for index, portal in enumerate(entry.portals):
             _exists(file, f"late.entry.{name}.portals[{index}]", portal, portals, "a portal")
-    for station_id in () if late.dwell is None else late.dwell.stations:
-        _exists(file, f"late.dwell.stations.{station_id}", station_id, line.stations, "a station id")
+    for name, dwell in late.dwell.items():
+        for station_id in dwell.stations:
+            key = f"late.dwell.{name}.stations.{station_id}"
+            _exists(file, key, station_id, line.stations, "a station id")
     for name, table in late.failures.items():
         _check_failures(file, f"late.failures.{name}", table, setup)
 

@@ -19,6 +19,7 @@ NAMES = Names(
     tags=("602",),
     points=("P7",),
     chargers=("KRS",),
+    sections=("OGN.1",),
     markers=("1",),
 )
 PARTIES = st.sampled_from(["K1", "K2", "block-manager", "OGN-W", ANY])

@@ -17,6 +17,7 @@ from network.errors import InputError
 from simulation.faults.devices import Restart
 from simulation.faults.script import ActKind, Failure, Trigger
 from simulation.faults.table import FAULTS
+from simulation.late.settings import Late
 from simulation.setup import STEPS_PER_S
 from simulation.world import kernel
 from study.run.drill import find_drill, run_drill
@@ -283,3 +284,11 @@ def test_the_classes_of_a_sweep_have_the_gravest_last(two_trains: Scenario) -> N
 def test_a_copy_that_fails_where_one_result_is_needed_says_so() -> None:
     with pytest.raises(RuntimeError, match="ValueError: planted here"):
         alone(int, fails)
+
+
+def test_a_day_on_which_something_fails_by_itself_is_not_swept(two_trains: Scenario) -> None:
+    table = {"kind": "motors", "cut_out": 1, "mtbf_h": 0.1, "source": "t"}
+    table["seconds"] = {"distribution": "fixed", "mean_s": 60.0}
+    late = Late.model_validate({"failures": {"motors": table}})
+    with pytest.raises(InputError, match="no failures"):
+        sweep(replace(two_trains.setup, late=late), [], Window(), 1)

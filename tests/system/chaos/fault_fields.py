@@ -6,6 +6,7 @@ A field is drawn between the bounds of its own schema, or in the part of them th
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 from typing import Any, Final
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -77,7 +78,8 @@ def target_of(kind: type[Fault[Any]], names: Names, uses: Collection[str], draw:
     often the manager as a terminal.
     """
     if draw.chance(IN_USE_P):
-        names = Names(
+        names = replace(
+            names,
             units=_used(names.units, uses),
             devices=_used(names.devices, uses),
             tags=_used(names.tags, uses),

@@ -194,6 +194,7 @@ def _scenario() -> Data:
                 }
             },
         },
+        "late": _late(),
         "belief": {"trains": {"K1": "v.toml"}},
         "patch": {
             "line": {
@@ -206,8 +207,63 @@ def _scenario() -> Data:
             "law": {"set": {"predictive_fuzzy.estimates": False}},
             "planning": {"set": {"style": "coast"}},
             "battery": {"set": {"departure": "leave"}},
+            "late": {"set": {"dwell.people.share": 0.9}},
         },
         **SCRIPT,
+    }
+
+
+def _late() -> Data:
+    exponential = {"distribution": "exponential", "mean_s": 60.0, "max_s": 600.0}
+    return {
+        "entry": {"all": {"portals": [], "share": 0.5, "seconds": exponential, "source": "assumed"}},
+        "dwell": {
+            "people": {
+                "share": 0.9,
+                "seconds": {"distribution": "weibull", "mean_s": 10.0, "shape": 1.4},
+                "stations": {"B": 1.5},
+                "peaks": [{"from": "09:00", "to": "11:00", "times": 2.0}],
+                "source": "assumed",
+            }
+        },
+        "doors": {
+            "again": {
+                "share": 0.1,
+                "seconds": {"distribution": "lognormal", "mean_s": 15.0, "sigma": 0.6},
+                "source": "assumed",
+            }
+        },
+        "dead_zones": {
+            "mast": {
+                "per_day": 0.1,
+                "length_low_m": 10.0,
+                "length_high_m": 100.0,
+                "seconds": {"distribution": "uniform", "low_s": 1.0, "high_s": 60.0},
+                "source": "assumed",
+            }
+        },
+        "failures": {
+            "motors": {
+                "kind": "motors",
+                "cut_out": 1,
+                "mtbf_km": 1e5,
+                "seconds": {"distribution": "fixed", "mean_s": 60.0},
+                "source": "assumed",
+            },
+            "unit": {
+                "kind": "power_off",
+                "targets": ["K1"],
+                "mtbf_h": 1e4,
+                "seconds": {"distribution": "fixed", "mean_s": 60.0},
+                "source": "assumed",
+            },
+            "points": {
+                "kind": "stuck",
+                "mtbf_operations": 1e4,
+                "seconds": {"distribution": "gamma", "mean_s": 60.0, "shape": 2.0},
+                "source": "assumed",
+            },
+        },
     }
 
 

@@ -1,0 +1,59 @@
+"""What was drawn for a late day, and what it came to, for summary.json and the report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from network.timetable import clock
+from simulation.late.day import counts_of, late_day
+from simulation.result import RunResult
+from simulation.setup import Setup
+from study.measures.day_figures import day_figures
+from study.report.parts import Grid, Part
+
+_HEAD = ("when", "who", "where", "seconds", "what", "drawn from")
+
+
+def late_summary(result: RunResult, setup: Setup) -> dict[str, Any]:
+    """The key `late`: every thing drawn in a sentence, how many from each table, and whose fault lateness was, s."""
+    day, figures = late_day(setup), day_figures(result, setup)
+    return {
+        "drawn": [one.sentence for one in day.drawn],
+        "counts": counts_of(day),
+        "within": list(figures.within),
+        "mean_late_s": figures.mean_late_s,
+        "primary_s": figures.primary_s,
+        "secondary_s": figures.secondary_s,
+        "other_s": figures.other_s,
+        "primary_delays": figures.primary_delays,
+        "recovery_s": figures.recovery_s,
+        "recovery_mean_s": figures.recovery_mean_s,
+        "late_time_s": figures.late_time_s,
+        "recovered": figures.recovered,
+        "deadlock": list(figures.deadlock),
+    }
+
+
+def late_part(setup: Setup) -> Part | None:
+    """The report's part with everything that was drawn; None on a day for which nothing was."""
+    day = late_day(setup)
+    if not day.drawn:
+        return None
+    rows = tuple(
+        (
+            "" if one.at_s is None else clock(int(one.at_s)),
+            one.who,
+            one.place,
+            f"{one.seconds:.1f}",
+            one.what,
+            f"{one.source}: {one.of}",
+        )
+        for one in day.drawn
+    )
+    counted = ", ".join(f"{number} from {source}" for source, number in counts_of(day).items())
+    return Part(
+        "What was drawn for this day",
+        f"Seed {setup.seed} draws this, and the same again: {counted}. When: the planned time that it is about.",
+        grids=(Grid(_HEAD, rows, 3, 4),),
+        folded=f"{len(rows)} things drawn",
+    )
