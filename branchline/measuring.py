@@ -19,7 +19,7 @@ def bench(
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds; medians are shown.")] = 3,
     part: Annotated[
         list[str] | None,
-        typer.Option("--part", help="links, laws or collation; may be repeated. Default: all."),
+        typer.Option("--part", help="links, laws, collation or sweep; may be repeated. Default: all."),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -47,6 +47,10 @@ _HEADS: Final = {
     "wall_s_max": "max",
     "of_sumo_alone": "of SUMO",
     "of_simulated_links": "of simulated",
+    "of_execute": "of execute",
+    "cpu_s": "cpu s",
+    "cpu_s_min": "min",
+    "cpu_s_max": "max",
     "peak_mb": "peak MB",
     "us_per_query": "us a query",
     "us_per_telegram": "us a telegram",
@@ -66,6 +70,12 @@ def _print_bench(figures: dict[str, Any]) -> None:
         kept = "kept" if budget["kept"] else "NOT KEPT"
         sys.stdout.write(
             f"budget: {budget['what']} at most {budget['limit']:g}: {budget['found']:g}, {kept}\n"
+        )
+    if "sweep" in figures:
+        ran = figures["sweep"]
+        sys.stdout.write(
+            f"a sweep of {ran['days']} days: {ran['wall_s']:g} s, {100.0 * ran['share']:.0f} % of all cores;"
+            f" its processes had a day at hand {100.0 * ran['at_hand']:.0f} % of the time\n"
         )
     if "optimum" in figures:
         optimum = figures["optimum"]

@@ -25,7 +25,7 @@ def run(
     link: LinkName = "simulated",
     units: UnitsName = "simulator",
     carrier: Annotated[
-        str, typer.Option("--carrier", help="sumo, or plain: one train on plain track.")
+        str, typer.Option("--carrier", help="sumo, or plain: plain track without SUMO, the same run.")
     ] = "sumo",
     seed: Seed = None,
     against: Annotated[

@@ -9,6 +9,7 @@ from typing import Final
 from network.model import Direction
 from simulation.carriers.carrier import Truth
 from simulation.carriers.sumo_api import SumoApi, in_process
+from simulation.carriers.touching import text_of
 from sumo_cfg.options import LANE_CHANGE_MODE, SPEED_MODE, add_train_type, sumo_command
 
 SIGN: Final = {Direction.DOWN: "+", Direction.UP: "-"}
@@ -35,6 +36,7 @@ class SumoCarrier:
         self._routes = 0
         self._step_s = float(self._sumo.simulation.getDeltaT())
         self._reversing: list[tuple[str, str, float]] = []
+        self._judged = True  # whether SUMO has looked at the trains as they now lie
 
     def insert(
         self, unit_id: str, pieces: Sequence[str], direction: Direction, offset_m: float, length_m: float
@@ -52,9 +54,16 @@ class SumoCarrier:
         self._sumo.vehicle.setSpeedMode(unit_id, SPEED_MODE)
         self._sumo.vehicle.setLaneChangeMode(unit_id, LANE_CHANGE_MODE)
         self._sumo.vehicle.setSpeed(unit_id, 0.0)
+        self._judged = False
 
     def run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
         """Execute the speeds step by step, watching for collisions."""
+        hit = self._run(columns, steps)
+        if hit:
+            self._tell()
+        return hit
+
+    def _run(self, columns: Sequence[tuple[str, Sequence[float]]], steps: int) -> int:
         if self._reversing and steps > 0:
             hit = self._run_steps(columns, 0, 1)
             first_mps = {unit_id: speeds[0] for unit_id, speeds in columns}
@@ -71,9 +80,16 @@ class SumoCarrier:
         """Execute rows `first` to `last` - 1; returns the number of steps after which a collision was seen, or 0."""
         set_speed, step, colliding = self._set_speed, self._step, self._colliding
         if not columns:
+            if last > first and not self._judged:
+                step()
+                first += 1
+                self._judged = True
+                if self._note_collisions():
+                    return first
             if last > first:
                 step(self._sumo.simulation.getTime() + (last - first) * self._step_s)
             return last if self._note_collisions() else 0
+        self._judged = True
         if len(columns) == 1:
             unit_id, speeds = columns[0]
             for k in range(first, last):
@@ -91,17 +107,18 @@ class SumoCarrier:
         return 0
 
     def _note_collisions(self) -> int:
-        """Write down collisions not seen before; returns their number."""
-        new = 0
-        for collision in self._sumo.simulation.getCollisions():
-            pair = (collision.collider, collision.victim)
-            if pair not in self._collisions:
-                new += 1
-                self._collisions[pair] = (
-                    f"{collision.type} collision of {collision.collider} with {collision.victim}"
-                    f" on {collision.lane} at {collision.pos:.1f} m"
-                )
-        return new
+        """Write down pairs that collide and were not seen before; returns their number."""
+        found = (sorted((c.collider, c.victim)) for c in self._sumo.simulation.getCollisions())
+        new = {(one_id, other_id) for one_id, other_id in found} - self._collisions.keys()
+        self._collisions |= dict.fromkeys(sorted(new), "")
+        return len(new)
+
+    def _tell(self) -> None:
+        """Say where those are that have just collided."""
+        for (one_id, other_id), text in self._collisions.items():
+            if not text:
+                told = text_of(one_id, self.truth(one_id), other_id, self.truth(other_id))
+                self._collisions[one_id, other_id] = told
 
     def truth(self, unit_id: str) -> Truth:
         """Where the front is, as SUMO has it."""

@@ -15,6 +15,7 @@ PARTS: Final[Mapping[str, str]] = {
     "links": "study.evaluate.bench",
     "laws": "study.evaluate.laws",
     "collation": "study.evaluate.collation",
+    "sweep": "study.evaluate.sweep_bench",
 }
 
 

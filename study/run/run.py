@@ -364,7 +364,7 @@ def carrier_factory(
         return lambda begin_s: SumoCarrier(net, begin_s)
     from simulation.carriers.plain_track import PlainTrack
 
-    return lambda _begin_s: PlainTrack({piece.id: piece.length_m for piece in line.pieces.values()}, STEP_S)
+    return lambda _begin_s: PlainTrack.of(line, STEP_S)
 
 
 @contextmanager

@@ -37,7 +37,7 @@ from sumo_cfg.truth_map import NetMap, read_net
 
 SCENARIOS_KEPT: Final = 4  # a worker is given days of one point after the other
 # All that an outcome is told by beside what the checkers found, and figures are made of.
-KEPT_EVENTS: Final = (Unsafe, *cast("frozenset[EventType]", EVENTS))
+KEPT_EVENTS: Final[tuple[EventType, ...]] = (Unsafe, *cast("frozenset[EventType]", EVENTS))
 
 ScenarioOf = Callable[[DaySpec], Scenario]
 ReplayOf = Callable[[DaySpec], str]

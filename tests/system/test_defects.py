@@ -15,7 +15,7 @@ from typing import Final
 import pytest
 
 from simulation.judge.checkers import Checker
-from study.run.run import Run
+from study.run.run import CarrierKind, Run
 
 pytestmark = pytest.mark.system
 
@@ -234,6 +234,34 @@ def test_nothing_is_broken_without_a_defect(scenario: str, given: str, run_with:
 def test_a_defect_is_caught(defect: Defect, run_with: RunWith) -> None:
     _, objections = run_with(defect.scenario, defect.given, defect.off)
     assert set(map(str, defect.caught_by)) <= objections
+
+
+COLLIDING: Final = tuple(defect for defect in DEFECTS if Checker.SUMO_COLLISION in defect.caught_by)
+
+
+def check_same_on_plain_track(defect: Defect, run_with: RunWith, patch: pytest.MonkeyPatch) -> Run:
+    on_sumo, objections = run_with(defect.scenario, defect.given, defect.off)
+    patch.undo()  # some switches count what they did
+    on_plain, others = run_with(defect.scenario, defect.given, defect.off, carrier=CarrierKind.PLAIN)
+    assert on_plain.result.digest == on_sumo.result.digest
+    assert on_plain.result.collisions == on_sumo.result.collisions
+    assert others == objections
+    return on_plain
+
+
+@pytest.mark.parametrize("defect", COLLIDING, ids=[defect.name.replace(" ", "-") for defect in COLLIDING])
+def test_plain_track_finds_the_same_collision(
+    defect: Defect, run_with: RunWith, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert check_same_on_plain_track(defect, run_with, monkeypatch).result.collisions
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("defect", DEFECTS, ids=[defect.name.replace(" ", "-") for defect in DEFECTS])
+def test_a_defect_is_the_same_run_on_plain_track(
+    defect: Defect, run_with: RunWith, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check_same_on_plain_track(defect, run_with, monkeypatch)
 
 
 def test_every_checker_catches_some_defect() -> None:
