@@ -322,9 +322,7 @@ DAYS: Final = Quantity(
     "number of days", "", ((1, 60),), "assumed: what a train needs to learn is a few weeks"
 )
 SWEEP_DAYS: Final = Quantity("days of a sweep", "", ((1, 100_000),), "assumed: several nights")
-PER_DAY: Final = Quantity(
-    "number in a day", "", ((0.0, 1000.0),), "assumed: more than one a minute is no event any more"
-)
+PER_DAY: Final = Quantity("number in a day", "", ((0.0, 1000.0),), "assumed: about one a minute")
 MTBF_H: Final = Quantity(
     "hours between failures", "h", ((0.1, 1e8),), "assumed: a broken thing; ten thousand years of service"
 )
