@@ -1,4 +1,4 @@
-"""Kinds of figures of what is drawn and counted over days, with their ranges; `network.files.quantities` lists them too."""
+"""Kinds of figures of what is drawn and counted over days; `network.files.quantities` lists them with the others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from network.files.quantity import Quantity
 
 SWEEP_DAYS: Final = Quantity("days of a sweep", "", ((1, 100_000),), "assumed: several nights")
 PER_DAY: Final = Quantity(
-    "number in a day", "", ((0.0, 1000.0),), "assumed: more than one a minute is no event any more"
+    "number in a day", "", ((0.0, 1000.0),), "assumed: about one a minute"
 )
 MTBF_H: Final = Quantity(
     "hours between failures", "h", ((0.1, 1e8),), "assumed: a broken thing; ten thousand years of service"

@@ -153,7 +153,7 @@ def _mean_on(side: Sequence[Mapping[int, float]], index: int) -> float:
 
 
 def summary_of(state: State, out: Path) -> dict[str, Any]:
-    """All of a sweep for JSON."""
+    """All of a sweep for JSON; `cpu_s` and `wall_s` are of the days run now, all processes together."""
     plan = state.plan
     return {
         "sweep": plan.table.id,
@@ -174,6 +174,8 @@ def summary_of(state: State, out: Path) -> dict[str, Any]:
             for name in plan.table.watch
             for e in effects(state, name)
         ],
+        "cpu_s": round(state.cpu_s, 1),
+        "wall_s": round(state.wall_s, 1),
         "peak_bytes": state.peak_bytes,
     }
 
