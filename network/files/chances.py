@@ -7,9 +7,7 @@ from typing import Annotated, Final
 from network.files.quantity import Quantity
 
 SWEEP_DAYS: Final = Quantity("days of a sweep", "", ((1, 100_000),), "assumed: several nights")
-PER_DAY: Final = Quantity(
-    "number in a day", "", ((0.0, 1000.0),), "assumed: about one a minute"
-)
+PER_DAY: Final = Quantity("number in a day", "", ((0.0, 1000.0),), "assumed: about one a minute")
 MTBF_H: Final = Quantity(
     "hours between failures", "h", ((0.1, 1e8),), "assumed: a broken thing; ten thousand years of service"
 )
