@@ -1,4 +1,4 @@
-"""The worked studies: files that are read, figures of theory that are those of the pages, and a cheap cut of a cable."""
+"""The worked studies: files that are read, figures of theory that are those of the pages, and a cheap cut cable."""
 
 from __future__ import annotations
 
