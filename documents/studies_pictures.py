@@ -56,7 +56,7 @@ def train_graphs(
 def headways(file: Path, pairs: Sequence[Pair], names: Sequence[str]) -> None:
     """How much longer headways are in each case than as it is, s."""
     more_s = np.array([[s - pair.least_s[0] for s in pair.least_s[1:]] for pair in pairs])
-    chosen = np.flatnonzero((np.abs(more_s) >= _LEAST_S).any(axis=1))
+    chosen: list[int] = np.flatnonzero((np.abs(more_s) >= _LEAST_S).any(axis=1)).tolist()
     with drawing():
         figure = Figure(figsize=(WIDTH_IN * 0.75, 0.42 * len(chosen) + 1.2), layout="constrained")
         axes = figure.subplots()

@@ -13,6 +13,7 @@ from simulation.settings import Interlocking
 from study.run.drill import find_drill
 from study.run.run import Link, execute
 from study.scenario.scenario import load_scenario
+from vehicle.train_file import load_train, shipped_train
 
 FILES = sorted(studies.FOLDER.glob("*/*.toml"))
 SCENARIOS = [file for file in FILES if not file.stem.endswith("_times")]
@@ -63,9 +64,7 @@ def test_the_timetables_are_those_of_the_page() -> None:
 
 def test_a_minute_less_is_too_little() -> None:
     """The rule that decides: where a stretch is taken for longer than the interval no timetable is made."""
-    legs = second_loop.legs_of(
-        second_loop.line_with("NIT"), second_loop.load_train(second_loop.shipped_train(second_loop.TRAIN))
-    )
+    legs = second_loop.legs_of(second_loop.line_with("NIT"), load_train(shipped_train(second_loop.TRAIN)))
     assert second_loop.good(second_loop.even(legs, 26 * 60), hours=2)
     with pytest.raises(ValueError, match="OGN - KRS is taken for 1530 s"):
         second_loop.even(legs, 25 * 60)
