@@ -22,7 +22,7 @@ from documents import second_loop, studies_pictures
 from network.timetable import seconds_of
 from simulation.setup import Setup
 from study.capacity.cut import cut_of
-from study.capacity.headway import Case, line_cases
+from study.capacity.headway import Case, HeadwayKind, line_cases
 from study.capacity.legs import legs_of, places_of
 from study.capacity.line_capacity import Period, rates_of
 from study.capacity.occupation import Cost
@@ -101,7 +101,7 @@ class Pair:
     """One kind of headway in several cases, s."""
 
     station: str
-    kind: str
+    kind: HeadwayKind
     first: str
     second: str
     least_s: tuple[float, ...]
@@ -110,11 +110,11 @@ class Pair:
 
 def pairs(names: Sequence[str] = RADIO) -> list[Pair]:
     """All headways of the day, in every case."""
-    found: list[dict[tuple[str, str, str, str], Case]] = []
+    found: list[dict[tuple[str, HeadwayKind, str, str], Case]] = []
     for name in names:
         setup: Setup = load_scenario(scenario_of(name)).setup
         cases = line_cases(setup.line, occupations(setup, MINIMAL), setup.unit.dwell_min_s)
-        found.append({(c.station_id, c.headway.kind.value, c.first, c.second): c for c in cases})
+        found.append({(c.station_id, c.headway.kind, c.first, c.second): c for c in cases})
     return [
         Pair(
             *key,

@@ -11,7 +11,16 @@ from matplotlib.figure import Figure
 
 from study.report.data import Run as Shown
 from study.report.graph import draw_frame, numbers_of, write_numbers
-from study.report.style import DIRECTION_COLOUR, RED, UNIT_COLOURS, WIDTH_IN, TimeBand, TimeGrid, drawing
+from study.report.style import (
+    DIRECTION_COLOUR,
+    PLAN_COLOUR,
+    RED,
+    UNIT_COLOURS,
+    WIDTH_IN,
+    TimeBand,
+    TimeGrid,
+    drawing,
+)
 from study.run.read_back import RunRead
 
 if TYPE_CHECKING:
@@ -29,7 +38,7 @@ def train_graphs(
     window_s: tuple[float, float],
     shaded_s: tuple[float, float] | None = None,
 ) -> None:
-    """As run, one panel a run; `shaded_s` is a stretch of the day to be told apart."""
+    """As run over the plan (dashed), one panel a run; `shaded_s` is a stretch of the day to be told apart."""
     band, grid = TimeBand(*window_s), TimeGrid(3600, 1800, 600)
     with drawing():
         figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(runs) + 0.2), layout="constrained")
@@ -40,12 +49,16 @@ def train_graphs(
             axes.set_title(what, pad=16)
             if shaded_s is not None:
                 axes.axvspan(*shaded_s, color=RED, alpha=0.07, lw=0, zorder=0.2)
+            for train in run.timetable.trains.values():
+                t_s = [t for call in train.calls for t in (call.first_s, call.last_s)]
+                at_m = np.repeat([run.line.stations[call.station_id].position_m for call in train.calls], 2)
+                axes.plot(t_s, at_m, color=PLAN_COLOUR[train.direction], lw=0.6, ls=(0, (5, 3)), alpha=0.7)
             for (_, number), course in run.courses.items():
                 axes.plot(
                     course["t_s"],
                     course["kilometrage_m"],
                     color=DIRECTION_COLOUR[run.directions[number]],
-                    lw=1.4,
+                    lw=1.8,
                 )
         figure.draw_without_rendering()
         for axes, run in zip(panels, shown, strict=True):
@@ -72,4 +85,4 @@ def headways(file: Path, pairs: Sequence[Pair], names: Sequence[str]) -> None:
 
 
 def _label(pair: Pair) -> str:
-    return f"{pair.station}: {pair.first} / {pair.second}\n{pair.kind}, least {pair.least_s[0]:.0f} s"
+    return f"{pair.station}: {pair.first} / {pair.second}\n{pair.kind.english}, least {pair.least_s[0]:.0f} s"
