@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from simulation.faults.fault import Fault, Names, World
+from simulation.faults.fault import UnitFault, World
 
 
-class WeakTraction(Fault[float]):
+class WeakTraction(UnitFault[float]):
     """The train pulls with a share of its force."""
 
     kind = "weak_traction"
-    aims_at = "unit"
     changes = "traction"
-    target: str
     factor: float = Field(default=0.5, ge=0.0, le=1.0, description="force left over that of the train file")
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
     def base(self, _world: World) -> float:
         return 1.0
