@@ -22,7 +22,7 @@ from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
 from simulation.sensor_settings import Beacons, Curvature, Lidar
-from simulation.settings import Driving, Limits, Operation, Sensors
+from simulation.settings import Driving, Interlocking, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from vehicle.train_file import TrainFile, shipped_train
 
@@ -172,7 +172,7 @@ def _scenario() -> Data:
                 "curvature": Curvature(),
                 "lidar": Lidar(),
                 "limits": Limits(),
-                "operation": Operation(),
+                "operation": Operation(interlocking=Interlocking.CENTRAL, centre="B"),
                 "battery": BatterySettings(start_of={"K1": 0.9}),
             }.items()
         },
