@@ -55,6 +55,7 @@ def capacity(
     as_json: Json = False,
 ) -> None:
     """Occupancy of each part of a line by compression (UIC 406), the limits beside it, and room for more trains."""
+    from study.capacity.compression import ContradictionError
     from study.capacity.cut import WAYS, cut_of
     from study.capacity.legs import legs_of, places_of
     from study.capacity.line_capacity import rates_of
@@ -74,7 +75,11 @@ def capacity(
     periods = _periods(legs, between_s)
     cuts = [cut_of(setup.line, name) for name in (WAYS if cut == ALL else (cut,))]
     terms = terms_of(setup.unit.dwell_min_s)
-    by_cut = {one.name: rates_of(legs, one, periods, terms) for one in cuts}
+    try:
+        by_cut = {one.name: rates_of(legs, one, periods, terms) for one in cuts}
+    except ContradictionError as error:
+        expected = "a plan in which of each two trains one goes first on every section that they share"
+        raise InputError(source, "trains", ", ".join(error.numbers), expected) from error
     more = more_trains(setup, periods[0], Search(buffer_s=buffer_s))
     worth = _worth(setup) if equipment else None
     if out is not None:

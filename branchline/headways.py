@@ -84,6 +84,9 @@ def _print(line: Line, cases: tuple[Case, ...]) -> None:
     from study.capacity.occupation import Cost
     from study.report.headways import kind_name
 
+    if not cases:
+        sys.stdout.write("no two trains that need one section\n")
+        return
     costs = [cost for cost in Cost if any(abs(case.headway.costs_s[cost]) > 0.05 for case in cases)]
     wide = max((len(f"{c.first} / {c.second}") for c in cases), default=0)
     long = max((len(kind_name(c)) for c in cases), default=0) + 4

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from study.capacity.occupation import COST_OF, Occupation, Part
+from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, Part
 
 SEEN_S: Final = 0.05  # differences below this are none
 LATE_S: Final = 5.0  # a train so far off its prediction is told as such
@@ -93,7 +93,7 @@ class Compared:
 
     def _of(self, part: Part) -> Difference | None:
         own = [
-            p for p in self.pairs if p.usable and max(p.run.of_part(part), p.theory.of_part(part)) > SEEN_S
+            p for p in self.pairs if p.usable and max(p.run.of_part(part), p.theory.of_part(part)) > TOUCH_S
         ]
         if not own:
             return None

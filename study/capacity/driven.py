@@ -154,7 +154,7 @@ class Driving:
                 within_s = due_s - asked_s
                 cruise_mps = cruise_for(*way, position_m, there.mark_m, within_s, slows, speed_mps, until_m)
             ends = position_m, there.mark_m, cruise_mps, slows
-            part = predicted_course(*way, *ends, STEP_S, speed_mps, until_m)
+            part: NDArray[np.float64] = predicted_course(*way, *ends, STEP_S, speed_mps, until_m)
             rows.append(part[1:] + np.array([at_s, 0.0, 0.0]))
             at_s, position_m, speed_mps = at_s + float(part[-1, 0]), float(part[-1, 1]), float(part[-1, 2])
             asked_s = at_s

@@ -217,7 +217,8 @@ def _events(first: Visit, second: Visit) -> Iterator[tuple[HeadwayKind, Event, E
         yield (HeadwayKind.FOLLOWING if same_track else HeadwayKind.OPEN), one[1], other[1]
     if same_way and one[0] is not None and other[0] is not None and one[0].track_id != other[0].track_id:
         yield HeadwayKind.CLOSING_UP, one[0], other[0]
-    if not same_way and one[0] is not None and other[1] is not None:
+    # Who leaves stood there when the other came: on another track.
+    if not same_way and one[0] is not None and other[1] is not None and one[0].track_id != other[1].track_id:
         yield HeadwayKind.ARRIVAL_DEPARTURE, one[0], other[1]
     if one[1] is not None and other[0] is not None and (not same_way or one[1].track_id == other[0].track_id):
         yield HeadwayKind.DEPARTURE_ARRIVAL, one[1], other[0]

@@ -34,6 +34,7 @@ PART_OF: Final = {
 ROUTE_REQUEST: Final = "RouteRequest"
 SIGNS_ON: Final = ("SignOn", "Claim")
 POINTS_COMMAND: Final = "PointsCommand"
+COUNTS_WAITING = False  # off: what is waited for while another has it is no part of an occupation
 
 
 def observed(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
@@ -200,6 +201,7 @@ class _Register:
                 if other != unit and section_id in held:
                     self._end(t_s, other, (section_id,))
         free_s = [s for who, s in map(self._last, new) if who != unit]
+        free_s = [] if COUNTS_WAITING else free_s
         wanted_s = min(max(first_s, max(free_s, default=-math.inf), self._begin_s), t_s)
         number, direction = self._train.get(unit, ("", Direction.DOWN))
         for section_id in new:

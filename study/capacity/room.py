@@ -162,11 +162,12 @@ def fill(
         options = [_first(legs, next_s[i], (ends_s, step_s), taken, search) for i, legs in enumerate(paths)]
         for i, option in enumerate(options):
             next_s[i] = math.inf if option is None else option.departs_s
-        some = [(option.departs_s, i, option) for i, option in enumerate(options) if option is not None]
+        some = [(next_s[i], i, option) for i, option in enumerate(options) if option is not None]
         if not some:
             return tuple(found)
-        _, _, best = min(some, key=lambda one: one[:2])
+        _, kind, best = min(some, key=lambda one: one[:2])
         take(best, taken)
+        next_s[kind] += step_s
         found.append(best)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from network.model import Direction
 from radio.chance import generator
-from study.capacity.headway import Headway, HeadwayKind, headways_of, visits_at
+from study.capacity.headway import Headway, HeadwayKind, headways_of, least_between, visits_at
 from study.capacity.legs import Leg
 
 TRAINS: Final = 5_000
@@ -86,9 +86,19 @@ def _least(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], w
 
 
 def _meets(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], way: Direction) -> float:
-    """From the arrival of the opposing train to the departure of one in a direction."""
-    found = _between(legs, copies, tracks, (way.opposite, way))
-    return max(one.least_s for one in found if one.kind is HeadwayKind.ARRIVAL_DEPARTURE)
+    """From the arrival of the opposing train to the departure of one in a direction, whatever tracks they are on."""
+    ahead = [v for v in visits_at(legs, tracks) if v.direction is way.opposite]
+    behind = [v for v in visits_at(copies, tracks) if v.direction is way]
+    found: list[float] = []
+    for first in ahead:
+        for second in behind:
+            arrival, departure = first.arrival, second.departure
+            if arrival is None or departure is None:
+                continue
+            held = arrival.leg.occupations
+            one = least_between(HeadwayKind.ARRIVAL_DEPARTURE, arrival, departure, held)
+            found += [] if one is None else [one.least_s]
+    return max(found)
 
 
 def mean_wait_s(stretch: Stretch, trains_per_hour: float, seed: int, count: int = TRAINS) -> float:

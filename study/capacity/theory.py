@@ -177,15 +177,29 @@ class Theory:
 
     def _first(self, journey: Journey) -> Passage:
         """The section where a stock begins: a portal by which it signs on, or a track on which it stood."""
-        section_id, wanted_s, links = journey.mission.spans[0].section_id, journey.begins_s, self.links
-        at_once = (wanted_s,) * 3
+        span, wanted_s, links = journey.mission.spans[0], journey.begins_s, self.links
+        sent_s = heard_s = held_s = wanted_s
         enters_s = -math.inf
         if journey.enters:
             sent_s = wanted_s + links.request_s
-            at_once = (sent_s, sent_s + links.delay_s, wanted_s + links.ask_s)
-            enters_s = at_once[-1]
-        who = section_id, journey.stock_id, journey.number, journey.direction
-        return Passage(*who, "", wanted_s, *at_once, enters_s, *(math.inf,) * 4)
+            heard_s = sent_s + links.delay_s
+            enters_s = held_s = wanted_s + links.ask_s
+        return Passage(
+            span.section_id,
+            journey.stock_id,
+            journey.number,
+            journey.direction,
+            "",
+            wanted_s,
+            sent_s,
+            heard_s,
+            held_s,
+            enters_s,
+            math.inf,
+            math.inf,
+            math.inf,
+            math.inf,
+        )
 
     # what it stands for -----------------------------------------------------------------------------------------------
 

@@ -79,7 +79,7 @@ def reproduce(options: Options) -> Reproduction:
         "virtual-blocks",
         "Virtual blocks on a branch line",
         _parameters(counts),
-        tuple(row for curve in curves for row in _rows(curve)),
+        tuple(row for curve in curves for row in rows_of(curve)),
         (*_REMARKS, *((f"quick: {SCENARIOS[0]} alone, {counts} blocks",) if options.quick else ())),
         tuple(figure for curve in curves for figure in _figures(curve)),
     )
@@ -114,8 +114,8 @@ def _stretch(setup: Setup, low: Station, high: Station, blocks: int, rules: Rule
     copies: list[Leg] = []
     for number, path in enumerate(standard_paths(setup)):
         made = occupations(alone(cut, path), rules)
-        first = [replace(one, stock_id=f"first {number}") for one in made]
-        second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in made]
+        first = [replace(one, stock_id=f"first {number}", number=f"{one.number}{number}") for one in made]
+        second = [replace(one, stock_id=f"second {number}").moved(LATER_S) for one in first]
         legs += legs_of(first, places_of(line))
         copies += legs_of(second, places_of(line))
     ends = (
@@ -141,7 +141,8 @@ def _parameters(counts: Sequence[int]) -> tuple[Parameter, ...]:
     )
 
 
-def _rows(curve: Curve) -> tuple[Row, ...]:
+def rows_of(curve: Curve) -> tuple[Row, ...]:
+    """What is judged of a curve: the gain of moving blocks, and what five of them give of it."""
     last = curve.points[-1].blocks
     gain, share = curve.gain_percent(last), curve.share_percent(PAPER_BLOCKS)
     return (

@@ -87,6 +87,22 @@ JAPANESE: Final[Mapping[str, str]] = {
     "passes": "通過",
     "trains": "列車",
     "empty": "回送",
+    # what a blocking time goes into
+    "request": "要求",
+    "air": "伝送",
+    "grant": "確保",
+    "throw": "転換",
+    "proof": "照査",
+    "approach": "接近",
+    "ready": "待機",
+    "run": "走行",
+    "dwell": "停車",
+    "change of ends": "エンド交換",
+    "charging": "充電",
+    "length": "列車長",
+    "bound": "位置の幅",
+    "release": "解放",
+    "conflict": "競合",
     "The plan is in whole minutes: less than one minute says little.": (
         "計画は分単位のため、1分未満の値はあまり意味を持ちません。"
     ),

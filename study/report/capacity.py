@@ -101,10 +101,10 @@ def _draw_swings(axes: Axes, worth: Sequence[Worth], of: Callable[[Measured], fl
         low, high = of(one.low_end), of(one.high_end)
         axes.barh(at, high - low, 0.55, low, color=COST_COLOURS[one.cost])
         same = abs(high - low) < 0.05
-        words = ((low, f"{one.low}, {one.high}"),) if same else ((low, one.low), (high, one.high))
+        words = ((low, ""),) if same else ((low, one.low), (high, one.high))
         for value, word in words:
             leftmost = same or value == min(low, high)
-            text = f"{word}: {value:.1f}"
+            text = f"{value:.1f}" if same else f"{word}: {value:.1f}"
             axes.annotate(
                 text,
                 (value, at),

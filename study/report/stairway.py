@@ -1,4 +1,4 @@
-"""The blocking-time stairway (閉そく占有時分, Sperrzeitentreppe): what the time of each section goes into, with the trains.
+"""The blocking-time stairway (閉そく占有時分, Sperrzeitentreppe): what the time of each section goes into.
 
 Sections stand one below the other in the order of the line, those beside one another too, short ones higher than they
 are long: else a set of points would not be seen. Trains are drawn through the sections that they run through.

@@ -18,7 +18,12 @@ from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Line
 from network.timetable import AtPortal, Timetable, load_timetable
 from simulation.journal import encode_entry, read_journal
+from study.capacity.compared import compared
+from study.capacity.occupation import Part, conflicts_of
+from study.capacity.theory import occupations
+from study.run.blocking_table import read_blocking
 from study.run.tables import RunTables
+from study.scenario.scenario import load_scenario
 
 pytestmark = pytest.mark.system
 
@@ -201,7 +206,7 @@ def test_the_journal_is_one_readable_object_a_line(simulated: Day) -> None:
 
 def test_the_run_directory_is_whole_and_its_report_opens_offline(simulated: Day) -> None:
     names = {path.name for path in simulated.folder.iterdir()}
-    tables = {"trajectory", "stops", "blocks", "telegrams", "events"}
+    tables = {"trajectory", "stops", "blocks", "blocking", "telegrams", "events"}
     tables |= {"energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"}
     tables |= {"driving", "battery", "charges"}
     texts = {"summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html"}
@@ -211,6 +216,21 @@ def test_the_run_directory_is_whole_and_its_report_opens_offline(simulated: Day)
     assert not re.search(r"@import|url\(\s*['\"]?(?!data:|#)|\bfetch\(|XMLHttpRequest|<link\b", html)
     assert simulated.figures["digest"] in html
     assert {path.name for path in simulated.folder.parent.iterdir()} == {"karasuyama_weekday"}
+
+
+def test_no_section_is_two_trains_and_theory_says_when(simulated: Day) -> None:
+    """Blocking times of the run: no two stocks at once; theory's are the same sections, on average within 2 s."""
+    run = read_blocking(simulated.tables().blocking)
+    assert conflicts_of(run) == ()
+    both = compared(occupations(load_scenario("karasuyama_weekday").setup), run)
+    assert (both.only_theory, both.only_run) == ((), ())
+    mean_s, worst_s = both.whole_s()
+    assert abs(mean_s) < 2.0
+    assert abs(worst_s) < 10.0
+    by_part = {one.part: one for one in both.differences()}
+    assert by_part[Part.THROW].worst_s == pytest.approx(0.0, abs=0.01)
+    assert by_part[Part.CHANGE_ENDS].worst_s == pytest.approx(0.0, abs=0.01)
+    assert abs(by_part[Part.AIR].mean_s) < 0.1
 
 
 def test_devices_as_processes_change_nothing(simulated: Day, zenoh: Day) -> None:

@@ -55,7 +55,7 @@ class Made:
         down = self.direction is Direction.DOWN
         places = PLACES if down else PLACES[::-1]
         sections = SECTIONS if down else SECTIONS[::-1]
-        leaves_s, found = self.starts_s, []
+        leaves_s, found = self.starts_s, list[Occupation]()
         came: tuple[float, float, float] = (-math.inf, -math.inf, -math.inf)  # let in, front in, stands
         for (here, there), section in zip(pairwise(places), sections, strict=True):
             let_s, comes_s = leaves_s - self.set_s, leaves_s + RUN_S[section]

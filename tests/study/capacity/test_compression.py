@@ -83,9 +83,13 @@ def test_no_two_trains_overlap_and_the_chain_is_whole(
     assert again.occupied_s == pytest.approx(found.occupied_s)
 
 
+def nothing(*_: object) -> list[object]:
+    return []
+
+
 def test_without_the_order_of_trains_they_overlap(monkeypatch: pytest.MonkeyPatch) -> None:
     trains = legs(day("L"))
-    monkeypatch.setattr(compression, "_in_turn", lambda _: [])
+    monkeypatch.setattr(compression, "_in_turn", nothing)
     found = compressed(trains, WHOLE)
     assert pushed(trains, found, WHOLE) > 0
     assert found.occupied_s < 3340.0

@@ -20,7 +20,7 @@ DOWN, UP = Direction.DOWN, Direction.UP
 def between(place: str, *trains: Made) -> dict[HeadwayKind, Headway]:
     """The headways of the first train to the second at a place."""
     visits = {visit.number: visit for visit in visits_at(legs(list(trains)), TRACKS[place])}
-    return {one.kind: one for one in headways_of(*(visits[train.number] for train in trains))}
+    return {one.kind: one for one in headways_of(visits[trains[0].number], visits[trains[1].number])}
 
 
 def two(first: Direction, second: Direction, loop: str = "L", throw_s: float = 4.0) -> tuple[Made, Made]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from radio.air import AirParameters, DelayShape
+from simulation.setup import Setup
 from study.capacity.links import Links
 from study.capacity.occupation import Occupation, Part, conflicts_of
 from study.capacity.rules import AS_UNITS, MINIMAL, VIRTUAL_BLOCKS, Rules
@@ -20,18 +22,25 @@ NEAR, READY, RUN, DWELL, HELD = Part.APPROACH, Part.READY, Part.RUN, Part.DWELL,
 LENGTH, BOUND, FREE = Part.LENGTH, Part.BOUND, Part.RELEASE
 
 # The train signs on 210 s before its departure from A, 0.1 s each way, and asks at once, 0.1 s each way: it leaves the
-# portal, whose next section has no points, 0.4 s after. Its run of 380 m: 11.3 + 209.747 / 11.3 + 18.833 = 48.695 s.
-#   front 20 m on (joint PW|1)   sqrt(40)                       6.325 s   rear there (60 m)   sqrt(120)              10.954
+# portal, whose next section has no points, 0.4 s after. Run of 380 m: 11.3 + 209.747 / 11.3 + 18.833 = 48.695 s.
+#   front 20 m on (joint PW|1)   sqrt(40)                       6.325 s
+#         60 m (rear there)      sqrt(120)                     10.954
 #         30 m (approach tag)    sqrt(60)                       7.746
-#         240 m (joint 1|2)      11.3 + 176.155 / 11.3         26.889     rear (280 m)  48.695 - sqrt(200 / 0.6)     30.438
-#         300 m (joint 2|3)      48.695 - sqrt(160 / 0.6)      32.365     rear (340 m)  48.695 - sqrt(80 / 0.6)      37.148
+#         240 m (joint 1|2)      11.3 + 176.155 / 11.3         26.889
+#         280 m (rear there)     48.695 - sqrt(200 / 0.6)      30.438
+#         300 m (joint 2|3)      48.695 - sqrt(160 / 0.6)      32.365
+#         340 m (rear there)     48.695 - sqrt(80 / 0.6)       37.148
 #         352 m (arrival tag)    48.695 - sqrt(56 / 0.6)       39.034
-# From A it leaves at its time; the route is asked for 45 s before. Run of 580 m: 11.3 + 409.747 / 11.3 + 18.833 = 66.394 s.
-#         30 m (joint 3|5)       sqrt(60)                       7.746     rear (70 m)   11.3 + 6.155 / 11.3          11.845
-#         90 m (joint 5|6)       11.3 + 26.155 / 11.3          13.615     rear (130 m)  11.3 + 66.155 / 11.3         17.154
+# From A it leaves at its time; the route is asked for 45 s before. 580 m: 11.3 + 409.747 / 11.3 + 18.833 = 66.394 s.
+#         30 m (joint 3|5)       sqrt(60)                       7.746
+#         70 m (rear there)      11.3 + 6.155 / 11.3           11.845
+#         90 m (joint 5|6)       11.3 + 26.155 / 11.3          13.615
+#         130 m (rear there)     11.3 + 66.155 / 11.3          17.154
 #         230 m (approach tag)   11.3 + 166.155 / 11.3         26.004
-#         440 m (joint 6|7)      11.3 + 376.155 / 11.3         44.588     rear (480 m)  66.394 - sqrt(200 / 0.6)     48.137
-#         500 m (joint 7|8)      66.394 - sqrt(160 / 0.6)      50.064     rear (540 m)  66.394 - sqrt(80 / 0.6)      54.847
+#         440 m (joint 6|7)      11.3 + 376.155 / 11.3         44.588
+#         480 m (rear there)     66.394 - sqrt(200 / 0.6)      48.137
+#         500 m (joint 7|8)      66.394 - sqrt(160 / 0.6)      50.064
+#         540 m (rear there)     66.394 - sqrt(80 / 0.6)       54.847
 #         552 m (arrival tag)    66.394 - sqrt(56 / 0.6)       56.733
 # Points P2 lie right; P5 and P7 lie reverse and are thrown in 6 s. Each tag proves what lies behind at once.
 BY_HAND = {
@@ -85,7 +94,7 @@ def test_parts_and_costs_make_up_the_whole(tmp_path: Path) -> None:
 
 
 def test_half_the_throw_time_moves_what_the_parts_say(tmp_path: Path) -> None:
-    """As units ask, the train only stands ready, or comes nearer, for longer; set as late as it can be, all is shorter."""
+    """As units ask, the train stands ready, or comes nearer, for longer; set as late as it can be, all is shorter."""
     whole, half = (by_id(occupations(two_blocks(tmp_path, throw_share=s))) for s in (1.0, 0.5))
     for section_id in ("5", "7"):
         before, after = whole[section_id], half[section_id]
@@ -129,9 +138,7 @@ def test_radio_moves_its_own_parts_alone(tmp_path: Path) -> None:
         assert other.length_s - one.length_s == pytest.approx(5 * 1.9, abs=1e-6)
 
 
-def _with_air(setup, air):  # noqa: ANN001, ANN202 - a helper
-    from dataclasses import replace
-
+def _with_air(setup: Setup, air: AirParameters) -> Setup:
     return replace(setup, air=air)
 
 
@@ -147,7 +154,7 @@ def test_moved_journeys_move_their_occupations(tmp_path: Path) -> None:
 
 
 def test_a_set_that_turns_back_keeps_its_track() -> None:
-    """One occupation from the route in to the release behind it, with change of ends and layover; whoever asks gets it."""
+    """One occupation from the route in to the release behind it, with change of ends and layover."""
     found = occupations(load_scenario("karasuyama_weekday").setup)
     assert conflicts_of(found) == ()
     turned = next(one for one in found if one.section_id == "KRS.1" and one.number == "321M")

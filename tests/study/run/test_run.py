@@ -39,7 +39,7 @@ from study.run.tables import RunTables
 from study.scenario.scenario import load_scenario
 
 TABLES = (
-    *("trajectory", "stops", "blocks", "telegrams", "events"),
+    *("trajectory", "stops", "blocks", "blocking", "telegrams", "events"),
     *("energy", "energy_legs", "energy_hours", "layovers", "margins", "comparisons", "waits"),
     *("driving", "battery", "charges"),
 )

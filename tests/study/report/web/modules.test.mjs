@@ -12,6 +12,7 @@ const { nearestTrain, boundsOf, plotOf, scaleOf } = await from("traingraph.js");
 const { searched } = await from("app.js");
 const { WORDS, wordsIn } = await from("words.js");
 const { whereIs, latenessAt } = await from("graphpaper.js");
+const { drawStairway, partsOf } = await from("stairway.js");
 const { standsOf, onAxis } = await from("runcurve.js");
 
 const packed = (values, k = 1) => {
@@ -35,6 +36,10 @@ function example() {
     line: { name: "L", ja: "線", max_kmh: 60, stations, axes: [{ id: "x", from: 0, to: 2000, limits: { 1: [[0, 60]], "-1": [[0, 60]] }, gradients: [], curves: [] }] },
     window: [0, 1000], sections: [{ id: "S", kind: "track", station: "A", track: "1", from: 0, to: 900 }], devices: { P: 500 }, marks: [],
     blocks: { sections: ["S"], units: ["U1"], trains: ["T1"], section: [0], unit: [0], train: [0], granted: packed([5]), released: [40], entered: [null], cleared: [null] },
+    stairway: {
+      sections: ["S"], trains: ["T1", "T2"], parts: ["approach", "run"], colours: ["#c7e9c0", "#41ab5d"],
+      section: [0, 0, 0], train: [0, 0, 1], part: [0, 1, 1], from: packed([5, 20, 600]), to: packed([20, 40, 650]),
+    },
     trains: [
       train("T1", 1, ["A", "B", "C"], [null, 110, 300], [0, 170, null], [null, 100, 320], [0, 170, null]),
       train("T2", -1, ["C", "A"], [null, 800], [600, null], [null, null], [600, null]),
@@ -191,4 +196,21 @@ test("values are written in their kind, and CSV quotes what needs it", () => {
   assert.equal(written(null, { kind: "number", digits: 0 }, words), "–");
   const table = { columns: [columnOf("train", "train", ['a"b', "c,d"]), columnOf("kwh", "number", [1.5, null])] };
   assert.equal(csvOf(table, words), 'train,kWh\r\n"a""b",1.5\r\n"c,d",\r\n');
+});
+
+test("blocking times are boxes of their section, all or those of the train chosen", () => {
+  const day = dayOf(example());
+  assert.deepEqual(partsOf(day), [["approach", "#c7e9c0"], ["run", "#41ab5d"]]);
+  const view = { x0: 0, x1: 500, y0: 0, y1: 2000 };
+  const scale = scaleOf(view, { left: 0, top: 0, width: 500, height: 200 });
+  const drawn = (chosen, seen = view) => {
+    const boxes = [];
+    const context = { fillRect: (...box) => boxes.push([context.fillStyle, ...box]) };
+    drawStairway(context, day, seen, scale, chosen);
+    return boxes;
+  };
+  assert.deepEqual(drawn(null), [["#c7e9c0", 5, 0, 15, 90], ["#41ab5d", 20, 0, 20, 90]]);
+  assert.deepEqual(drawn("T2"), []);
+  assert.equal(drawn("T2", { ...view, x1: 1000 }).length, 1);
+  for (const part of day.stairway.map((slice) => slice.part)) assert.equal(WORDS[`part_${part}`].length, 2);
 });

@@ -1,0 +1,96 @@
+"""`branchline headway` and `branchline capacity`: what they print and write, and what they refuse."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+COSTS = ("radio", "points", "localisation", "driving", "people", "charging")
+
+
+def test_headways_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_path: Path) -> None:
+    ended = main("headway", "karasuyama_weekday", "--theory", "--station", "OGN", "--json", "--out", "out")
+    assert ended.code == 0, ended.err
+    rows = ended.figures()["headways"]
+    assert {row["station"] for row in rows} == {"OGN"}
+    assert {row["kind_ja"] for row in rows} == {"続行", "着発", "発着"}
+    for row in rows:
+        assert sum(row[f"{cost}_s"] for cost in COSTS) == pytest.approx(row["least_s"], abs=0.31)
+        assert row["first_train_s"] + row["second_train_s"] == pytest.approx(row["least_s"], abs=0.11)
+    with (tmp_path / "out/headways.csv").open(encoding="utf-8") as file:
+        assert [row["of"] for row in csv.DictReader(file)] == [row["of"] for row in rows]
+    for name in ("headway_matrix", "headway_parts"):
+        assert (tmp_path / f"out/{name}.png").read_bytes()[:4] == b"\x89PNG"
+    told = main("headway", "karasuyama_weekday", "--theory", "--station", "KRS", "--csv")
+    assert told.code == 0, told.err
+    assert next(csv.DictReader(io.StringIO(told.out)))["station"] == "KRS"
+
+
+def test_one_train_has_no_headway(main: Callable[..., Any]) -> None:
+    told = main("headway", "rtri_test_line", "--theory")
+    assert (told.code, told.out) == (0, "no two trains that need one section\n")
+
+
+def test_occupancy_by_cut_and_room(main: Callable[..., Any], tmp_path: Path) -> None:
+    ended = main("capacity", "karasuyama_weekday", "--theory", "--json", "--out", "out")
+    assert ended.code == 0, ended.err
+    figures = ended.figures()
+    cuts = {cut["cut"]: cut["parts"] for cut in figures["cuts"]}
+    assert list(cuts) == ["whole", "crossing", "interval", "section"]
+    assert all(cut["how"] for cut in figures["cuts"])
+    day = {
+        name: max(p["occupancy_percent"] for p in parts if p["period"] == "day" and p["kind"] == "line")
+        for name, parts in cuts.items()
+    }
+    assert day["whole"] > day["crossing"] > day["interval"] == day["section"]
+    room = figures["room"]
+    assert room["trains"]["day"] == 2 * len(room["paths"]) > 0
+    assert room["dropped"] == []
+    assert (tmp_path / "out/occupation.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_a_period_of_a_line_without_portals(main: Callable[..., Any]) -> None:
+    times = ("--cut", "crossing", "--from", "06:00", "--to", "12:00")
+    told = main("capacity", "rtri_test_line", "--theory", *times)
+    assert told.code == 0, told.err
+    assert "cut: crossing - between stations" in told.out
+    assert "chosen" in told.out
+    assert "no train of the plan comes from a portal" in told.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("capacity", "karasuyama_weekday", "--theory", "--cut", "sideways"), "--cut"),
+        (("capacity", "karasuyama_weekday", "--theory", "--traffic", "heavy"), "--traffic"),
+        (("capacity", "karasuyama_weekday", "--theory", "--stops", "few"), "--stops"),
+        (("capacity", "karasuyama_weekday", "--theory", "--from", "12:00", "--to", "11:00"), "--to"),
+        (("capacity", "karasuyama_weekday", "--theory", "--from", "01:00", "--to", "02:00"), "--from"),
+        (("capacity", "karasuyama_weekday", "--theory", "--buffer", "-1"), "--buffer"),
+        (("headway", "karasuyama_weekday", "--theory", "--station", "SHN"), "--station"),
+        (("headway", "karasuyama_weekday", "--theory", "--csv", "--json"), "--csv"),
+        (("headway", "nowhere", "--theory"), "nowhere"),
+        (("capacity", "karasuyama_without_loop", "--theory", "--cut", "whole"), "321M, 322M"),
+    ],
+)
+def test_bad_input_is_one_line_and_two(
+    main: Callable[..., Any], arguments: tuple[str, ...], said: str
+) -> None:
+    ended = main(*arguments)
+    assert ended.code == 2
+    assert said in ended.err
+    assert len(ended.err.strip().splitlines()) == 1
+
+
+def test_a_directory_of_somebody_else_is_left_alone(main: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/thesis.txt").write_text("mine", "utf-8")
+    for command in ("headway", "capacity"):
+        ended = main(command, "karasuyama_weekday", "--theory", "--out", "out")
+        assert ended.code == 2
+        assert "thesis.txt" in ended.err

@@ -1,0 +1,43 @@
+"""Virtual blocks on a branch line: what the gain is, that a row can fail, and at night what `--quick` runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from study.capacity.shared_stretch import Stretch, traffic_at
+from study.papers import virtual_blocks
+from study.papers.reproduction import Options
+from study.papers.virtual_blocks import Curve, Point
+from study.papers.virtual_blocks_chart import write_curves
+
+
+def curve(following_s: dict[int, float]) -> Curve:
+    def point(blocks: int, apart_s: float) -> Point:
+        stretch = Stretch((apart_s, apart_s), (10.0, 10.0), (900.0, 900.0))
+        return Point(blocks, stretch, traffic_at(stretch, 600.0, 1))
+
+    points = tuple(point(*one) for one in following_s.items())
+    return Curve("made_up", "Made up", 600.0, points, point(1, 1800.0))
+
+
+def test_closer_followers_are_more_trains_and_a_line_without_them_fails_the_row() -> None:
+    gains, none = curve({1: 900.0, 5: 220.0, 80: 80.0}), curve({1: 900.0, 5: 880.0, 80: 200.0})
+    assert gains.gain_percent(1) == 0.0
+    assert 0.0 < gains.gain_percent(5) < gains.gain_percent(80)
+    assert gains.share_percent(5) > 50.0 > none.share_percent(5)
+    rows = virtual_blocks.rows_of(none)
+    assert [row.passed for row in rows] == [True, False]
+
+
+def test_the_picture(tmp_path: Path) -> None:
+    written = write_curves([curve({1: 900.0, 5: 220.0, 80: 80.0})], tmp_path / "out")
+    assert written[0].read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.nightly
+def test_five_blocks_give_most_of_what_moving_blocks_do() -> None:
+    found = virtual_blocks.reproduce(Options(quick=True))
+    assert found.passed
+    assert len(found.rows) == 2
