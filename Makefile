@@ -11,7 +11,7 @@ FILE_LINES ?= 500
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
 
-.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures format clean
+.PHONY: install demo test browser nightly interpreted check bench nets docs sightings pictures studies format clean
 
 install: $(STAMP)
 
@@ -60,6 +60,7 @@ docs: install
 	$(BIN)/python -m documents.faults
 	$(BIN)/python -m documents.losses
 	$(BIN)/python -m documents.sensors
+	$(BIN)/python -m documents.second_loop
 
 # What cameras see in every light, from rendered images: minutes, and other samples on another machine's arithmetic.
 sightings: install
@@ -67,6 +68,11 @@ sightings: install
 
 pictures: install
 	$(BIN)/python -m documents.pictures
+
+# The figures and pictures of docs/studies, from eleven days, which are run where RUNS does not have them: minutes.
+RUNS ?= runs
+studies: install
+	$(BIN)/python -m documents.studies $(RUNS)
 
 nets: install
 	$(BIN)/python -m sumo_cfg.build

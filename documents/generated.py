@@ -12,7 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from documents import busy_line, faults, files, interlocking, journal, losses, sensors
+from documents import busy_line, faults, files, interlocking, journal, losses, second_loop, sensors
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SHOWN_LINES: Final = 8
@@ -36,7 +36,7 @@ PAGES: Final[tuple[tuple[Path, Callable[[], str]], ...]] = (
 
 def generated() -> Iterator[tuple[Path, str]]:
     """Every generated file, as a path below the root, with the text that belongs in it."""
-    for path, text in busy_line.files().items():
+    for path, text in {**busy_line.files(), **second_loop.files()}.items():
         yield path.relative_to(ROOT), text
     for file, document in PAGES:
         yield (ROOT / file).relative_to(ROOT), document()

@@ -78,7 +78,13 @@ HAZARDS: Final = (
         "only the holder's own report, its sign-off or a person frees; there are no leases",
         ("wayside.block_manager",),
         (Checker.INSIDE_HOLDING,),
-        ("rtri/06_unit_manager_link", "rtri/10_manager_link", "rtri/24_manager_frozen"),
+        (
+            "rtri/06_unit_manager_link",
+            "rtri/10_manager_link",
+            "rtri/24_manager_frozen",
+            "rtri/80_cable_cut_central",
+            "rtri/80b_cable_cut_on_board",
+        ),
         ("silence frees what a unit holds",),
     ),
     Hazard(
@@ -170,6 +176,7 @@ HAZARDS: Final = (
             "rtri/21_points_stuck",
             "rtri/22_points_no_detection",
             "rtri/23_points_slow",
+            "rtri/80_cable_cut_central",
         ),
         ("no wait for the proof of points", "points proven that were not detected"),
     ),

@@ -108,7 +108,7 @@ def test_tracks_go_first_and_their_place_can_be_patched() -> None:
         (
             "take = 1",
             "what_if.toml: patch.line.take is 1; expected no such key, but one of remove, set, times, add, "
-            "remove_tracks, remove_tags",
+            "remove_tracks, add_loops, remove_tags",
         ),
         ('remove_tracks = "A.2"', "what_if.toml: patch.line.remove_tracks is 'A.2'; expected a valid list"),
         (

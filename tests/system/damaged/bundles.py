@@ -22,7 +22,7 @@ from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
 from simulation.sensor_settings import Beacons, Curvature, Lidar
-from simulation.settings import Dispatch, Driving, Limits, Operation, Sensors
+from simulation.settings import Dispatch, Driving, Interlocking, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
 from study.sweep.sweep_file import SweepFile
 from vehicle.train_file import TrainFile, shipped_train
@@ -173,7 +173,7 @@ def _scenario() -> Data:
                 "curvature": Curvature(),
                 "lidar": Lidar(),
                 "limits": Limits(),
-                "operation": Operation(),
+                "operation": Operation(interlocking=Interlocking.CENTRAL, centre="B"),
                 "dispatch": Dispatch(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),
             }.items()

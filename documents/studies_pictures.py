@@ -1,0 +1,88 @@
+"""The pictures of docs/studies: train graphs one under another, and what headways are longer by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from study.report.data import Run as Shown
+from study.report.graph import draw_frame, numbers_of, write_numbers
+from study.report.style import (
+    DIRECTION_COLOUR,
+    PLAN_COLOUR,
+    RED,
+    UNIT_COLOURS,
+    WIDTH_IN,
+    TimeBand,
+    TimeGrid,
+    drawing,
+)
+from study.run.read_back import RunRead
+
+if TYPE_CHECKING:
+    from documents.studies import Pair
+
+DPI: Final = 110
+_PANEL_IN: Final = 3.4
+_BAR: Final = 0.26
+_LEAST_S: Final = 0.5  # what is longer by less in every case is left out of the picture
+
+
+def train_graphs(
+    file: Path,
+    runs: Sequence[tuple[str, RunRead]],
+    window_s: tuple[float, float],
+    shaded_s: tuple[float, float] | None = None,
+) -> None:
+    """As run over the plan (dashed), one panel a run; `shaded_s` is a stretch of the day to be told apart."""
+    band, grid = TimeBand(*window_s), TimeGrid(3600, 1800, 600)
+    with drawing():
+        figure = Figure(figsize=(WIDTH_IN, _PANEL_IN * len(runs) + 0.2), layout="constrained")
+        panels = figure.subplots(len(runs), 1, squeeze=False)[:, 0]
+        shown = [Shown(run.line, run.timetable, run.tables) for _, run in runs]
+        for axes, (what, _), run in zip(panels, runs, shown, strict=True):
+            draw_frame(axes, run, band, grid)
+            axes.set_title(what, pad=16)
+            if shaded_s is not None:
+                axes.axvspan(*shaded_s, color=RED, alpha=0.07, lw=0, zorder=0.2)
+            for train in run.timetable.trains.values():
+                t_s = [t for call in train.calls for t in (call.first_s, call.last_s)]
+                at_m = np.repeat([run.line.stations[call.station_id].position_m for call in train.calls], 2)
+                axes.plot(t_s, at_m, color=PLAN_COLOUR[train.direction], lw=0.6, ls=(0, (5, 3)), alpha=0.7)
+            for (_, number), course in run.courses.items():
+                axes.plot(
+                    course["t_s"],
+                    course["kilometrage_m"],
+                    color=DIRECTION_COLOUR[run.directions[number]],
+                    lw=1.8,
+                )
+        figure.draw_without_rendering()
+        for axes, run in zip(panels, shown, strict=True):
+            write_numbers(axes, numbers_of(run, band))
+        figure.savefig(file, dpi=DPI, metadata={"Software": None})
+
+
+def headways(file: Path, pairs: Sequence[Pair], names: Sequence[str]) -> None:
+    """How much longer headways are in each case than as it is, s."""
+    more_s = np.array([[s - pair.least_s[0] for s in pair.least_s[1:]] for pair in pairs])
+    chosen: list[int] = np.flatnonzero((np.abs(more_s) >= _LEAST_S).any(axis=1)).tolist()
+    with drawing():
+        figure = Figure(figsize=(WIDTH_IN * 0.75, 0.42 * len(chosen) + 1.2), layout="constrained")
+        axes = figure.subplots()
+        rows = np.arange(len(chosen))
+        for i, (name, colour) in enumerate(zip(names, UNIT_COLOURS, strict=False)):
+            axes.barh(rows + (i - 1) * _BAR, more_s[chosen, i], _BAR, color=colour, label=name)
+        axes.set_yticks(rows, [_label(pairs[i]) for i in chosen])
+        axes.invert_yaxis()
+        axes.set_xlabel("headway longer than as it is, s")
+        axes.grid(axis="x")
+        axes.legend(loc="lower right")
+        figure.savefig(file, dpi=DPI, metadata={"Software": None})
+
+
+def _label(pair: Pair) -> str:
+    return f"{pair.station}: {pair.first} / {pair.second}\n{pair.kind.english}, least {pair.least_s[0]:.0f} s"

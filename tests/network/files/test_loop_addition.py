@@ -1,0 +1,85 @@
+"""A loop laid at a halt: a track for each direction, nothing else moved, tags by the rule."""
+
+from __future__ import annotations
+
+import pytest
+
+from network.errors import InputError
+from network.files.line_file import load_line
+from network.files.patch import load_patched_line
+from network.files.shipped import shipped_line
+from network.graph import find_route, routes_from
+from network.model import Direction, Line
+from network.tag_layout import lay_tags
+
+HALTS = ("SHN", "NIT", "KNY", "KBN", "TAK")
+
+
+def line_with(*halts: str) -> Line:
+    return load_patched_line(shipped_line("karasuyama"), {"add_loops": list(halts)}, "what_if.toml")
+
+
+@pytest.fixture(scope="module")
+def before() -> Line:
+    return load_line(shipped_line("karasuyama"))
+
+
+@pytest.mark.parametrize("halt", HALTS)
+def test_trains_of_both_directions_have_a_track_of_their_own(before: Line, halt: str) -> None:
+    line = line_with(halt)
+    station = line.stations[halt]
+    assert [track.section_id for track in station.tracks] == [f"{halt}.1", f"{halt}.2"]
+    assert [track.directions for track in station.tracks] == [(Direction.DOWN,), (Direction.UP,)]
+    assert not station.is_halt
+    low, high = ("HSK.1", "OGN.1") if station.position_m < 12_600.0 else ("OGN.1", "KRS.1")
+    for track in station.tracks:
+        there = find_route(line, low, track.section_id, Direction.DOWN)
+        on = find_route(line, track.section_id, high, Direction.DOWN)
+        assert there is not None and on is not None
+        pieces = dict.fromkeys((*there.piece_ids, *on.piece_ids))  # its track is in both
+        length_m = sum(line.pieces[p].length_m for p in pieces)
+        whole = find_route(before, low, high, Direction.DOWN)
+        assert whole is not None
+        assert length_m == pytest.approx(sum(before.pieces[p].length_m for p in whole.piece_ids))
+    assert {route.to_section for route in routes_from(line, f"{halt}.2", Direction.UP)} == {
+        track.section_id for track in line.stations["HSK" if low == "HSK.1" else "OGN"].tracks
+    }
+
+
+@pytest.mark.parametrize("halt", HALTS)
+def test_everything_else_stays(before: Line, halt: str) -> None:
+    line = line_with(halt)
+    assert set(before.points) == set(line.points) - {f"{halt}.11", f"{halt}.21"}
+    for name, station in before.stations.items():
+        assert line.stations[name].position_m == station.position_m
+        assert [t.marks_m for t in line.stations[name].tracks][:1] == [t.marks_m for t in station.tracks][:1]
+    gone = {before.stations[halt].tracks[0].section_id}
+    assert set(before.sections) - gone <= set(line.sections)
+
+
+@pytest.mark.parametrize("halts", [("NIT",), ("SHN", "TAK"), ("NIT", "KNY")])
+def test_tags_are_those_of_the_rule(halts: tuple[str, ...]) -> None:
+    """The line's own tags follow it, and so do those of the new stations."""
+    line = line_with(*halts)
+    laid = {(t.piece_id, t.position_m, t.purpose, t.directions) for t in lay_tags(line)}
+    assert {(t.piece_id, t.position_m, t.purpose, t.directions) for t in line.tags.values()} == laid
+
+
+def test_the_radio_reaches_the_new_terminals() -> None:
+    (alignment,) = line_with("NIT").alignments.values()
+    assert any(x.from_m <= 4_266.0 and x.to_m >= 7_266.0 for x in alignment.coverage)
+    (joined,) = line_with("KBN").alignments.values()  # meets that of Ogane
+    assert any(x.from_m <= 11_100.0 and x.to_m >= 16_594.0 for x in joined.coverage)
+
+
+@pytest.mark.parametrize(
+    ("halts", "expected"),
+    [
+        (["OGN"], r"add_loops\[0\] is 'OGN'; expected a halt, one of SHN"),
+        (["NIT", "NIT"], r"add_loops\[1\] is 'NIT'; expected a halt"),
+        (["XXX"], r"a halt"),
+    ],
+)
+def test_where_no_loop_can_be_laid(halts: list[str], expected: str) -> None:
+    with pytest.raises(InputError, match=expected):
+        line_with(*halts)
