@@ -9,9 +9,10 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated, Final, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field
 
-from network.files.kinds import TimeOfDay, about
+from network.files.kinds import about
+from network.files.part_of_day import PartOfDay
 from network.files.quantities import (
     BitErrorFactor,
     Conicity,
@@ -213,19 +214,10 @@ class Tuning(Record):
     ] = None
 
 
-class LightHours(Record):
+class LightHours(PartOfDay):
     """`vision.hours`: light and weather of a part of the day."""
 
-    from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
-    to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
     light: Annotated[Light, Field(strict=False), about("light and weather in it")]
-
-    @field_validator("to_s")
-    @classmethod
-    def _later(cls, to_s: float, info: ValidationInfo) -> float:
-        if to_s <= info.data.get("from_s", -1.0):
-            raise ValueError("a time after that of from")
-        return to_s
 
 
 class Vision(Record):

@@ -11,8 +11,9 @@ from typing import Annotated, Final, Self
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from network.files.chances import DelayFactor, MtbfH, MtbfKm, MtbfOperations, PerDay
-from network.files.kinds import TEXTS_MAX, TimeOfDay, about
+from network.files.kinds import TEXTS_MAX, about
 from network.files.names import Identifier, Prose
+from network.files.part_of_day import PartOfDay
 from network.files.quantities import Distance, Share
 from network.files.toml_input import Record
 from simulation.late.spread import Spread
@@ -32,19 +33,10 @@ class EntryDelays(Record):
     source: Source
 
 
-class Peak(Record):
+class Peak(PartOfDay):
     """`late.dwell.<name>.peaks`: a part of the day in which passengers take longer, or less long."""
 
-    from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
-    to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
     times: Annotated[DelayFactor, about("what is drawn is multiplied by this")]
-
-    @field_validator("to_s")
-    @classmethod
-    def _later(cls, to_s: float, info: ValidationInfo) -> float:
-        if to_s <= info.data.get("from_s", -1.0):
-            raise ValueError("a time after that of from")
-        return to_s
 
 
 class DwellScatter(Record):

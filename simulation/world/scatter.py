@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
-from network.files.kinds import TEXTS_MAX, TimeOfDay, about
+from network.files.kinds import TEXTS_MAX, about
+from network.files.part_of_day import PartOfDay
 from network.files.quantities import BrakeFactor, ShareAbove0, Sigma, TimeOffset, TimeSpread, WheelFactor
 from network.files.toml_input import Record
 from radio.chance import generator
@@ -21,20 +22,11 @@ from vehicle.records import TRAIN
 SIGMAS_MAX: Final = 3.0  # normal draws are cut here
 
 
-class Weather(Record):
+class Weather(PartOfDay):
     """`scatter.weather`: adhesion of a part of the day, evenly between two factors, leg by leg."""
 
-    from_s: Annotated[TimeOfDay, Field(alias="from"), about("when it begins")]
-    to_s: Annotated[TimeOfDay, Field(alias="to"), about("when it ends")]
     adhesion_low: Annotated[ShareAbove0, about("least factor of the dry rail's adhesion")]
     adhesion_high: Annotated[ShareAbove0, about("greatest factor")]
-
-    @field_validator("to_s")
-    @classmethod
-    def _later(cls, to_s: float, info: ValidationInfo) -> float:
-        if to_s <= info.data.get("from_s", -1.0):
-            raise ValueError("a time after that of from")
-        return to_s
 
     @field_validator("adhesion_high")
     @classmethod
