@@ -23,7 +23,11 @@ STANDS: Final = frozenset(
 SLACK: Final = frozenset(
     {Part.READY, Part.HELD, Part.LAYOVER}
 )  # a stand is no longer than needed without these
-SETTING: Final = (Part.THROW, Part.AIR, Part.PROOF)  # of points; who waits for several waits for the first of these
+SETTING: Final = (
+    Part.THROW,
+    Part.AIR,
+    Part.PROOF,
+)  # of points; who waits for several waits for the first of these
 PLACES: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
 IsPlace = Callable[[str], bool]
 
