@@ -219,8 +219,8 @@ def _print_more(more: More, periods: Sequence[Period]) -> None:
 def _print_worth(worth: Sequence[Worth]) -> None:
     """What each parameter is worth from its low to its high end."""
     sys.stdout.write(
-        "\nwhat equipment is worth: follower's headway with routes had whole, and with five virtual blocks, longest from"
-        " an arrival to the opposing departure, s; occupancy of the fullest part, %\n"
+        "\nwhat equipment is worth: follower's headway with routes had whole, and with five virtual blocks, longest"
+        " from an arrival to the opposing departure, s; occupancy of the fullest part, %\n"
     )
     for one in worth:
         cells = [
