@@ -12,6 +12,7 @@ import typer
 from branchline.ending import crashes_into, end, judged, print_json
 from branchline.options import Json
 from branchline.progress import progress_of, tell
+from network.errors import InputError
 
 if TYPE_CHECKING:
     from simulation.setup import Setup
@@ -44,6 +45,8 @@ def blocking(
     from study.capacity.table import blocking_times, conflict_rows
     from study.plot.write import csv_of
 
+    if out is not None and not out.parent.is_dir():  # told before a day is run for it
+        raise InputError("command line", "--out", out, "a file in a directory that exists")
     setup, as_run = source_of(source, runs=not theory)
     planned = _planned(setup) if theory else None
     shown = planned if planned is not None else as_run or ()

@@ -127,14 +127,14 @@ def _between(from_time: str | None, to_time: str | None) -> tuple[float | None, 
 
 
 def _periods(legs: Sequence[Leg], between_s: tuple[float | None, float | None]) -> tuple[Period, ...]:
-    from study.capacity.line_capacity import Period, day_of, peak_of
+    from study.capacity.line_capacity import PEAK_S, Period, day_of, peak_of
 
     if not legs:
         raise InputError("command line", "SOURCE", None, "a day on which trains run")
     day = day_of(legs)
     from_s, to_s = between_s
     if from_s is None and to_s is None:
-        return day, peak_of(legs, day)
+        return (day, peak_of(legs, day)) if day.length_s > PEAK_S else (day,)  # no peak longer than its day
     begin_s, end_s = day.from_s if from_s is None else from_s, day.to_s if to_s is None else to_s
     chosen = Period("chosen", begin_s, end_s, peak=False)
     if end_s <= begin_s or not chosen.legs(legs):
@@ -219,8 +219,8 @@ def _print_more(more: More, periods: Sequence[Period]) -> None:
 def _print_worth(worth: Sequence[Worth]) -> None:
     """What each parameter is worth from its low to its high end."""
     sys.stdout.write(
-        "\nwhat equipment is worth: follower's headway as units do it and with five virtual blocks, longest from an"
-        " arrival to the opposing departure, s; occupancy of the fullest part, %\n"
+        "\nwhat equipment is worth: follower's headway with routes had whole, and with five virtual blocks, longest"
+        " from an arrival to the opposing departure, s; occupancy of the fullest part, %\n"
     )
     for one in worth:
         cells = [

@@ -57,7 +57,7 @@ def headway(
     if out is not None:
         with replaced(out, FILES.__contains__, "headways") as folder:
             write_headways(folder, setup.line, shown)
-        tell(f"wrote {', '.join(sorted(FILES))} in {out}")
+        tell(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
         print_json({"of": "theory" if theory else "run", "headways": [case.as_dict() for case in shown]})
     elif as_csv:

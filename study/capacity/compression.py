@@ -121,7 +121,7 @@ def compressed(
 
     `dwell_min_s`: the shortest dwell, where stops are no longer than they must.
     """
-    inside = tuple(leg for leg in legs if any(o.section_id in section_ids for o in leg.occupations))
+    inside = tuple(leg for leg in legs if any(o.section_id in section_ids for o in leg.held))
     if not inside:
         return Compressed((), (), 0.0, 0.0, ())
     held = _held(inside, section_ids)
@@ -304,5 +304,5 @@ def _chain(
 
 def _link(leg: Leg, occupation: Occupation | None, begin_s: float, end_s: float, move_s: float) -> Link:
     one = leg.occupations[-1] if occupation is None else occupation
-    costs_s = costs_between(one, begin_s - move_s, end_s - move_s)
+    costs_s = costs_between(one, begin_s - move_s, end_s - move_s, leg.occupations)
     return Link(leg.number, one.section_id, begin_s, end_s, costs_s)

@@ -137,11 +137,22 @@ def least_between(
         return None
     least_s, hold, other = critical
     before = costs_between(hold.occupation, first.time_s, hold.occupation.end_s)
-    after = costs_between(other, other.begin_s, second.time_s)
+    after = _needed(other, second)
     costs_s = {cost: before[cost] - hold.slack_s[cost] + after[cost] for cost in Cost}
     return Headway(
         kind, first, second, other.section_id, least_s, hold.after_s, least_s - hold.after_s, costs_s
     )
+
+
+def _needed(one: Occupation, second: Event) -> dict[Cost, float]:
+    """What the second train's time from its need of a section to its event goes into, s.
+
+    Once its front is out of the section it drives on to its event, however long its rear holds the section.
+    """
+    until_s = min(second.time_s, max(one.leaves_s, one.begin_s))
+    found = costs_between(one, one.begin_s, until_s, second.leg.occupations)
+    found[Cost.DRIVING] += second.time_s - until_s
+    return found
 
 
 def _hold(one: Occupation, first: Event, dwell_min_s: float) -> _Hold:

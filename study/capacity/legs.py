@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 from network.model import Direction, Line, SectionKind
-from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation, Part
+from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation, Part, Slice
 
 STANDS: Final = frozenset(
     {Part.READY, Part.DWELL, Part.HELD, Part.CHANGE_ENDS, Part.LAYOVER, Part.CHARGING}
@@ -23,6 +23,11 @@ STANDS: Final = frozenset(
 SLACK: Final = frozenset(
     {Part.READY, Part.HELD, Part.LAYOVER}
 )  # a stand is no longer than needed without these
+SETTING: Final = (
+    Part.THROW,
+    Part.AIR,
+    Part.PROOF,
+)  # of points; who waits for several waits for the first of these
 PLACES: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
 IsPlace = Callable[[str], bool]
 
@@ -148,19 +153,56 @@ def _joined(start: Occupation, first: Occupation) -> bool:
     return start.leaves_s >= first.enters_s - TOUCH_S or start.end_s >= first.begin_s - TOUCH_S
 
 
-def costs_between(occupation: Occupation, from_s: float, to_s: float) -> dict[Cost, float]:
+def costs_between(
+    occupation: Occupation, from_s: float, to_s: float, way: Sequence[Occupation] = ()
+) -> dict[Cost, float]:
     """What the time from one instant to another goes into by an occupation, s; negative where it runs backwards.
 
-    Before it begins and after it has ended the train is on its way elsewhere: driving. The costs make up the time.
+    Before it begins and after it has ended the train is on its way elsewhere: driving, and so is what is set while it
+    runs, for that it does not wait. `way`: all of the leg; a train that stands until points further on are set stands
+    for these. The costs make up the time.
     """
     if to_s < from_s:
-        return {cost: -time_s for cost, time_s in costs_between(occupation, to_s, from_s).items()}
+        return {cost: -time_s for cost, time_s in costs_between(occupation, to_s, from_s, way).items()}
     found: dict[Cost, list[float]] = {cost: [] for cost in Cost}
-    for one in occupation.slices:
-        found[COST_OF[one.part]].append(max(0.0, min(one.end_s, to_s) - max(one.begin_s, from_s)))
+    for cost, begin_s, end_s in _spent(occupation, way):
+        found[cost].append(max(0.0, min(end_s, to_s) - max(begin_s, from_s)))
     within_s = math.fsum(time_s for times in found.values() for time_s in times)
     found[Cost.DRIVING].append(to_s - from_s - within_s)
     return {cost: math.fsum(times) for cost, times in found.items()}
+
+
+def _spent(occupation: Occupation, way: Sequence[Occupation]) -> Iterator[tuple[Cost, float, float]]:
+    """What each stretch of an occupation is spent on, as the train is held up by it."""
+    waits = [one for other in way if other is not occupation for one in _waited_for(other)]
+    runs = False
+    for one in occupation.slices:
+        runs = runs or one.part is Part.APPROACH
+        before = one.begin_s < occupation.enters_s - TOUCH_S
+        if one.part in SETTING and runs and before:
+            yield Cost.DRIVING, one.begin_s, one.end_s
+        elif one.part is Part.READY and before:
+            yield from _covered(one, waits)
+        else:
+            yield COST_OF[one.part], one.begin_s, one.end_s
+
+
+def _waited_for(occupation: Occupation) -> Iterator[Slice]:
+    """What is set of a section while its train stands."""
+    for one in occupation.slices:
+        if one.part is Part.APPROACH or one.begin_s >= occupation.enters_s - TOUCH_S:
+            return
+        if one.part in SETTING:
+            yield one
+
+
+def _covered(ready: Slice, waits: Sequence[Slice]) -> Iterator[tuple[Cost, float, float]]:
+    """A stand before the departure, by what is set meanwhile; what throws longest counts first."""
+    ends = {t for w in waits for t in (w.begin_s, w.end_s) if ready.begin_s < t < ready.end_s}
+    for begin_s, end_s in pairwise(sorted({ready.begin_s, ready.end_s, *ends})):
+        parts = {w.part for w in waits if w.begin_s <= (begin_s + end_s) / 2.0 < w.end_s}
+        part = next((p for p in SETTING if p in parts), ready.part)
+        yield COST_OF[part], begin_s, end_s
 
 
 def trains_of(legs: Iterable[Leg]) -> dict[str, tuple[Leg, ...]]:

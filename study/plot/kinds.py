@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from network.errors import InputError
 from network.files.toml_input import one_of
 from study.measures.standard_times import planned_runs, standard_times
-from study.plot import battery, days, energy, laws, position, stations
+from study.plot import battery, days, energy, fullness, laws, position, stations
 from study.plot.choice import Seen
 from study.plot.energy_parts import draw_energy_parts
 from study.plot.margins import draw_margins
@@ -211,6 +211,22 @@ _KINDS: Final = (
         stairway_table,
         draw_stairway_of,
         _TIME | _TRAIN,
+    ),
+    Kind(
+        "headway",
+        "Least headways by station",
+        "駅別の運転時隔",
+        fullness.headways_table,
+        fullness.draw_headways,
+        _STATION,
+    ),
+    Kind(
+        "occupation",
+        "Occupancy by part of the line (UIC 406)",
+        "線路容量の利用率（UIC 406）",
+        fullness.occupation_table,
+        fullness.draw_occupations,
+        _TIME,
     ),
     Kind(
         "stop-errors",

@@ -13,6 +13,12 @@ from study.measures.wait import Cause
 from study.measures.wait_text import Language
 
 JAPANESE: Final[Mapping[str, str]] = {
+    # headways and occupation
+    "occupancy time rate, %; the thin line is the limit recommended by UIC 406": "占有率 [%]（細線：推奨上限）",
+    "cut: whole": "区切り方：全線",
+    "cut: crossing": "区切り方：交換駅間",
+    "cut: interval": "区切り方：駅間と駅",
+    "cut: section": "区切り方：閉そく区間ごと",
     # axes and legends of the figures that the report has too
     "kilometrage, km": "キロ程 [km]",
     "speed, km/h": "速度 [km/h]",
@@ -111,12 +117,15 @@ CAUSES: Final[Mapping[Cause, str]] = {
     Cause.RUNS: "走行",
     Cause.STOP_LIMIT: "停止限界による減速",
     Cause.OUTSIDE: "線区外（進入前）",
+    Cause.LATE: "遅れて進入",
     Cause.LEFT: "線区外（進出後）",
     Cause.QUEUE: "進入順番待ち",
     Cause.PORTAL: "進入口支障",
     Cause.DEPARTURE_TIME: "発車時刻待ち",
     Cause.DWELL: "客扱い",
     Cause.ROUTE_HELD: "進路支障",
+    Cause.NO_WAY_ON: "先行進路なし",
+    Cause.NOT_ITS_TURN: "順序待ち",
     Cause.REFUSED: "要求拒否",
     Cause.ANSWER: "応答待ち",
     Cause.COVERAGE: "無線エリア外",
@@ -139,6 +148,13 @@ CAUSES: Final[Mapping[Cause, str]] = {
     Cause.STABLED: "留置",
 }
 _PATTERNS: Final = (
+    (
+        re.compile(r"(.+): least headway, s \(columns behind rows\)"),
+        r"\1：最小運転時隔 [s]（行が先行、列が続行）",
+    ),
+    (re.compile(r" day: (\d+) %, (\d+) trains, (.+)"), r" 終日 \1 %、\2本、\3"),
+    (re.compile(r" peak: (\d+) %, (\d+) trains, (.+)"), r" ピーク \1 %、\2本、\3"),
+    (re.compile(r" chosen: (\d+) %, (\d+) trains, (.+)"), r" 指定時間帯 \1 %、\2本、\3"),
     (re.compile(r"(.+): (−?[\d.]+) kWh, (\d+) s"), r"\1：\2 kWh、\3秒"),
     (re.compile(r"(\d+) power,\n(\d+) brake"), r"力行 \1回\n制動 \2回"),
     (re.compile(r"mean ([+−-][\d.]+) m"), r"平均 \1 m"),

@@ -48,9 +48,10 @@ def draw_occupation(by_cut: Mapping[str, Sequence[Rate]]) -> Figure | None:
 
 def _draw_cut(axes: Axes, rates: Sequence[Rate]) -> None:
     parts = list(dict.fromkeys((rate.part.kind.value, rate.part.name) for rate in rates))
+    beside = 0.19 if len({rate.period for rate in rates}) > 1 else 0.0
     for rate in rates:
         at = parts.index((rate.part.kind.value, rate.part.name))
-        y = at + (0.19 if rate.period.peak else -0.19)
+        y = at + (beside if rate.period.peak else -beside)
         over = rate.occupied_share > rate.limit_share
         percent = 100.0 * rate.occupied_share
         axes.barh(y, percent, 0.34, color=_OVER if over else _FULL, alpha=1.0 if rate.period.peak else 0.55)

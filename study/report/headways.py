@@ -20,6 +20,11 @@ PICTURES: Final = ("headway_matrix", "headway_parts")
 FILES: Final = frozenset(
     {"headways.csv", *(f"{name}.{form}" for name in PICTURES for form in ("png", "svg"))}
 )
+COLUMNS: Final = (
+    *("station", "kind", "kind_ja", "between", "first", "second", "least_s", "section"),
+    *("first_train_s", "second_train_s", *(f"{cost.value}_s" for cost in Cost)),
+    *("of", "pairs", "closest", "closest_s", "buffer_s"),
+)
 COST_COLOURS: Final = {
     Cost.RADIO: "#0072b2",
     Cost.POINTS: "#d55e00",
@@ -48,7 +53,7 @@ def draw_matrix(line: Line, cases: Sequence[Case]) -> Figure | None:
     heights = [0.9 + 0.62 * len(kinds[s]) for s in stations]
     figure = Figure(figsize=(WIDTH_IN, sum(heights) + 0.3), layout="constrained")
     grid = figure.subplots(len(stations), 1, squeeze=False, height_ratios=heights)[:, 0]
-    longest_s = max(case.headway.least_s for case in cases)
+    longest_s = max(1.0, *(case.headway.least_s for case in cases))  # all may be negative
     for axes, station_id in zip(grid, stations, strict=True):
         own = [case for case in cases if case.station_id == station_id]
         _draw_station(axes, kinds[station_id], own, longest_s)
@@ -98,7 +103,7 @@ def draw_parts(line: Line, cases: Sequence[Case]) -> Figure | None:
     axes.tick_params(axis="y", length=0, labelsize=6.5)
     axes.axvline(0.0, color=PALE, lw=0.6)
     axes.set_ylim(-0.6, len(ordered) - 0.4)
-    axes.set_xlim(right=1.18 * max(case.headway.least_s for case in cases))
+    axes.set_xlim(right=1.18 * max(1.0, *(case.headway.least_s for case in cases)))
     axes.set_xlabel("least headway, s; the section that makes it so")
     axes.grid(axis="x")
     axes.legend(loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
@@ -106,8 +111,9 @@ def draw_parts(line: Line, cases: Sequence[Case]) -> Figure | None:
 
 
 def headway_table(cases: Sequence[Case]) -> pl.DataFrame:
-    """A row a headway."""
-    return pl.DataFrame([case.as_dict() for case in cases], infer_schema_length=None)
+    """A row a headway; without any the names of columns alone."""
+    rows = [case.as_dict() for case in cases]
+    return pl.DataFrame(rows, infer_schema_length=None) if rows else pl.DataFrame(schema=list(COLUMNS))
 
 
 def write_headways(folder: Path, line: Line, cases: Sequence[Case]) -> None:

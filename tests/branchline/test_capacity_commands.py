@@ -10,6 +10,11 @@ from typing import Any
 
 import pytest
 
+from study.report.headways import COLUMNS
+from study.run.run import CarrierKind, Link, execute, write_run
+from study.scenario.scenario import load_scenario
+
+VALLEY = Path(__file__).parents[1] / "examples/line/valley_day.toml"
 COSTS = ("radio", "points", "localisation", "driving", "people", "charging")
 
 
@@ -31,9 +36,49 @@ def test_headways_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_pat
     assert next(csv.DictReader(io.StringIO(told.out)))["station"] == "KRS"
 
 
-def test_one_train_has_no_headway(main: Callable[..., Any]) -> None:
-    told = main("headway", "rtri_test_line", "--theory")
+def test_one_train_has_no_headway(main: Callable[..., Any], tmp_path: Path) -> None:
+    told = main("headway", "rtri_test_line", "--theory", "--out", "out")
     assert (told.code, told.out) == (0, "no two trains that need one section\n")
+    assert "headways.csv" in told.err
+    assert "png" not in told.err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["headways.csv"]
+    assert (tmp_path / "out/headways.csv").read_text("utf-8").strip() == ",".join(COLUMNS)
+
+
+def test_a_run_directory_is_read_back(main: Callable[..., Any], tmp_path: Path) -> None:
+    run = execute(load_scenario(str(VALLEY)), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    write_run(run, tmp_path / "run")
+    told = main("headway", "run", "--json")
+    assert told.code == 0, told.err
+    found = told.figures()
+    assert found["of"] == "run"
+    assert tuple(found["headways"][0]) == COLUMNS
+    meets = [row for row in found["headways"] if row["kind_ja"] == "着発"]
+    assert {row["station"] for row in meets} == {"MRI"}
+    told = main("capacity", "run", "--json", "--cut", "crossing")
+    assert told.code == 0, told.err
+    found = told.figures()
+    assert found["of"] == "run"
+    parts = found["cuts"][0]["parts"]
+    assert [(part["period"], part["trains"]) for part in parts] == [
+        ("day", 2),
+        ("day", 2),
+    ]  # no peak in one hour
+    for kind in ("headway", "occupation"):
+        told = main("plot", "run", kind)
+        assert told.code == 0, told.err
+        assert (tmp_path / f"{kind}.png").read_bytes()[:4] == b"\x89PNG"
+        assert main("plot", "run", kind, "--out", f"{kind}.csv").code == 0
+    with (tmp_path / "headway.csv").open(encoding="utf-8-sig") as file:
+        assert tuple(csv.DictReader(file).fieldnames or ()) == COLUMNS
+    assert main("plot", "run", "headway", "--station", "ASA", "--out", "asa.svg").code == 0
+
+
+def test_a_file_that_cannot_be_written_is_told_at_once(main: Callable[..., Any], tmp_path: Path) -> None:
+    ended = main("blocking", "karasuyama_weekday", "--out", "nowhere/out.csv")
+    assert ended.code == 2
+    assert len(ended.err.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_occupancy_by_cut_and_room(main: Callable[..., Any], tmp_path: Path) -> None:
