@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Final
 
+from network.timetable import clock
 from radio.messages import RefusalReason
 from wayside.actions import Show
 from wayside.certificate import STEPS_MAX, Found, Proof, Train, finish, follows
@@ -25,6 +27,7 @@ from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
 Against = tuple[RefusalReason, str | None, str | None]
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
 SEARCHES_EVERY_S: Final = 60.0  # assumed: while no order is known, what persons do may change that
+SHORTER_STEPS: Final = 500  # assumed: moves tried for each part of a day that has no order
 LOOKED_BACK: Final = 40  # assumed: moves of the order looked at for the one that lets a train on
 
 
@@ -80,6 +83,7 @@ class _Weighing:
         self._unit_id = days.unit_ids[index]
         self._trip = trip_of(register, self._unit_id)
         self._trains = stands.trains(days)
+        self._until_s = inf
         self._shows: list[Show] = []
 
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
@@ -100,25 +104,65 @@ class _Weighing:
 
     def _before(self) -> tuple[int, ...] | None:
         """An order in which all can finish as things are; the one of the last certificate where that still leads on."""
-        kept, stands = self._register.kept, self._stands
-        if kept is not None and (kept.at, kept.holds) == (stands.at, stands.holds):
-            return kept.order
-        register = self._register
-        if register.now_s < register.search_again_s:
+        register, stands = self._register, self._stands
+        kept = register.kept
+        leads = kept is not None and (kept.at, kept.holds) == (stands.at, stands.holds)
+        if kept is not None and leads and (kept.until_s == inf or register.now_s < register.search_again_s):
+            return self._known(kept)
+        if kept is None and register.now_s < register.search_again_s:
             return None
         found = finish(self._trains)
         if found.proof is Proof.ORDER:
             self._register = replace(register, kept=Kept(stands.at, stands.holds, found.order))
             return found.order
-        self._register = replace(register, search_again_s=register.now_s + SEARCHES_EVERY_S)
+        kept = self._shorter()
+        again_s = register.now_s + SEARCHES_EVERY_S
+        self._register = replace(register, kept=kept, search_again_s=again_s)
         if self._days.certificate:
-            self._no_order_known(found)
-        return None
+            self._no_order_known(found, None if kept is None else kept.until_s)
+        return None if kept is None else self._known(kept)
 
-    def _no_order_known(self, found: Found) -> None:
+    def _known(self, kept: Kept) -> tuple[int, ...] | None:
+        """The order, where it lets the train on: one that goes on beyond it comes after all that is in it."""
+        self._until_s = kept.until_s
+        if kept.until_s == inf:
+            return kept.order
+        order = kept.order if self._index in kept.order else (*kept.order, self._index)
+        places = zip(self._stands.holds, self._days.moves, self._stands.at, strict=True)
+        self._trains = [
+            Train(held, moves[done : done + order.count(index)])
+            for index, (held, moves, done) in enumerate(places)
+        ]
+        return order if follows(self._trains, order) else None
+
+    def _shorter(self) -> Kept | None:
+        """An order of all that is planned to begin until then: looked for from the end of the day in growing strides,
+        then between the last two.
+        """
+        days, stands = self._days, self._stands
+        places = zip(days.moves, stands.at, strict=True)
+        times = sorted({move.due_s for moves, done in places for move in moves[done:]})
+        kept: Kept | None = None
+        good, bad, tried = (
+            0,
+            len(times),
+            0,
+        )  # before the first time nothing is planned, and the whole day has no order
+        while bad - good > 1:
+            middle = (good + bad) // 2 if good else max(1, bad - 1 - tried * tried // 8)
+            found = finish(stands.trains(days, times[middle]), SHORTER_STEPS)
+            if found.proof is Proof.ORDER:
+                kept, good = Kept(stands.at, stands.holds, found.order, times[middle]), middle
+            else:
+                bad, tried = middle, tried + 1
+        return kept
+
+    def _no_order_known(self, found: Found, until_s: float | None) -> None:
         """Shown once for each circle of trains."""
         units = tuple(self._days.unit_ids[index] for index in found.circle)
         why = f"{found.proof.value}: {', '.join(map(self._where, found.circle))}"
+        if until_s is not None:
+            why += f"; of what is planned before {clock(until_s)} all can be run"
         if self._trip.said != why:
             self._shows.append(Show(NoOrderKnown(unit_ids=units, why=why)))
             self._say(why)
@@ -131,6 +175,11 @@ class _Weighing:
             return Found(Proof.ORDER, (*before[:mine], *before[mine + 1 :]))
         stands = self._stands.after(self._days, self._index)
         trains = stands.trains(self._days)
+        if self._until_s < inf:
+            trains = [
+                Train(train.holds, train.ahead[: before.count(index) - (index == self._index)])
+                for index, train in enumerate(trains)
+            ]
         rest = (*before[:mine], *before[mine + 1 :])
         near = mine + len(trains)
         while near < len(rest):  # it is enough to come to where the order before comes, too
@@ -221,9 +270,11 @@ class _Weighing:
             if days.hops[other][at].line & hop.line:
                 register = with_trip(register, unit_id, replace(trip, overtaken=trip.overtaken + 1))
         kept = None
+        if after is None and self._until_s < inf:  # what others still have to do is looked at anew
+            register = replace(register, search_again_s=register.now_s)
         if after is not None and after.proof is Proof.ORDER:
             stands = self._stands.after(days, index)
-            kept = Kept(stands.at, stands.holds, after.order)
+            kept = Kept(stands.at, stands.holds, after.order, self._until_s)
             if days.certificate:
                 self._shows.append(Show(self._certificate(after.order)))
         self._register = replace(register, kept=kept)

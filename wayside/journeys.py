@@ -8,8 +8,10 @@ is known of where it goes, so nobody is held for it, and it is held for nobody.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING, Final
 
 from wayside.certificate import Move, Train
@@ -74,11 +76,15 @@ class Trip:
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """The order of the last certificate, and the places and holdings of all stock from which it leads."""
+    """The order of the last certificate, and the places and holdings of all stock from which it leads.
+
+    `until_s`: it has the moves planned to begin before that, as the whole day has no order.
+    """
 
     at: tuple[int, ...]
     holds: tuple[int, ...]
     order: tuple[int, ...]
+    until_s: float = inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +94,10 @@ class Stands:
     at: tuple[int, ...]
     holds: tuple[int, ...]
 
-    def trains(self, days: Days) -> list[Train]:
-        """As the search takes them."""
+    def trains(self, days: Days, until_s: float = inf) -> list[Train]:
+        """As the search takes them; of their moves those planned to begin before that."""
         places = zip(self.holds, days.moves, self.at, strict=True)
-        return [Train(held, moves[done:]) for held, moves, done in places]
+        return [Train(held, _before(moves, done, until_s)) for held, moves, done in places]
 
     def after(self, days: Days, index: int) -> Stands:
         """With one stock a move further."""
@@ -99,6 +105,14 @@ class Stands:
         at = (*self.at[:index], done + 1, *self.at[index + 1 :])
         keeps = days.moves[index][done].keeps
         return Stands(at, (*self.holds[:index], keeps, *self.holds[index + 1 :]))
+
+
+def _before(moves: tuple[Move, ...], done: int, until_s: float) -> tuple[Move, ...]:
+    return moves[done : max(done, bisect_left(moves, until_s, key=_due_s))]
+
+
+def _due_s(move: Move) -> float:
+    return move.due_s
 
 
 NEW: Final = Trip()

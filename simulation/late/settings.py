@@ -19,7 +19,9 @@ from network.files.toml_input import Record
 from simulation.late.spread import Spread
 
 Ids = Annotated[tuple[str, ...], Field(strict=False, max_length=TEXTS_MAX)]
-Source = Annotated[Prose, about("where the figures come from: a publication, or assumed and why")]
+Source = Annotated[
+    Prose, Field(min_length=1), about("where the figures come from: a publication, or assumed and why")
+]
 Switch = Annotated[bool, about("whether it counts: off, nothing is drawn from it")]
 
 

@@ -20,7 +20,7 @@ import msgspec
 from network.errors import InputError
 from study.sweep.local import GivenUpError, failed_by, filed
 from study.sweep.store import check_shared, day_name
-from study.sweep.worker import RETRIES, Done, Task, crashed, run_task
+from study.sweep.worker import RETRIES, Done, Task, crashed, task_done
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -136,7 +136,7 @@ def run_there(packed: bytes) -> bytes:
     """On a worker: run a day and file it. An error of the day is raised, and the scheduler has it run again."""
     task = msgspec.msgpack.decode(packed, type=Task)
     try:
-        return msgspec.msgpack.encode(run_task(task))
+        return msgspec.msgpack.encode(task_done(task))
     except Exception as error:
         failed = failed_by(error)
         if failed.given_up:

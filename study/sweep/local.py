@@ -24,7 +24,7 @@ from study.outcome import StoppedError, text_of
 from study.run.crash import named
 from study.sweep.records import DayRecord
 from study.sweep.store import NotSharedError, write_day
-from study.sweep.worker import RETRIES, Done, Task, crashed, run_task
+from study.sweep.worker import RETRIES, Done, Task, crashed, task_done
 
 RECYCLE_DAYS: Final = 200  # assumed: what a library may leak in so many days is little
 MEMORY_MAX_BYTES: Final = 490_000_000  # a process that has grown to this is replaced
@@ -205,7 +205,7 @@ def serve(pipe: Connection) -> None:
         except (EOFError, OSError):
             return
         try:
-            said: Said = run_task(task)
+            said: Said = task_done(task)
         except (Exception, StoppedError) as error:
             said = failed_by(error)
         try:

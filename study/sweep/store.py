@@ -149,6 +149,15 @@ def write_day(out: Path, record: DayRecord) -> None:
     write_whole(out / DAYS / day_name(record.spec, record.index), line + b"\n" + digest + b"\n")
 
 
+def filed_day(out: Path, name: str) -> DayRecord | None:
+    """A day that is there and is whole; None otherwise."""
+    try:
+        found = _read(out / DAYS / name)
+    except FileNotFoundError:
+        return None
+    return None if isinstance(found, str) else found
+
+
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file aside, bring it to the disk, rename it, and bring its name to the disk."""
     place, aside = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)

@@ -7,14 +7,16 @@ import random
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
-from radio.messages import RefusalReason, RouteRefused, SignOnRefused
+from radio.messages import RefusalReason, RouteGranted, RouteRefused, SignOnRefused
 from tests.wayside.loop_line import Play, can_finish, config_of, random_case
 from wayside.certificate import STEPS_MAX, Move, Proof, Train, finish, follows
 from wayside.said import Certified, Granted, HeldBack, NoOrderKnown
 
 # One siding, S: two from the west are to use either track of it, one from the east the second (SUMO, report 17834).
 ONE_SIDING = ([2, 1, 2, 1, 2], [["0.1", "1.1", "2.1", "3.1", "4.1"], ["0.2", "1.1", "2.2", "3.1", "4.2"]])
+NIGHT_S = 36_000.0
 FROM_EAST = ["4.2", "3.1", "2.2", "1.1", "0.1"]
 
 
@@ -120,6 +122,58 @@ def test_the_siding_of_report_17834_is_lost_without_and_not_with_it() -> None:
     assert held.why == "1 at 0.2 waits for 2 to come to 0.1: if it went now, 1 and 2 could not all finish"
     play.asks(1)  # the same again: the journal has it once
     assert sum(isinstance(note, HeldBack) for note in play.notes) == 1
+
+
+def day_that_fails_late(*, certificate: bool) -> Play:
+    """The siding, and far to the east two stocks that are to change places at night, where there is no siding."""
+    tracks, ways = [*ONE_SIDING[0], 1, 1], [*ONE_SIDING[1], FROM_EAST, ["5.1", "6.1"], ["6.1", "5.1"]]
+    config = config_of(tracks, ways, certificate=certificate)
+    *by_day, first, second = config.dispatch.journeys
+    night = [
+        replace(
+            journey,
+            moves=tuple(
+                replace(m, departs_s=m.departs_s + NIGHT_S, arrives_s=m.arrives_s + NIGHT_S)
+                for m in journey.moves
+            ),
+        )
+        for journey in (first, second)
+    ]
+    dispatch = replace(config.dispatch, journeys=(*by_day, *night))
+    return Play(replace(config, dispatch=dispatch), ways)
+
+
+def test_a_day_that_fails_in_the_end_is_certified_until_then() -> None:
+    play = day_that_fails_late(certificate=True)
+    for k in (0, 0, 2):
+        play.asks(k)
+    answer = play.asks(1)
+    assert isinstance(answer, RouteRefused)
+    assert (answer.reason, answer.holder) == (RefusalReason.NO_WAY_ON, "u2")
+    said = [note for note in play.notes if isinstance(note, NoOrderKnown)]
+    assert {note.unit_ids for note in said} == {("u3", "u4")}
+    assert all(note.why.endswith("of what is planned before 10:01:43 all can be run") for note in said)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=50)
+def test_who_runs_by_day_arrives_whatever_fails_at_night(order: int) -> None:
+    """In whatever order they ask, at whatever times: the two of the night are refused nothing that is free."""
+    play, chance = day_that_fails_late(certificate=True), random.Random(order)
+    while not all(map(play.done, range(3))):
+        play.now_s += chance.uniform(0.0, 90.0)
+        going = [k for k in range(3) if not play.done(k)]
+        chance.shuffle(going)
+        assert any(asked(play, k, watched=False) for k in going)
+    assert any(isinstance(note, Certified) for note in play.notes)
+
+
+def test_without_the_certificate_that_day_is_lost_before() -> None:
+    play = day_that_fails_late(certificate=False)
+    for k in (0, 0, 2):
+        play.asks(k)
+    assert isinstance(play.asks(1), RouteGranted)
+    assert not can_finish(play.ways[:3], play.at[:3], play.outside[:3])
 
 
 def test_a_certificate_names_the_tracks_that_every_train_uses() -> None:

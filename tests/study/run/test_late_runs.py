@@ -106,3 +106,20 @@ def test_the_same_seed_is_the_same_day(runs: dict[str, Run]) -> None:
     assert again.result.digest == runs["zone"].result.digest
     assert other.summary["late"]["drawn"] != again.summary["late"]["drawn"]
     assert len(again.summary["late"]["drawn"]) == sum(again.summary["late"]["counts"].values())
+
+
+@pytest.mark.parametrize(
+    ("carrier", "link"), [(CarrierKind.SUMO, Link.SIMULATED), (CarrierKind.PLAIN, Link.ZENOH)]
+)
+def test_the_same_seed_is_the_same_day_on_every_carrier_and_link(
+    runs: dict[str, Run], carrier: CarrierKind, link: Link
+) -> None:
+    """Doors are held by the world, dead zones by the air, whoever carries trains and telegrams."""
+    folder = Path(runs["zone"].scenario.file).parent
+    file = folder / "late_all.toml"
+    head = 'extends = "turn_back"\nid = "late"\nname = "A late turn"\n'
+    file.write_text(head + ENTRY + DWELL + DOORS + ZONE, "utf-8")
+    plain = execute(load_scenario(str(file), 1), Link.SIMULATED, carrier=CarrierKind.PLAIN)
+    other = execute(load_scenario(str(file), 1), link, carrier=carrier)
+    assert other.summary["late"]["drawn"] == plain.summary["late"]["drawn"] != []
+    assert other.result.digest == plain.result.digest

@@ -14,7 +14,7 @@ from typing import Final
 import pytest
 
 from network.errors import InputError
-from study.sweep.cluster import ClusterPump
+from study.sweep.cluster import AHEAD, ClusterPump
 from study.sweep.go import begun, go
 from study.sweep.plan import load_plan
 from study.sweep.store import opened
@@ -116,7 +116,8 @@ def test_worker_then_scheduler_killed(
     second = held.next_pid()
     assert second != first
     before = len(list((out / "days").glob("*.json")))
-    assert before >= 8
+    # Nine were given out by then, of which so many may be at hand: those of the lost worker are run again at any time.
+    assert before >= 9 - AHEAD * len(cluster.workers)
     cluster.scheduler.kill()
     _, error = client.communicate(timeout=WAIT_S)
     assert client.returncode == 1

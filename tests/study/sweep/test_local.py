@@ -9,16 +9,19 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from network.errors import InputError
 from study.sweep.local import GivenUpError, LocalPump
+from study.sweep.plan import load_plan
 from study.sweep.records import DayOutcome
+from study.sweep.store import day_name, opened, write_day
 from study.sweep.table import days_csv
-from study.sweep.worker import RETRIES
+from study.sweep.worker import RETRIES, Task, task_done
 from tests.study.sweep.conftest import WAIT_S, Held
 from tests.study.sweep.here import swept, table
-from tests.study.sweep.planted import begun_counts, control_of
+from tests.study.sweep.planted import RUNNER, begun_counts, control_of
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -96,3 +99,19 @@ def test_order_of_days_changes_nothing(sweep_file: Path, out: Path, expected: st
     state = swept(sweep_file, out)
     assert (state.before, state.run) == (6, 18)
     assert days_csv(state) == expected
+
+
+def test_day_that_was_filed_before_its_worker_died_is_not_begun_again(sweep_file: Path, out: Path) -> None:
+    plan = load_plan(str(sweep_file))
+    with opened(plan, out) as store:
+        spec = plan.spec(plan.points[0], 0)
+        task = Task(str(out), store.token, spec, 0, again=False, runner=RUNNER)
+        first = task_done(task)
+        assert task_done(task).record == first.record
+        assert begun_counts(out)[0] == 1
+        day = out / "days" / day_name(spec, 0)
+        day.write_bytes(day.read_bytes()[:-9])  # torn: it is run
+        assert task_done(task).record == first.record
+        write_day(out, msgspec.structs.replace(first.record, code="other"))
+        assert task_done(task).record == first.record
+    assert begun_counts(out)[0] == 3

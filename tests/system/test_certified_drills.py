@@ -1,0 +1,110 @@
+"""Drills with the certificate on: failures and persons do to a certified line what they do to any other.
+
+What the drill expects comes about as without, nothing moves otherwise where nobody was in anybody's way, and the days
+that the certificate keeps from a deadlock are kept from it too when the manager, a unit or a link fails meanwhile.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from simulation.result import Ending
+from study.run.drill import find_drill, shipped_drills
+from study.run.outcome import unfinished
+from study.run.run import CarrierKind, Link, Run, execute
+from study.run.verdict import judge
+from study.scenario.scenario import Scenario, load_scenario
+from tests.system.test_sidings import certified
+from wayside.said import Certified, HeldBack, NoOrderKnown
+
+pytestmark = pytest.mark.system
+
+FEW: Final = (
+    "rtri/09_manager_power",
+    "rtri/14b_manager_and_units_on_open_line",
+    "rtri/28_unit_restart_at_departure",
+    "rtri/53b_two_wrong_persons",
+)
+ALL: Final = tuple(name for name in shipped_drills() if name.startswith("rtri/"))
+
+DELAYS: Final = {
+    "01b_one_siding_certified": "01_one_siding",
+    "02b_two_sidings_certified": "02_two_sidings",
+    "03b_two_loops_certified": "03_two_loops",
+}
+FAILURES: Final = {
+    "manager": (
+        '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "{start}"\n'
+        '[[act]]\nkind = "reenter_assisted"\nstart = "{start}"\nafter_s = 90.0\n'
+    ),
+    "unit": '[[fault]]\nkind = "restart"\ntarget = "S3"\nstart = "{start}"\n',
+    "link": '[[fault]]\nkind = "cut"\ntarget = "S2 <-> block-manager"\nstart = "{start}"\nduration_s = 240.0\n',
+}
+
+
+def day(scenario: Scenario) -> Run:
+    """The day on plain track."""
+    return execute(scenario, Link.SIMULATED, carrier=CarrierKind.PLAIN)
+
+
+def unmet(run: Run) -> list[str]:
+    """What the drill expected and did not come about."""
+    verdicts = judge(run.scenario.setup.script.expectations, run.result, run.tables)
+    return [f"{verdict.text}: {verdict.happened}" for verdict in verdicts if not verdict.passed]
+
+
+def check(name: str) -> None:
+    scenario = load_scenario(find_drill(name))
+    without, with_it = day(certified(scenario, on=False)), day(certified(scenario, on=True))
+    assert unmet(with_it) == unmet(without)
+    assert with_it.broken == without.broken
+    assert unfinished(with_it.result) == unfinished(without.result)
+    assert with_it.result.motion_digest == without.result.motion_digest
+    notes = [entry.event for entry in with_it.result.journal.entries]
+    assert any(isinstance(note, Certified) for note in notes)
+    assert not any(isinstance(note, HeldBack | NoOrderKnown) for note in notes)
+
+
+@pytest.mark.parametrize("name", FEW)
+def test_a_drill_goes_as_without(name: str) -> None:
+    check(name)
+
+
+@pytest.mark.nightly
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("name", ALL)
+def test_every_drill_of_the_paper_s_line_goes_as_without(name: str) -> None:
+    check(name)
+
+
+def failing_meanwhile(tmp_path: Path, name: str, failure: str, start: str) -> Run:
+    """A day of the sidings on which something fails besides what makes it late."""
+    late = Path(find_drill(f"sidings/{DELAYS[name]}")).read_text(encoding="utf-8")
+    delay = late[late.index("[[fault]]") : late.index("[[expect]]")]
+    file = tmp_path / "failing.toml"
+    head = f'extends = "{find_drill(f"sidings/{name}")}"\nid = "failing"\n'
+    file.write_text(head + delay + FAILURES[failure].format(start=start), encoding="utf-8")
+    return day(load_scenario(str(file)))
+
+
+def all_arrive(run: Run) -> None:
+    assert run.result.ended_because is Ending.FINISHED
+    assert (unmet(run), run.broken, unfinished(run.result)) == ([], (), ())
+    assert any(isinstance(entry.event, HeldBack) for entry in run.result.journal.entries)
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_all_arrive_when_something_fails_besides(tmp_path: Path, failure: str) -> None:
+    all_arrive(failing_meanwhile(tmp_path, "03b_two_loops_certified", failure, "10:18"))
+
+
+@pytest.mark.nightly
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("name", DELAYS)
+@pytest.mark.parametrize("failure", FAILURES)
+@pytest.mark.parametrize("start", ["10:05", "10:11", "10:25", "10:40", "11:00"])
+def test_all_arrive_whenever_it_fails(tmp_path: Path, name: str, failure: str, start: str) -> None:
+    all_arrive(failing_meanwhile(tmp_path, name, failure, start))
