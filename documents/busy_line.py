@@ -16,9 +16,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+from network.clock import clock
 from network.files.line_file import parse_line
 from network.tag_layout import lay_tags, tags_toml
-from network.timetable import clock
 
 LINE_ID: Final = "busy_line"
 ROOT: Final = Path(__file__).resolve().parents[1]

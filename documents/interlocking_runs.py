@@ -8,8 +8,8 @@ from typing import Final, TypeVar
 
 import polars as pl
 
+from network.clock import clock
 from network.model import TagPurpose
-from network.timetable import clock
 from onboard.notes import (
     Arrived,
     CrewCheckedPoints,

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
+from network.clock import clock
 from network.model import Direction, Line
-from network.timetable import clock
 
 _AT_STATION_M: Final = 1.0
 _SAME_PLACE_M: Final = 1e-6

@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
+from network.clock import clock
 from network.errors import InputError
 from network.files.line_schema import DIRECTIONS
 from network.files.quantities import SPEED
@@ -225,12 +226,6 @@ def seconds_of(file: str, key: str, text: str, not_before_s: int | None) -> int:
     if time_s < not_before_s:
         raise InputError(file, key, text, f"a time not before {clock(not_before_s)}")
     return time_s
-
-
-def clock(time_s: float) -> str:
-    """HH:MM:SS of seconds after midnight; hours go on after 23."""
-    whole_s = round(time_s)
-    return f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}:{whole_s % 60:02d}"
 
 
 def _call(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> Call:

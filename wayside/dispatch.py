@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Final
 
-from network.timetable import clock
+from network.clock import clock
 from radio.messages import RefusalReason
 from wayside.actions import Show
 from wayside.certificate import STEPS_MAX, Found, Proof, Train, finish, follows

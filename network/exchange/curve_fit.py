@@ -353,10 +353,11 @@ class _Problem:
         def residuals(unknowns: Floats) -> Floats:
             return self.residuals(unknowns, radii)
 
+        low, high = np.concatenate((lower, low_turn)), np.concatenate((upper, high_turn))
         solution = least_squares(
             residuals,
-            start,
-            bounds=(np.concatenate((lower, low_turn)), np.concatenate((upper, high_turn))),
+            np.clip(start, low, high),  # points in disorder may begin beyond
+            bounds=(low, high),
             loss="soft_l1",
             f_scale=_OUTLIER_M,
             x_scale=scale,

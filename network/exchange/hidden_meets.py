@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from network.clock import clock
 from network.exchange.planned import PlannedTrain
 from network.model import Direction, Line
-from network.timetable import Call, CallKind, clock
+from network.timetable import Call, CallKind
 
 
 @dataclass(frozen=True, slots=True)

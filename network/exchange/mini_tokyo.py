@@ -15,6 +15,7 @@ from typing import Final
 
 import msgspec
 
+from network.clock import clock
 from network.errors import InputError
 from network.exchange.published import PublishedCall, PublishedStation, PublishedTimetable, PublishedTrain
 from network.exchange.station_order import ordered_stations, runs_down
@@ -22,7 +23,7 @@ from network.files.json_input import read_json
 from network.files.names import title_of
 from network.files.text_input import JSON_BYTES_MAX, read_bytes
 from network.files.toml_input import one_of
-from network.timetable import CallKind, clock
+from network.timetable import CallKind
 
 SOURCE: Final = "numbers and times: nagix/mini-tokyo-3d, data from ODPT"
 DAY_BEGINS_S: Final = 3 * 3600  # a time before it belongs to the end of the operating day

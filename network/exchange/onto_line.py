@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Final
 
+from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.exchange.hidden_meets import hidden_meets
 from network.exchange.planned import PlannedTrain
@@ -36,7 +37,7 @@ from network.exchange.running import (
 from network.exchange.station_join import JoinedBy, StationJoin, join_stations
 from network.exchange.train_numbers import numbers_of
 from network.model import Direction, Line, PlatformTrack
-from network.timetable import Call, CallKind, clock, platform_of
+from network.timetable import Call, CallKind, platform_of
 
 NAMED_MAX: Final = 8  # trains or stations named in one sentence
 MOVED_S_MAX: Final = 59  # of whole minutes: what a time may lie after the one that is published

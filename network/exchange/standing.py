@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from network.clock import clock
 from network.exchange.planned import PlannedTrain
 from network.model import Direction, Line, PlatformTrack, SectionKind
-from network.timetable import Call, clock
+from network.timetable import Call
 
 _BEFORE_S: Final = -(10**9)  # stands there from before the day
 _AFTER_S: Final = 10**9

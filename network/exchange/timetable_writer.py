@@ -5,19 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 
+from network.clock import clock
 from network.exchange.planned import PlannedTrain, Workings
 from network.files.line_schema import DIRECTIONS, DirectionName
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
 from network.model import Direction
-from network.timetable import (
-    DAY_S,
-    Call,
-    CallKind,
-    Timetable,
-    begins_text,
-    clock,
-    ends_text,
-)
+from network.timetable import DAY_S, Call, CallKind, Timetable, begins_text, ends_text
 
 _LAST_WRITTEN_S = 30 * 3600  # files write hours up to 29; what is later is found again from the trains before
 _NAMES: dict[Direction, DirectionName] = {DIRECTIONS[name]: name for name in ("down", "up")}

@@ -18,6 +18,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from network.clock import clock
 from network.errors import InputError
 from network.files.edits import Asked, Change, Data, Patched, Words, called, differences, words_of
 from network.files.kinds import TimeOfDay, about
@@ -25,7 +26,7 @@ from network.files.quantities import Stretch
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
 from network.model import Line
-from network.timetable import Timetable, clock, seconds_of, timetable_of
+from network.timetable import Timetable, seconds_of, timetable_of
 
 _LISTS = ("trains", "diagrams")
 

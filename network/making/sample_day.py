@@ -14,12 +14,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
+from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.files.json_input import write_aside
 from network.files.names import IDENTIFIER_HELP, is_identifier
 from network.making.line_text import quoted
 from network.model import Direction, Line, SectionKind, Station
-from network.timetable import clock
 
 STAND_IN_TRAIN: Final = "br642"
 BEGIN_S: Final = 6 * 3600

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from itertools import accumulate
 from typing import Any, Final
 
+from network.clock import clock
 from network.model import Line
-from network.timetable import Call, CallKind, clock
+from network.timetable import Call, CallKind
 from radio.chance import generator
 from simulation.events import PointsMoving
 from simulation.faults.fault import Fault

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from network.timetable import clock
+from network.clock import clock
 from simulation.setup import Setup
 from study.capacity.legs import Leg, legs_of, places_of
 from study.capacity.line_capacity import Period

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from network.timetable import clock
+from network.clock import clock
 from study.compare.comparison import Comparison, Comparisons
 from study.compare.measures import Measure, Row, Value, columns_in, names_in, sorted_by
 from study.compare.meets import MeetChange, RunMeet

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from network.clock import clock
 from network.errors import InputError, one_line
 from network.model import SectionKind
-from network.timetable import clock
 from simulation.setup import Setup
 from study.feasibility.charge import charge_of
 from study.feasibility.climbs import climbs_of

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from network.clock import clock
 from network.model import Line, SectionKind
-from network.timetable import clock
 from study.feasibility.finding import Finding, Kind, PlannedMeet, Severity, lasting, minute, severity_of
 from study.feasibility.holdings import Clash, Hold
 from study.feasibility.places import (

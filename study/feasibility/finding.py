@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Final
 
-from network.timetable import clock
+from network.clock import clock
 
 HIDDEN_BY_MINUTES_S: Final = 60.0  # a plan in whole minutes is short of the truth by less than this
 HIDDEN_BY_SECONDS_S: Final = 30.0  # assumed: two steps of 15 s, in which railways plan

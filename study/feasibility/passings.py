@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from network.timetable import clock
+from network.clock import clock
 from simulation.setup import Setup
 from study.feasibility.finding import LATE_S, Finding, Kind, Severity, minute
 from study.feasibility.planned import PlannedDay, PlannedTrain

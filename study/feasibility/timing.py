@@ -11,8 +11,8 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+from network.clock import clock
 from network.model import Line
-from network.timetable import clock
 from onboard.duty.mission import Mission
 from simulation.setup import Setup
 from study.feasibility.finding import Finding, Kind, lasting, minute, severity_of

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.exchange.timetable_writer import text_toml
-from network.timetable import clock
 from simulation.setup import Setup
 from study.making.place import checked_new, named_from, write_new
 from study.scenario.scenario import Scenario, load_scenario

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeAlias
 
+from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.exchange.planned import PlannedTrain
 from network.exchange.timetable_writer import file_of_trains, text_toml, timetable_toml
@@ -21,7 +22,7 @@ from network.files.shipped import shipped_line
 from network.files.text_input import existing_file
 from network.files.timetable_schema import HeadTable
 from network.model import Direction, Line
-from network.timetable import Call, CallKind, Timetable, clock, parse_timetable
+from network.timetable import Call, CallKind, Timetable, parse_timetable
 from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.making.place import checked_new, named_from, write_new

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from network.clock import clock
 from network.model import Line
-from network.timetable import clock
 from study.measures.wait import Asked, Cause, Wait
 from wayside.config import MANAGER_ID
 

@@ -14,8 +14,8 @@ from typing import Any, Final
 import numpy as np
 import polars as pl
 
+from network.clock import clock
 from network.model import Charger, Line
-from network.timetable import clock
 from simulation.battery_settings import BatterySettings, Beyond
 from simulation.setup import Setup
 from study.measures.wait import Cause

@@ -10,8 +10,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from host.parties import PartyError
+from network.clock import clock
 from network.errors import InputError
-from network.timetable import clock
 from simulation.loop import Simulation
 from simulation.setup import STEPS_PER_S
 from study.outcome import Outcome, outcome_of

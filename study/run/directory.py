@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Final
 
 from host.scratch import scratch, sweep
+from network.clock import clock
 from network.errors import InputError
-from network.timetable import clock
 from simulation.journal import last_time_s
 from study.outcome import CutShortError, Outcome, outcome_of, text_of
 from study.run.tables import SCHEMAS

@@ -13,10 +13,10 @@ from typing import Any
 
 import polars as pl
 
+from network.clock import clock
 from network.errors import InputError
 from network.files.text_input import existing_file
 from network.files.toml_input import one_of, parse_table, read_text
-from network.timetable import clock
 from simulation.faults.script import DEFAULTS, Act, Course, Failure
 from simulation.loop import Progress
 from simulation.setup import STEPS_PER_S

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from network.timetable import clock
+from network.clock import clock
 from simulation.late.day import counts_of, late_day
 from simulation.result import RunResult
 from simulation.setup import Setup

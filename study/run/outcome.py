@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from network.timetable import clock
+from network.clock import clock
 from simulation.events import Unsafe
 from simulation.judge.checkers import Checker
 from simulation.judge.rail import Slippery

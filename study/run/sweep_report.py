@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from network.clock import clock
 from network.files.names import title_of
-from network.timetable import clock
 from simulation.faults.script import Act, Failure, Script
 from simulation.setup import STEPS_PER_S
 from study.run.outcome_class import Kind, SweptRun

@@ -8,7 +8,7 @@ from typing import Final
 
 import polars as pl
 
-from network.timetable import clock
+from network.clock import clock
 from onboard.notes import MissionBegun
 from simulation.events import Entry
 from simulation.faults.script import Expectation, Matcher, Property

@@ -12,11 +12,11 @@ from typing import Any, Final
 
 from pydantic import ConfigDict, Field
 
+from network.clock import clock
 from network.errors import InputError
 from network.files.names import Title
 from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
-from network.timetable import clock
 from simulation.faults.fault import Names
 from simulation.faults.script import (
     DEFAULTS,

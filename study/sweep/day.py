@@ -16,9 +16,9 @@ from types import TracebackType
 from typing import Final, Self
 
 from host.scratch import scratch
+from network.clock import clock
 from network.errors import InputError
 from network.model import Line
-from network.timetable import clock
 from simulation.carriers.carrier import Carrier
 from simulation.events import EventType, Unsafe
 from simulation.journal import Journal

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from documents import second_loop, studies
-from network.timetable import clock
+from network.clock import clock
 from simulation.settings import Interlocking
 from study.run.drill import find_drill
 from study.run.run import Link, execute

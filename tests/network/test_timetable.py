@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from network.clock import clock
 from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
@@ -14,7 +15,6 @@ from network.timetable import (
     Call,
     FromTrain,
     Stabled,
-    clock,
     load_timetable,
     parse_timetable,
     platform_of,

@@ -13,7 +13,7 @@ from pathlib import Path
 import polars as pl
 import pytest
 
-from network.timetable import clock
+from network.clock import clock
 from onboard.charge import ChargeWatch
 from onboard.notes import AbleToLeave, UnableToLeave
 from simulation.battery_settings import Departure

@@ -86,7 +86,7 @@ def test_where_there_is_nothing_to_run_there_is_no_stall(ev_e301: Rows) -> None:
 
 
 def test_fewer_motors_take_longer_and_none_for_ever(ev_e301: Rows) -> None:
-    run = (climbing(5.0), LIMIT, 100.0, 3900.0, 50.0, 0.6, 0.1, 0.0, np.inf)
+    run = (climbing(5.0), LIMIT, 100.0, 3900.0, 50.0, 0.6, 0.1, 0.0, np.inf, np.empty((0, 3)))
     with_motors = [Conditions(0.5, share, DRY) for share in (1.0, 0.5, 0.25, 0.0)]
     times_s = [running_time._run(ev_e301[0], conditions, *run)[0] for conditions in with_motors]
     assert times_s == sorted(times_s)

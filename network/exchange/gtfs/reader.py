@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
+from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.exchange.gtfs.columns import (
     BEGINS,
@@ -32,7 +33,7 @@ from network.exchange.published import PublishedCall, PublishedTimetable, Publis
 from network.exchange.station_order import ordered_stations, runs_down
 from network.files.names import title_of
 from network.files.toml_input import one_of
-from network.timetable import CallKind, clock
+from network.timetable import CallKind
 
 DAY_BEGINS_S: Final = 3 * 3600
 CALLS_MAX: Final = 2000  # of one trip

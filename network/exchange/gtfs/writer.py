@@ -20,22 +20,14 @@ from typing import Final
 import numpy as np
 
 from network.alignment import positions
+from network.clock import clock
 from network.errors import InputError
 from network.exchange.gtfs.columns import BEGINS, CALL, ENDS, NO_PASSENGERS, REVENUE, TIMES, TIMETABLE, TRACK
 from network.exchange.gtfs.days import WEEKDAYS
 from network.exchange.gtfs.exact import head_written
 from network.exchange.timetable_writer import file_of_timetable
 from network.model import Direction, Line, Station
-from network.timetable import (
-    Call,
-    CallKind,
-    Timetable,
-    TimetableTrain,
-    begins_text,
-    clock,
-    ends_text,
-    platform_of,
-)
+from network.timetable import Call, CallKind, Timetable, TimetableTrain, begins_text, ends_text, platform_of
 
 AGENCY_URL: Final = "https://example.com/"  # no operator's: a reserved name
 TIMEZONE: Final = "Asia/Tokyo"

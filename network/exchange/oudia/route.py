@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from network.clock import clock
 from network.errors import InputError
 from network.exchange.oudia.cells import (
     After,
@@ -25,7 +26,6 @@ from network.exchange.oudia.cells import (
     seconds,
 )
 from network.exchange.oudia.nodes import Node, OudiaText
-from network.timetable import clock
 
 DOWN: Final = "Kudari"
 UP: Final = "Nobori"

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
+from network.clock import clock
 from network.errors import InputError
 from network.exchange.planned import PlannedTrain, Workings
 from network.exchange.portals import portal_of
@@ -20,7 +21,7 @@ from network.exchange.workings import TURN_MIN_S, SetRules, begins_s, ends_s, wo
 from network.files.line_file import load_line
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
 from network.model import Direction, Line
-from network.timetable import AtPortal, Call, clock, load_timetable, timetable_of
+from network.timetable import AtPortal, Call, load_timetable, timetable_of
 
 ROOT = Path(__file__).resolve().parents[3]
 SAMPLE = load_line(ROOT / "tests/network/sample_line.toml")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from network.timetable import clock
+from network.clock import clock
 from onboard.notes import Arrived, Departs, Holds, MissionBegun
 from radio.noted import Sent
 from simulation.events import Entered, Entry, PointsLocked, PointsMoving, TagPassed, unit_of

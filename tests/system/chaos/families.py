@@ -6,11 +6,12 @@ from enum import Enum
 from functools import cache
 from typing import Any, Final
 
+from network.clock import clock
 from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Direction
-from network.timetable import AtPortal, BecomesTrain, Timetable, TimetableTrain, clock, load_timetable
+from network.timetable import AtPortal, BecomesTrain, Timetable, TimetableTrain, load_timetable
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.ground import Ground, timetable_table
 from tests.system.chaos.lines import drawn_line

@@ -1,0 +1,9 @@
+"""Times of the operating day as people read them."""
+
+from __future__ import annotations
+
+
+def clock(time_s: float) -> str:
+    """HH:MM:SS of seconds after midnight; hours go on after 23."""
+    whole_s = round(time_s)
+    return f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}:{whole_s % 60:02d}"
