@@ -115,7 +115,11 @@ def test_it_says_what_is_assumed_and_whose_the_data_is(real: RealLine) -> None:
 
 
 @pytest.mark.system
-@each_line
+@pytest.mark.parametrize(
+    "real",
+    [pytest.param(real, marks=() if real is LINES[-1] else pytest.mark.nightly) for real in LINES],
+    ids=lambda real: real.id,
+)
 def test_every_train_of_the_weekday_runs_and_none_is_a_minute_late(real: RealLine) -> None:
     run = execute(load_scenario(f"{real.id}_weekday"), Link.SIMULATED)
     assert run.broken == ()

@@ -15,8 +15,13 @@ pytestmark = pytest.mark.system
 
 @pytest.mark.parametrize(
     "arguments",
-    [("run", "rtri_test_line"), ("drill", "rtri/27_slippery_rail"), ("drill", "rtri/45_tags_by_bits")],
-    ids=lambda words: words[1],
+    [
+        pytest.param(("run", "rtri_test_line"), id="rtri_test_line"),
+        pytest.param(
+            ("drill", "rtri/27_slippery_rail"), id="rtri/27_slippery_rail", marks=pytest.mark.nightly
+        ),
+        pytest.param(("drill", "rtri/45_tags_by_bits"), id="rtri/45_tags_by_bits", marks=pytest.mark.nightly),
+    ],
 )
 def test_interpreted_is_compiled(
     command: tuple[str, ...], tmp_path: Path, arguments: tuple[str, ...]

@@ -87,6 +87,7 @@ def test_no_correction_no_stop(stops: Callable[..., Stops]) -> None:
     assert not found.broken  # but safe
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["pattern_is_not_drawn_anew", "weight_is_inverted"])
 def test_each_part_of_a_correction_decides(stops: Callable[..., Stops], name: str) -> None:
     found = stops(name)
@@ -94,6 +95,7 @@ def test_each_part_of_a_correction_decides(stops: Callable[..., Stops], name: st
     assert not found.broken
 
 
+@pytest.mark.nightly
 def test_deceived_cameras_cost_accuracy_and_nothing_else(stops: Callable[..., Stops], tmp_path: Path) -> None:
     """One frame in twenty shows something else, anywhere in range: bounds hold, unless sightings cut them.
 
@@ -112,6 +114,7 @@ def test_deceived_cameras_cost_accuracy_and_nothing_else(stops: Callable[..., St
     assert stops("sightings_cut_the_bounds", str(file)).broken
 
 
+@pytest.mark.nightly
 def test_a_picture_is_of_the_middle_of_its_exposure(stops: Callable[..., Stops]) -> None:
     """At speed the estimate runs ahead by the time that a picture is older than it counts as."""
     assert abs(stops(None, SIGNS).ahead_s) < HALF_EXPOSED_S

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Direction, TagPurpose
@@ -111,6 +111,7 @@ def test_a_leg_that_is_somewhat_short_is_told_and_not_refused() -> None:
     assert not feasibility(plan.with_train(later(plan.train("W"), -150, "OKA")).setup()).good
 
 
+@settings(max_examples=25)
 @given(st.integers(-6 * 3600, 8 * 3600))
 def test_the_same_plan_at_another_time_is_found_alike(by_s: int) -> None:
     whole_s = by_s // 60 * 60

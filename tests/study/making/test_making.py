@@ -153,7 +153,12 @@ def test_a_train_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("line", "every_min", "trains"),
-    [("karasuyama", 60, 6), ("karasuyama", 120, 4), ("valley", 30, 12), ("busy_line", 30, 12)],
+    [
+        ("karasuyama", 60, 6),
+        ("karasuyama", 120, 4),
+        ("valley", 30, 12),
+        pytest.param("busy_line", 30, 12, marks=pytest.mark.nightly),
+    ],
 )
 def test_a_new_timetable_can_work(line: str, every_min: int, trains: int, tmp_path: Path) -> None:
     name = str(VALLEY) if line == "valley" else line
