@@ -57,6 +57,7 @@ def test_a_speed_sensor_with_a_constant_bias_narrows_the_bounds_and_keeps_the_tr
     assert narrow_m < 0.7 * widest_m(made.root / "without")
 
 
+@pytest.mark.nightly
 @pytest.mark.system
 def test_one_that_is_worse_than_it_says_is_found_out(clone: Callable[[], Any]) -> None:
     """0.8 m/s wrong where 0.06 is stated: the truth leaves the bounds, and in the end the rule refuses the reading."""

@@ -78,6 +78,7 @@ def test_with_every_part_of_it_the_stops_hold(stops: Callable[..., Stops], seed:
     assert found.sightings > 100
 
 
+@pytest.mark.nightly
 def test_no_correction_no_stop(stops: Callable[..., Stops]) -> None:
     """Without it trains stop where their wheels say: metres off, on most stops."""
     found = stops("sightings_move_nothing")

@@ -123,7 +123,11 @@ SHIPPED = (
     "karasuyama_stressed",
     "busy_line",
 )
-EVERY = pytest.mark.parametrize("name", [*DRILLS, *SHIPPED])
+LONG = "busy_line"
+EVERY = pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.nightly if n == LONG else ()) for n in (*DRILLS, *SHIPPED)],
+)
 
 
 @pytest.mark.system

@@ -46,6 +46,7 @@ def test_registered() -> None:
     assert reproduction("oda-vision") is reproduce
 
 
+@pytest.mark.nightly
 def test_the_short_slice_passes_and_says_that_it_is_short(result: Reproduction) -> None:
     assert [row.case for row in result.rows if not row.passed] == []
     assert result.remarks[-1].startswith("Quick")
@@ -103,11 +104,13 @@ def test_what_24_trials_say_of_the_scatter() -> None:
     assert high_px < 3.0 * low_px  # so neither ten times more nor ten times less can be within
 
 
+@pytest.mark.nightly
 def test_no_sign_where_there_is_none(result: Reproduction) -> None:
     row = next(row for row in result.rows if "without it" in row.case)
     assert row.ours == 0
 
 
+@pytest.mark.nightly
 def test_every_parameter_has_an_origin(result: Reproduction) -> None:
     assert all(parameter.origin for parameter in result.parameters)
 

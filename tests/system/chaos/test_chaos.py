@@ -23,7 +23,7 @@ from tests.system.chaos.run_one import Outcome
 
 pytestmark = pytest.mark.system
 
-SLICE: Final = ((Family.TEST_LINE, 0, 160), (Family.HOUR, 0, 20), (Family.LINES, 0, 20))
+SLICE: Final = ((Family.TEST_LINE, 0, 80), (Family.HOUR, 0, 20), (Family.LINES, 0, 20))
 ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500}
 CHUNK: Final = 250
 CHUNKS: Final = tuple(
