@@ -16,9 +16,9 @@ from documents import ranges
 from documents.interlocking import table
 from documents.page import write_page
 from network.files.line_schema import LineFile
-from network.files.raw import is_row, is_table
 from network.files.schema_walk import range_text, resolved
 from network.files.timetable_schema import TimetableFile
+from network.files.toml_text import value_text
 from network.making.station_list import StationListFile
 from study.scenario.key_examples import below as entries_below
 from study.scenario.key_examples import example_of
@@ -244,22 +244,7 @@ def _heading(path: str) -> str:
 def _example(entries: Entries, key: str) -> str:
     """What the first entry that has the key says there, as a file writes it."""
     value = next((entry[key] for entry in entries if key in entry), None)
-    return "" if value is None else f"`{_toml(value)}`"
-
-
-def _toml(value: object) -> str:
-    """A value as TOML writes it in a line."""
-    if is_table(value):
-        items = ", ".join(f"{_bare(key)} = {_toml(item)}" for key, item in value.items())
-        return f"{{ {items} }}" if items else "{}"
-    if is_row(value):
-        return f"[{', '.join(_toml(item) for item in value)}]"
-    return json.dumps(value, ensure_ascii=False)
-
-
-def _bare(key: str) -> str:
-    plain = all(character.isalnum() or character in "_-" for character in key) and key.isascii()
-    return key if plain else json.dumps(key, ensure_ascii=False)
+    return "" if value is None else f"`{value_text(value)}`"
 
 
 def _row(

@@ -159,6 +159,11 @@ def last_calls(stops: pl.DataFrame) -> pl.DataFrame:
     return stops.filter("revenue").group_by("train", maintain_order=True).last()
 
 
+def arrived_of(stops: pl.DataFrame) -> int:
+    """How many trains came to their last call."""
+    return last_calls(stops)["arrival_s"].drop_nulls().len()
+
+
 def lost_min(stops: pl.DataFrame) -> float:
     """Train-minutes lost: by how much trains came late to their last stop, together."""
     return float(last_calls(stops)["late_arrival_s"].clip(0).sum()) / 60.0
@@ -182,7 +187,7 @@ def loop_runs(runs: Runs) -> Iterator[str]:
         run = runs.of(name)
         stops = run.tables.stops.filter("revenue")
         late_s = mean_of(stops["late_arrival_s"])
-        arrived = last_calls(stops)["arrival_s"].drop_nulls().len()
+        arrived = arrived_of(stops)
         late_max_s = run.summary["late_s_max"]
         yield (
             f"| {stated(name)} | {last_calls(stops).height} | {arrived} | {late_max_s:.1f} s"
@@ -200,7 +205,7 @@ def radio_runs(runs: Runs) -> Iterator[str]:
         held_s = mean_of(run.tables.blocks["released_s"] - run.tables.blocks["granted_s"])
         sent = sum(row["sent"] for row in run.tables.telegrams.iter_rows(named=True))
         yield (
-            f"| {stated(name)} | {last_calls(stops)['arrival_s'].drop_nulls().len()} | {summary['late_s_max']:.1f} s"
+            f"| {stated(name)} | {arrived_of(stops)} | {summary['late_s_max']:.1f} s"
             f" | {summary['stop_error_m_mean']:.2f} ± {summary['stop_error_m_sigma']:.2f} m"
             f" | {summary['stop_error_m_max_abs']:.2f} m | {held_s:.0f} s | {sent} |"
         )
@@ -216,7 +221,7 @@ def dense_runs(runs: Runs) -> Iterator[str]:
         late_s = mean_of(stops["late_arrival_s"])
         left_late = stops.filter(pl.col("late_departure_s") > LATE_S).height
         yield (
-            f"| {radio} | {last_calls(stops)['arrival_s'].drop_nulls().len()} | {run.summary['late_s_max']:.1f} s"
+            f"| {radio} | {arrived_of(stops)} | {run.summary['late_s_max']:.1f} s"
             f" | {late_s:+.1f} s"
             f" | {left_late} of {stops['late_departure_s'].drop_nulls().len()} |"
         )

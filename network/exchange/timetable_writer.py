@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 
 from network.clock import clock
 from network.exchange.planned import PlannedTrain, Workings
 from network.files.line_schema import DIRECTIONS, DirectionName
 from network.files.timetable_schema import CallTable, DiagramTable, HeadTable, TimetableFile, TrainTable
+from network.files.toml_text import text_toml
 from network.model import Direction
 from network.timetable import DAY_S, Call, CallKind, Timetable, begins_text, ends_text
 
@@ -87,11 +87,6 @@ def time_text(time_s: int) -> str:
     """HH:MM, with :SS where there are seconds; hours from 30 on are those of the day after."""
     text = clock(time_s if time_s < _LAST_WRITTEN_S else time_s % DAY_S)
     return text.removesuffix(":00") if text.count(":") == 2 else text
-
-
-def text_toml(text: str) -> str:
-    """A basic string of TOML: that of JSON, with the one control character escaped that JSON lets stand."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _call(call: Call, track: str | None, *, inferred: bool) -> CallTable:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import matplotlib as mpl
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from study.compare.comparison import Comparisons
 from study.compare.graph import draw_both
@@ -19,6 +18,7 @@ from study.compare.parts import parts_against
 from study.report.face import FACE, japanese_face
 from study.report.parts import Part
 from study.report.style import drawing
+from study.report.template import rendered
 from study.run.directory import COMPARE_FILE, replaced
 
 PAGE_FILE: Final = "compare.html"
@@ -75,20 +75,11 @@ def _page(found: Comparisons) -> str:
         for part in parts_against(found, index):
             title = part.title if len(others) == 1 else f"{side.label}: {_lowered(part.title)}"
             parts.append(Part(title, part.caption, part.figures, part.grids, part.folded, part.notes))
-    page = (
-        Environment(
-            loader=PackageLoader("study", "templates"),
-            autoescape=True,
-            undefined=StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
-        .get_template("compare.html.j2")
-        .render(
-            title=base.run.line.name,
-            subtitle=" · ".join(f"{side.label}: {side.name}" for side in found.sides),
-            parts=parts,
-        )
+    page = rendered(
+        "compare.html.j2",
+        title=base.run.line.name,
+        subtitle=" · ".join(f"{side.label}: {side.name}" for side in found.sides),
+        parts=parts,
     )
     return page.replace(FACE, japanese_face(page), 1)
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
-from network.exchange.timetable_writer import text_toml
+from network.files.toml_text import text_toml
 from simulation.setup import Setup
 from study.making.place import checked_new, named_from, write_new
 from study.scenario.scenario import Scenario, load_scenario

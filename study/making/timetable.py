@@ -15,12 +15,13 @@ from typing import Final, TypeAlias
 from network.clock import clock
 from network.errors import COMMAND_LINE, InputError
 from network.exchange.planned import PlannedTrain
-from network.exchange.timetable_writer import file_of_trains, text_toml, timetable_toml
+from network.exchange.timetable_writer import file_of_trains, timetable_toml
 from network.exchange.workings import workings_of
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.files.text_input import existing_file
 from network.files.timetable_schema import HeadTable
+from network.files.toml_text import text_toml
 from network.model import Direction, Line
 from network.timetable import Call, CallKind, Timetable, parse_timetable
 from simulation.setup import Setup

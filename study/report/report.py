@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from network.model import Line
@@ -27,6 +26,7 @@ from study.report.packing import deflated
 from study.report.parts import Part
 from study.report.payload import Shows, courses_of, payload_of
 from study.report.tasc import Tuned
+from study.report.template import rendered
 from study.run.summary import summarise
 from study.run.tables import RunTables
 
@@ -69,14 +69,8 @@ def write_report(
 def page_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> str:
     """The page, with curves as fine as its size allows: the finest that keeps it within `BYTES_AIMED`."""
     payload = payload_of(run, facts, shows)
-    environment = Environment(
-        loader=PackageLoader("study", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    page = environment.get_template("report.html.j2").render(
+    page = rendered(
+        "report.html.j2",
         line=run.line,
         subtitle=_subtitle(run.timetable, facts),
         headline=headline(run, facts, shows.drill),

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from network.clock import clock
 from network.files.names import title_of
+from network.files.toml_text import value_text
 from simulation.faults.script import Act, Failure, Script
 from simulation.setup import STEPS_PER_S
 from study.run.outcome_class import Kind, SweptRun
@@ -159,9 +160,9 @@ def replay_of(scenario: Scenario, script: Script, own_id: str, title: str) -> st
     }
     tables = [("fault", _fault(failure)) for failure in script.faults]
     tables += [("act", _act(act)) for act in script.acts]
-    lines = [f"{key} = {_toml(value)}" for key, value in head.items()]
+    lines = [f"{key} = {value_text(value)}" for key, value in head.items()]
     for key, table in tables:
-        lines += ["", f"[[{key}]]", *(f"{name} = {_toml(value)}" for name, value in table.items())]
+        lines += ["", f"[[{key}]]", *(f"{name} = {value_text(value)}" for name, value in table.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -189,10 +190,6 @@ def _act(act: Act) -> dict[str, object]:
 
 def _start(item: Failure | Act) -> str:
     return _clock(round((item.trigger.at_s or 0.0) * STEPS_PER_S))
-
-
-def _toml(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False)
 
 
 def _clock(step: int) -> str:

@@ -17,6 +17,7 @@ from network.files.quantities import SEED
 from network.files.shipped import find_file
 from network.files.text_input import existing_file
 from network.files.toml_input import parse_toml, read_text
+from network.files.toml_text import steps_of, value_text
 from study.run.run import TEMPORARY, CarrierKind
 from study.scenario.scenario import find_scenario
 from study.sweep.digest import inputs_digest
@@ -25,7 +26,6 @@ from study.sweep.figures import figure_of
 from study.sweep.point import scenario_of
 from study.sweep.records import DaySpec, Said
 from study.sweep.sweep_file import AxisTable, StopTable, SweepFile
-from study.sweep.toml_text import steps_of, value_text
 
 FOLDER: Final = "sweeps"
 POINTS_MAX: Final = 2000  # assumed: more nobody reads, and each is loaded before the first day runs

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from network.files.names import IDENTIFIER_LENGTH_MAX, title_of
+from network.files.toml_text import put, steps_of, toml_of
 from study.scenario.scenario import Scenario, load_scenario
 from study.sweep.records import DaySpec
-from study.sweep.toml_text import put, steps_of, toml_of
 
 SHORT: Final = 8  # characters of a digest that tell points apart
 _FILE: Final = "sweep"  # of errors: what a sweep file says was checked as it was read

@@ -8,7 +8,6 @@ from io import BytesIO
 from pathlib import Path
 from typing import Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure as Picture
 
 from network.errors import InputError
@@ -16,6 +15,7 @@ from network.model import Line
 from study.report.face import FACE, japanese_face
 from study.report.parts import Grid, Part
 from study.report.style import drawing, svg_of
+from study.report.template import rendered
 from study.scenario.scenario import load_scenario
 from study.sweep.draw import draw_days, draw_spread, draw_tornado
 from study.sweep.figures import FIGURES, Figure
@@ -71,20 +71,11 @@ def _page(state: State, parts: Sequence[Part]) -> str:
     days = f"{state.there} days at {len(state.plan.points)} points of the grid"
     if len(state.plan.points) == 1:
         days = f"{state.there} days"
-    page = (
-        Environment(
-            loader=PackageLoader("study", "templates"),
-            autoescape=True,
-            undefined=StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
-        .get_template("sweep.html.j2")
-        .render(
-            title=table.name,
-            subtitle=f"{table.scenario} · {days} · carried by {state.plan.carrier.value}",
-            parts=parts,
-        )
+    page = rendered(
+        "sweep.html.j2",
+        title=table.name,
+        subtitle=f"{table.scenario} · {days} · carried by {state.plan.carrier.value}",
+        parts=parts,
     )
     return page.replace(FACE, japanese_face(page), 1)
 

@@ -15,9 +15,10 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from network.errors import InputError
-from network.exchange.timetable_writer import head_toml, text_toml
+from network.exchange.timetable_writer import head_toml
 from network.files.timetable_schema import HeadTable
 from network.files.toml_input import Record, parse_toml
+from network.files.toml_text import text_toml
 
 _BEGINS: Final = "# branchline: what OuDia has no place for; read back from here"
 _OPERATIONAL: Final = "運転停車"

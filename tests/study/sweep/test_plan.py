@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 from network.errors import InputError
 from network.files.toml_input import parse_table
+from network.files.toml_text import put, steps_of, toml_of
 from study.scenario.scenario import load_scenario
 from study.sweep.digest import inputs_digest
 from study.sweep.draws import drawn_value
 from study.sweep.plan import Plan, load_plan
 from study.sweep.point import scenario_text
 from study.sweep.sweep_file import DrawTable
-from study.sweep.toml_text import put, steps_of, toml_of
 from tests.conftest import Ended
 from tests.study.sweep.conftest import SWEEP
 

@@ -1,14 +1,14 @@
-"""Tables as the text of a TOML file: a scenario that a sweep has made is one that a person could have written."""
+"""Values and tables as the text of a TOML file, as a person could have written it."""
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any, Final
 
 from network.errors import InputError
-from network.exchange.timetable_writer import text_toml
 from network.files.raw import is_row, is_table
 
 _BARE: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-")
@@ -46,6 +46,11 @@ def put(tables: dict[str, Any], steps: Sequence[str], value: object) -> None:
             put(merged, (key,), item)
     else:
         node[last] = deepcopy(value)
+
+
+def text_toml(text: str) -> str:
+    """A basic string of TOML: that of JSON, with the one control character escaped that JSON lets stand."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def toml_of(tables: Mapping[str, Any]) -> str:

@@ -1,0 +1,17 @@
+"""Pages from the templates of `study/templates`: text in them is escaped, and a name that nobody gives is an error."""
+
+from __future__ import annotations
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+
+def rendered(template: str, **shown: object) -> str:
+    """A template with what it shows."""
+    environment = Environment(
+        loader=PackageLoader("study", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(template).render(shown)
