@@ -11,7 +11,7 @@ import sys
 import sysconfig
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
@@ -47,10 +47,24 @@ def environment(own: Mapping[str, str], folder: Path, root: Path = _ROOT) -> dic
     return kept | ({"PYTHONPATH": os.pathsep.join(map(str, path))} if path else {})
 
 
+class Commission(NamedTuple):
+    """What people enter to put a party into service (`host.store.commission`)."""
+
+    number: int
+    vital: bytes = b""
+
+
 class PartyProcess:
     """One running `host.serve`. It ends by itself when its stdin or its parent is gone."""
 
-    def __init__(self, spec: PartySpec, secrets: Secrets, state: Path, endpoint: str) -> None:
+    def __init__(
+        self,
+        spec: PartySpec,
+        secrets: Secrets,
+        state: Path,
+        endpoint: str,
+        commission: Commission | None = None,
+    ) -> None:
         state = state.resolve()
         state.mkdir(mode=0o700, parents=True, exist_ok=True)
         (state / CONFIG_FILE).write_bytes(spec.config)
@@ -59,6 +73,8 @@ class PartyProcess:
         command = [sys.executable, "-P", "-m", "host.serve", spec.role.value]
         command += ["--line", spec.line_id, "--party", spec.party_id, "--state", str(state)]
         command += ["--key-file", str(state / SECRETS_FILE), "--connect", endpoint]
+        if commission is not None:
+            command += ["--commission", str(commission.number), "--vital", commission.vital.hex()]
         with (state / LOG_FILE).open("ab") as log:
             self._process = subprocess.Popen(
                 command,

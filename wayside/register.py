@@ -36,7 +36,8 @@ class Unit:
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
     for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
-    asked all the same; `taken_back`: they were wrong.
+    asked all the same; `taken_back`: they were wrong, or it was. `unproven`: by its own word it is outside, and it was
+    on the line as far as was known when the block state was lost.
     """
 
     standing: Standing
@@ -49,6 +50,7 @@ class Unit:
     barred: bool = False
     silent: bool = False
     taken_back: bool = False
+    unproven: bool = False
 
     @property
     def has_spoken(self) -> bool:
@@ -169,9 +171,13 @@ class Register:
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
     def asked(self) -> tuple[str, ...]:
-        """Units that are asked what they hold: those that block, and those that count by persons' word alone."""
+        """Units that are asked what they hold: those that block, and those that count by persons' word alone.
+
+        While one is looked for, those that hold what it may be in, too: with the answer they hear what to sweep.
+        """
         silent = (unit_id for unit_id, unit in self.units.items() if unit.silent)
-        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent)))
+        near = (unit_id for unit_id in self.units if self.on_sight(self.contested(unit_id)))
+        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent, *near)))
 
     @property
     def in_dispute(self) -> bool:
