@@ -16,7 +16,7 @@ from network.errors import InputError
 from radio.keys import capability_mac
 from radio.messages import Capability
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
-from wayside.journeys import Days, Kept, Trip, days_of
+from wayside.journeys import Days, Kept, Sought, Trip, days_of
 
 
 class Standing(Enum):
@@ -118,8 +118,8 @@ class Register:
     `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
     to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
     often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
-    in which all can finish, as last proven, `search_again_s` when it is looked for again if none is known, and `now_s`
-    when the last telegram came; all where `plan.days` are.
+    in which all can finish, as last proven, `sought` the last search that found none, and `now_s` when the last
+    telegram came; all where `plan.days` are.
     """
 
     plan: Plan
@@ -138,7 +138,7 @@ class Register:
     trips: Mapping[str, Trip] = field(default_factory=dict[str, Trip])
     trips_lost: bool = False
     kept: Kept | None = None
-    search_again_s: float = 0.0
+    sought: Sought | None = None
     now_s: float = 0.0
 
     @property
