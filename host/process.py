@@ -68,11 +68,12 @@ class PartyProcess:
         state = state.resolve()
         state.mkdir(mode=0o700, parents=True, exist_ok=True)
         (state / CONFIG_FILE).write_bytes(spec.config)
-        write_private(state / SECRETS_FILE, msgspec.json.encode(secrets))
+        self._secrets: Final = state / SECRETS_FILE
+        write_private(self._secrets, msgspec.json.encode(secrets))
         # -P, and a folder of its own: that from which the program was called cannot put a module in the way.
         command = [sys.executable, "-P", "-m", "host.serve", spec.role.value]
         command += ["--line", spec.line_id, "--party", spec.party_id, "--state", str(state)]
-        command += ["--key-file", str(state / SECRETS_FILE), "--connect", endpoint]
+        command += ["--key-file", str(self._secrets), "--connect", endpoint]
         if commission is not None:
             command += ["--commission", str(commission.number), "--vital", commission.vital.hex()]
         with (state / LOG_FILE).open("ab") as log:
@@ -128,6 +129,7 @@ class PartyProcess:
         if not self.ended_within(_END_LIMIT_S):
             self._process.kill()
             self._process.wait()
+        self._secrets.unlink(missing_ok=True)  # of one that ended before it had read them
 
 
 def last_words(state: Path) -> str:

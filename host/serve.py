@@ -130,7 +130,9 @@ def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--state", required=True, type=Path, help="directory with config.json and durable state"
     )
-    parser.add_argument("--key-file", required=True, type=Path, help="the party's secrets, JSON")
+    parser.add_argument(
+        "--key-file", required=True, type=Path, help="the party's secrets, JSON; removed once read"
+    )
     parser.add_argument("--connect", required=True, help="endpoint of the simulator, unixsock-stream/<path>")
     parser.add_argument(
         "--commission", type=int, help="how often people have put it into service, this time included"
@@ -140,10 +142,15 @@ def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _secrets(file: Path) -> Secrets:
+    """What this boot is given in secret; the file is gone once it is read, so that nobody's death leaves it."""
     try:
-        return msgspec.json.decode(file.read_bytes(), type=Secrets)
+        data = file.read_bytes()
+        file.unlink()
+        return msgspec.json.decode(data, type=Secrets)
     except OSError as error:
-        raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from None
+        raise InputError(
+            str(file), "", None, f"a file that can be read and removed ({error.strerror})"
+        ) from None
     except msgspec.MsgspecError as error:
         raise InputError(str(file), "", None, f"the secrets of a party ({error})") from None
 
