@@ -77,9 +77,8 @@ class Simulation:
         self.journal = journal or Journal()
         duties = drawn_up(setup, setup.believed_line)
         first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)
-        last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
-        self._limit_step = round((last_s + setup.limits.time_limit_s) / STEP_S)
+        self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
         self.trains = Trains(setup, self._carrier)

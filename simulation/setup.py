@@ -108,6 +108,11 @@ class Setup:
         return so if self.belief is None else self.belief.trains.get(stock_id, so)
 
     @property
+    def latest_end_s(self) -> float:
+        """When the run ends whatever happens, s: no train comes after that."""
+        return latest_end_s(self.timetable, self.limits)
+
+    @property
     def today(self) -> tuple[str, ...]:
         """What sets the day's draws apart from those of the first day."""
         return () if self.day == 1 else (f"day {self.day}",)
@@ -119,6 +124,12 @@ class Setup:
     def next_day(self, learned: Mapping[str, Learned]) -> Setup:
         """The same timetable a day later, with what the trains have learned."""
         return replace(self, day=self.day + 1, learned=learned)
+
+
+def latest_end_s(timetable: Timetable, limits: Limits = Limits()) -> float:  # noqa: B008 - it is frozen
+    """The last planned time of all trains, and how long the run may last beyond, s; as late counts what never comes."""
+    ends_s = (call.last_s for train in timetable.trains.values() for call in train.calls)
+    return max(ends_s, default=0) + limits.time_limit_s
 
 
 def behaviour_row(driving: Driving, train: np.void) -> NDArray[np.void]:

@@ -180,8 +180,8 @@ class _Search:
             until = steps + int(anew)
             while self._line.left:
                 branch = branches[-1]
-                index = self._next(branch)
-                if index is None:
+                mover = self._next(branch)
+                if mover is None:
                     self._learn(branch.stuck)
                     branches.pop()
                     if not branches:
@@ -194,12 +194,12 @@ class _Search:
                 if steps >= until:
                     break
                 steps += 1
-                held = self._line.make(index)
-                if stuck := self._stuck(index):
-                    self._line.take_back(index, held)
-                    self._failed(branch, index, stuck)
+                held = self._line.make(mover)
+                if stuck := self._stuck(mover):
+                    self._line.take_back(mover, held)
+                    self._failed(branch, mover, stuck)
                 else:
-                    branches.append(self._branch(index, held))
+                    branches.append(self._branch(mover, held))
             else:
                 return Found(Proof.ORDER, tuple(b.mover for b in branches[1:]), self._circle, steps)
             for branch in reversed(branches[1:]):
