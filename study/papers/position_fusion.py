@@ -242,11 +242,11 @@ def reproduce(options: Options) -> Reproduction:
 
 def evenly_turning(setup: Setup, rule: Rule) -> Figure:
     """How much of the width comes from what wheels may creep: the same with wheels that are taken not to."""
-    even = setup.curvature.model_copy(update={"wheels_vary_share": 0.0})
+    even = setup.unit.model_copy(update={"wheel_scale_limit": setup.unit.wheel_error_share})
     return Figure(
         "median half-width with curvature, outside long straights, of wheels that never creep",
-        curved_row(replace(setup, curvature=even), rule).ours,
-        "m; the rest of that row's is curvature.wheels_vary_share",
+        curved_row(replace(setup, unit=even), rule).ours,
+        "m; the rest of that row's is what unit.wheel_error_share has beyond unit.wheel_scale_limit",
     )
 
 
