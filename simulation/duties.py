@@ -96,8 +96,9 @@ class Duties:
         return self._stage[slot] is Stage.DONE
 
     def all_done(self) -> bool:
-        """Whether nothing follows for any stock."""
-        return all(stage is Stage.DONE for stage in self._stage)
+        """Whether nothing follows for any stock, and none moves: a tachometer shows a stand before the wheels do."""
+        done = all(stage is Stage.DONE for stage in self._stage)
+        return done and all(self._trains.plants[slot].speed_mps <= 0.0 for slot in self._trains.active())
 
     def truly_done(self, slot: int) -> bool:
         """Whether the stock has truly left the line, or stands where its last duty ends."""
