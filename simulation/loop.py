@@ -31,6 +31,7 @@ from simulation.faults.injector import Injector
 from simulation.faults.script import Script
 from simulation.journal import Journal
 from simulation.late.day import late_day
+from simulation.people import Pause
 from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
@@ -242,6 +243,9 @@ class Simulation:
                 self._platforms.due(step, subject)
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
+            case Due.CREW:
+                pause, stock_id = subject.split(" ", 1)
+                self._duties.crew_due(Pause(pause), self.trains.slot_of[stock_id], step)
 
     def _to_unit(self, slot: int, stock_id: str, data: bytes) -> None:
         if slot in self.on_board.unpowered:
@@ -358,7 +362,7 @@ class Simulation:
         if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(slot)
         if passed & PASSED_REAR:
-            cabs.rear_passed(slot, step)
+            cabs.keys_back(slot, step)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
         if self._charging is not None:

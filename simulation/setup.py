@@ -26,6 +26,7 @@ from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
 from simulation.gnss_settings import Gnss
 from simulation.late.settings import NO_LATE, Late
+from simulation.people import People
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
@@ -95,6 +96,7 @@ class Setup:
     operation: Operation = field(default_factory=Operation)
     dispatch: Dispatch = field(default_factory=Dispatch)
     battery: BatterySettings | None = None  # None: all trains run from a wire
+    people: People = field(default_factory=People)
     late: Late = NO_LATE  # from which distributions the disturbances of the day are drawn
 
     @property

@@ -16,6 +16,8 @@ from simulation.faults.links import LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
+from simulation.pauses import Pauses
+from simulation.people import Pause
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.clock import Clock
 from wayside.config import MANAGER_ID
@@ -74,8 +76,9 @@ class Injector:
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter
+        self._pauses = Pauses(trains.setup)
         self._triggers = _triggers_of(script)
-        self._watch = Watch(self._triggers, self._come_due)
+        self._watch = Watch(self._triggers, self._seen)
         self._stage = Stage.DEFINED  # of the re-entry, as the controller's screen shows it
         journal.watch(self._watch.see)
         journal.watch(self._see)
@@ -109,6 +112,13 @@ class Injector:
         """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
         self._acts.append(act)
         self._come_due(len(self._script.faults) + len(self._acts) - 1, at_s)
+
+    def _seen(self, key: int, at_s: float) -> None:
+        """What a trigger waited for has come; a person who has said no time acts on it after one of their own."""
+        act = None if key < len(self._script.faults) else self._acts[key - len(self._script.faults)]
+        if act is not None and act.trigger.after_s == 0.0:
+            at_s += self._pauses.steps(Pause.WORD, act.person) / STEPS_PER_S
+        self._come_due(key, at_s)
 
     def _come_due(self, key: int, at_s: float) -> None:
         step = max(step_not_before(at_s), self._world.step)
@@ -194,13 +204,14 @@ class Injector:
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
             case ActKind.ACCEPT_PICTURE:
-                self._enter([AcceptPicture(act.person)], act.pace_s)
+                self._enter(act, [AcceptPicture(act.person)])
             case ActKind.REENTER_ASSISTED:
                 self._accept_when_complete(act, self._acts.index(act))
             case ActKind.ENTER_SECTION:
-                for section_id in act.sections:
-                    word = EnterSection(section_id, act.target or None, act.person)
-                    self._wayside.input(self._world.step, MANAGER_ID, word)
+                unit_id = act.target or None
+                words = [EnterSection(section_id, unit_id, act.person) for section_id in act.sections]
+                self._wayside.input(self._world.step, MANAGER_ID, words[0])
+                self._enter(act, words[1:])
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
 
@@ -220,7 +231,7 @@ class Injector:
             again = self._world.step + round(LOOKS_AGAIN_S * STEPS_PER_S)
             self._agenda.put(again, Due.SCRIPT, f"look {number}")
         else:
-            self._enter([AcceptPicture(act.person)], act.pace_s)
+            self._enter(act, [AcceptPicture(act.person)])
 
     def _reenter(self, act: Act) -> None:
         """Every section of the line by what the crews say they hold and stand in, then the whole picture (手動入力)."""
@@ -232,12 +243,16 @@ class Injector:
         }
         holder |= {s: stock_id for stock_id, under in self._trains.sections_under().items() for s in under}
         entries = [EnterSection(s, holder.get(s), act.person) for s in self._wayside.section_ids]
-        self._enter([*entries, AcceptPicture(act.person)], act.pace_s)
+        self._enter(act, [*entries, AcceptPicture(act.person)])
 
-    def _enter(self, words: Sequence[Input], pace_s: float) -> None:
-        """A person enters words one after the other, `pace_s` for each."""
-        for count, word in enumerate(words, 1):
-            step = self._world.step + round(count * pace_s * STEPS_PER_S)
+    def _enter(self, act: Act, words: Sequence[Input]) -> None:
+        """A person enters words one after the other, each after the pace of the act, or a time of their own."""
+        step = self._world.step
+        for word in words:
+            pace_s = act.pace_s
+            step += (
+                self._pauses.steps(Pause.WORD, act.person) if pace_s is None else round(pace_s * STEPS_PER_S)
+            )
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
 

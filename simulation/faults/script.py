@@ -115,7 +115,7 @@ class Act:
     position: str = ""
     hold_s: float = 300.0
     place: str = ""
-    pace_s: float = 0.0  # time for each input of a re-entry
+    pace_s: float | None = None  # time for each word of a re-entry; None: drawn from `[people]`
 
 
 class Property(Enum):

@@ -185,7 +185,8 @@ def _act(act: Act) -> dict[str, object]:
         "position": act.position,
     }
     table |= {key: value for key, value in own.items() if value}
-    return table | {"hold_s": act.hold_s, "pace_s": act.pace_s}
+    table |= {} if act.pace_s is None else {"pace_s": act.pace_s}
+    return table | {"hold_s": act.hold_s}
 
 
 def _start(item: Failure | Act) -> str:

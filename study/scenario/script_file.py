@@ -61,7 +61,7 @@ class ActTable(Record):
     position: str = ""
     place: str = ""
     hold_s: DrillTime = 300.0
-    pace_s: Pace = 0.0
+    pace_s: Pace | None = None
 
 
 class ExpectTable(Record):

@@ -23,6 +23,7 @@ from simulation.faults.rail import Slippery
 from simulation.faults.script import Failure, Script, Trigger
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.journal import Journal
+from simulation.people import People
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 from simulation.world.clock import Clock
@@ -54,6 +55,7 @@ class World:
         self.cut_out = 0
         self.trains: Any = SimpleNamespace(
             slot_of={"K1": 0},
+            setup=SimpleNamespace(people=People(times=0.0), seed=1, today=()),
             tachometers=[self.tachometer],
             plants=[self.plant],
             premises=Premises([self.tachometer], [self.unit]),  # type: ignore[list-item]

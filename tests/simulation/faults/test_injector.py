@@ -21,6 +21,7 @@ from simulation.faults.links import Cut, Delay, Duplicate, Flip, Link, LinkFault
 from simulation.faults.points import Stuck
 from simulation.faults.script import Act, ActKind, Failure, Script, Trigger, matcher_of
 from simulation.journal import Journal
+from simulation.people import People
 from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
 from simulation.world.clock import Clock
@@ -38,10 +39,13 @@ from wayside.said import (
 SENT = (Delivery(100, b"telegram"),)
 
 
+AT_ONCE = People(times=0.0)
+
+
 class World:
     """Stands for trains and wayside; keeps what is done to it."""
 
-    def __init__(self, *script: Failure | Act, seed: int = 1) -> None:
+    def __init__(self, *script: Failure | Act, seed: int = 1, people: People = AT_ONCE) -> None:
         self.inputs: list[tuple[str, Any]] = []
         self.switched: list[tuple[str, bool]] = []
         self.frozen: list[tuple[str, bool]] = []
@@ -53,7 +57,11 @@ class World:
         on_board: Any = SimpleNamespace(shown=shown.__getitem__)
         self.wayside: Any
         trains: Any = SimpleNamespace(
-            stock_ids=("K1", "K2"), slot_of={"K1": 0, "K2": 1}, tag_faults={}, sections_under=dict
+            stock_ids=("K1", "K2"),
+            slot_of={"K1": 0, "K2": 1},
+            tag_faults={},
+            sections_under=dict,
+            setup=SimpleNamespace(people=people, seed=seed, today=()),
         )
         self.trains, self.tag_faults = trains, trains.tag_faults
         self.wayside = SimpleNamespace(
@@ -195,6 +203,45 @@ def test_re_entry_by_hand_enters_every_section_by_what_units_on_the_line_hold() 
         ("block-manager", EnterSection("5", "K1", "Sato")),
         ("block-manager", AcceptPicture("Sato")),
     ]
+
+
+SLOW = People(sigma=0.0, word_s=4.0)
+
+
+def test_words_of_a_person_come_one_after_the_other() -> None:
+    """Without a pace of its own each word takes a time of `[people]`; with one, that."""
+    for act, every in ((Act(ActKind.REENTER_BY_HAND, "", Trigger(at_s=1.0)), 40), (_PACED, 20)):
+        world = World(act, people=SLOW)
+        for count in range(1, 5):
+            world.run_to(10 + every * count - 1)
+            assert len(world.inputs) == count - 1
+            world.run_to(10 + every * count)
+            assert len(world.inputs) == count
+
+
+_PACED = Act(ActKind.REENTER_BY_HAND, "", Trigger(at_s=1.0), pace_s=2.0)
+
+
+def test_several_sections_are_several_words_the_first_at_the_time_of_the_act() -> None:
+    world = World(Act(ActKind.ENTER_SECTION, "K1", Trigger(at_s=1.0), "Sato", ("PW", "3", "5")), people=SLOW)
+    counts = []
+    for step in (9, 10, 49, 50, 89, 90):
+        world.run_to(step)
+        counts.append(len(world.inputs))
+    assert counts == [0, 1, 1, 2, 2, 3]
+
+
+def test_who_waits_for_an_event_acts_some_time_after_it() -> None:
+    at_points = matcher_of("points P7 move")
+    act = Act(ActKind.TAKE_BACK, "K1", Trigger(on=at_points), "Sato")
+    said = replace(act, trigger=replace(act.trigger, after_s=1.0))
+    for item, begins in ((act, 140), (said, 110)):
+        world = World(item, people=SLOW)
+        world.journal.write(10.0, WORLD, PointsMoving(points_id="P7", target=Position.NORMAL))
+        world.run_to(begins - 1)
+        assert world.inputs == []
+        world.run_to(begins)
+        assert len(world.inputs) == 1
 
 
 def test_re_entry_by_hand_enters_where_trains_truly_stand_too() -> None:

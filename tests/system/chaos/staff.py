@@ -15,6 +15,8 @@ from network.model import SectionKind
 from simulation.events import Entry, PowerOff, PowerOn
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.loop import Simulation
+from simulation.pauses import Pauses
+from simulation.people import Pause
 from simulation.setup import STEP_S
 from simulation.world.point_machine import MachineState, PointMachine
 from tests.system.chaos.case import Manner
@@ -37,6 +39,7 @@ class Staff:
         self._simulation = simulation
         self._manner = manner
         self._draw = Draw(manner.seed, ("staff",))
+        self._pauses = Pauses(simulation.setup)
         self._next_look_s = 0.0
         self._off_s: dict[str, float] = {}  # since when, by device
         self._broken_s: dict[str, float] = {}  # the same of points
@@ -104,7 +107,8 @@ class Staff:
             return
         self._tries[key] += 1
         self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
-        at_s = round(t_s + STEP_S, 1)
+        # Two who say the same say it one after the other.
+        at_s = round(t_s + STEP_S + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
         act = Act(kind, target, Trigger(at_s=at_s), person, sections, position, place=place)
         self.acts.append(act)
         self._simulation.injector.add(act, at_s)
