@@ -15,7 +15,7 @@ from host.parties import Parties
 from host.party import Advance, Codec, PartySpec, Role
 from host.store import Store, raise_epoch
 from network.errors import InputError
-from onboard.duty.records import Command, Told
+from onboard.duty.records import Command, DutyState, Told
 from onboard.duty.turn import DutyParameters
 from onboard.notes import Note
 from onboard.unit import Answer, Report, Telegram, Unit
@@ -94,10 +94,15 @@ class HostedUnit:
         """Number of this boot."""
         return self._durable.epoch
 
+    @property
+    def state(self) -> DutyState:
+        """Where the unit is in its duty."""
+        return self._unit.state
+
     def advance(self, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
         """Act at `now_s` on what happened, telegrams and timers."""
         answer = self._unit.advance(now_s, telegrams, report)
-        on_line = self._unit.state.authority.perhaps_on_line
+        on_line = self.state.authority.perhaps_on_line
         if on_line is not self._kept:
             self._kept = on_line
             spare = msgspec.msgpack.encode(_Spare(on_line))

@@ -12,7 +12,7 @@ from typing import Final
 
 from onboard.duty.records import Person, Sensed, SetBack, Told
 from simulation.agenda import Agenda, Due
-from simulation.events import WORLD, PowerOff, PowerOn
+from simulation.events import WORLD, Commissioned, PowerOff, PowerOn, Uncommissioned
 from simulation.faults.fault import VehiclePart
 from simulation.journal import Journal
 from simulation.pauses import Pauses
@@ -28,6 +28,7 @@ from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
 CREW: Final = "crew "
+_LOST: Final = "it has lost its durable state, and people must commission it"
 
 
 class Cabs:
@@ -149,6 +150,8 @@ class Cabs:
 
     def waits_for(self, slot: int) -> str:
         """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
+        if slot in self._on_board.uncommissioned:
+            return f"its unit: {_LOST}"
         if slot in self._on_board.unpowered:
             return "its unit to be switched on"
         if slot in self._frozen:
@@ -159,7 +162,8 @@ class Cabs:
             return "power: its battery is empty"
         if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
-        return self._on_board.shown(slot).waits_for
+        lost = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
+        return self._on_board.shown(slot).waits_for + lost
 
     # crews ----------------------------------------------------------------------------------------------------------
 
@@ -233,6 +237,7 @@ class Cabs:
     def power_off(self, slot: int, step: int) -> None:
         """An on-board unit dies; the emergency brake applies itself."""
         if slot in self._on_board.unpowered:
+            self._on_board.uncommissioned.discard(slot)
             return
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=self._trains.stock_ids[slot]))
         self._on_board.power_off(slot)
@@ -243,12 +248,22 @@ class Cabs:
         self._trains.truths[slot].sight_m = math.inf
 
     def power_on(self, slot: int, step: int) -> bool:
-        """It boots; whether it was off."""
+        """It boots, if it has not lost its durable state; whether it was off, and is not now."""
         if slot not in self._on_board.unpowered:
             return False
-        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=self._trains.stock_ids[slot]))
-        self._on_board.power_on(slot)
+        stock_id = self._trains.stock_ids[slot]
+        if not self._on_board.power_on(slot):
+            self._journal.write(step / STEPS_PER_S, WORLD, Uncommissioned(device_id=stock_id))
+            return False
+        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=stock_id))
         return True
+
+    def commission(self, slot: int, step: int, number: int) -> bool:
+        """People put a unit into service again that waits for it; whether it has booted."""
+        self._on_board.commission(slot, number)
+        commissioned = Commissioned(device_id=self._trains.stock_ids[slot], number=number)
+        self._journal.write(step / STEPS_PER_S, WORLD, commissioned)
+        return self.power_on(slot, step)
 
     def crew_enters_number(self, slot: int, step: int, duty: Duty) -> None:
         """After a boot on the line: the train number, and where it stands, as the crew sees it now."""

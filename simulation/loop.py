@@ -149,6 +149,7 @@ class Simulation:
             self._give_back,
             self._unit_clock,
             self._unit_vehicle,
+            self._unit_commission,
         )
 
     @property
@@ -391,6 +392,12 @@ class Simulation:
         elif self._cabs.power_on(slot, self._step):
             self._duties.powered_on(slot, self._step)
 
+    def _unit_commission(self, stock_id: str, number: int) -> None:
+        """People put an on-board unit into service again."""
+        slot = self.trains.slot_of[stock_id]
+        if self._cabs.commission(slot, self._step, number):
+            self._duties.powered_on(slot, self._step)
+
     def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
         """The event-driven part of a unit does nothing, or goes on with what has piled up."""
         self._cabs.freeze(self.trains.slot_of[stock_id], self._step, frozen=frozen)
@@ -426,6 +433,10 @@ class Simulation:
         if still_s < self.setup.limits.stall_limit_s:
             return False
         return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
+
+    def _uncommissioned(self) -> tuple[str, ...]:
+        units = (self.trains.stock_ids[slot] for slot in self.on_board.uncommissioned)
+        return tuple(sorted((*units, *self.wayside.uncommissioned)))
 
     def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
         self._books.close(self._step)
@@ -467,6 +478,7 @@ class Simulation:
                 if not self._duties.truly_done(slot)
             ),
             courses=self.injector.courses,
+            uncommissioned=self._uncommissioned(),
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
             fixes=self.trains.fixes(),

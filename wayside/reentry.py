@@ -310,7 +310,7 @@ def said_outside(register: Register, unit_id: str) -> Step:
     """A unit that is on the line as far as is known says that it is not: shown, and what it may be in is to be swept:
     at once, or while the line is restored when it is known who speaks for which sections.
     """
-    why = "it was on the line, and says that it is outside"
+    why = "it may have been on the line, and says that it is outside"
     shown_ = Show(Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=why))
     if register.restoring or register.held_by(unit_id):
         return register, (shown_,)

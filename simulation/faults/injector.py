@@ -10,6 +10,7 @@ from radio.air import Delivery
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, Acted, Entry, FaultBegan, FaultOver
+from simulation.faults.commissioning import ServiceRecord
 from simulation.faults.devices import PowerFault
 from simulation.faults.fault import InForce, VehiclePart, World, fold
 from simulation.faults.links import LinkFault
@@ -42,6 +43,7 @@ LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to 
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
+Commission = Callable[[str, int], None]  # stock id, for the so many-th time
 ShowVehicle = Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
 
 
@@ -62,6 +64,7 @@ class Injector:
         give_back: GiveBack,
         unit_clock: SetClock,
         unit_vehicle: ShowVehicle,
+        unit_commission: Commission,
     ) -> None:
         self._script = script
         self._acts = list(script.acts)  # and those added during the run
@@ -72,7 +75,11 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
-        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle)
+        self._unit_commission = unit_commission
+        self._record = ServiceRecord(wayside.sections_of)
+        self._world = World(
+            trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle, self._lose_store
+        )
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter
@@ -82,6 +89,7 @@ class Injector:
         self._stage = Stage.DEFINED  # of the re-entry, as the controller's screen shows it
         journal.watch(self._watch.see)
         journal.watch(self._see)
+        journal.watch(self._record.see)
         wayside.disturb = self._disturb
 
     @property
@@ -170,6 +178,21 @@ class Injector:
         for key in self._in_force.at((changes, target)):
             self._end(key)
 
+    def _lose_store(self, party_id: str) -> None:
+        if party_id in self._trains.slot_of:
+            self._on_board.lose_store(self._trains.slot_of[party_id])
+        else:
+            self._wayside.lose_store(party_id)
+
+    def _commission(self, party_id: str) -> None:
+        """Staff put into service again what waits for it; anything else they leave alone."""
+        slot = self._trains.slot_of.get(party_id)
+        if slot is not None and slot in self._on_board.uncommissioned:
+            self._unit_commission(party_id, self._record.number(party_id))
+        elif party_id in self._wayside.uncommissioned:
+            number, vital = self._record.number(party_id), self._record.vital(party_id)
+            self._wayside.commission(self._world.step, party_id, number, vital)
+
     def _write(self, changed: type[FaultBegan | FaultOver], failure: Failure) -> None:
         fault = failure.fault
         event = changed(kind=fault.kind, target=str(fault.target), parameters=fault.parameters())
@@ -198,6 +221,8 @@ class Injector:
                 self._wayside.input(self._world.step, MANAGER_ID, entry)
             case ActKind.POWER_ON:
                 self._end_all(PowerFault.changes, act.target)
+            case ActKind.COMMISSION:
+                self._commission(act.target)
             case ActKind.REPAIR_POINTS:
                 self._end_all(PointsFault.changes, act.target)
                 self._wayside.repair(self._world.step, act.target, Position(act.position))

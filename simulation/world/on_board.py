@@ -11,6 +11,7 @@ from typing import Final
 
 import msgspec
 
+from host.store import NotCommissioned
 from host.units import Units
 from network.path import Path
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
@@ -67,6 +68,7 @@ class OnBoard:
 
     def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
         self.unpowered: Final[set[int]] = set()
+        self.uncommissioned: Final[set[int]] = set()  # of these, those that have power and lost their state
         self.numberless: Final[set[int]] = set()  # slots whose unit has power, and no train number yet
         self.charging: Charging | None = None
         self.clocks: Final = [Clock()] * len(trains.stock_ids)
@@ -172,18 +174,35 @@ class OnBoard:
         """The unit dies: its outputs fall to the safe side, so the emergency brake applies itself."""
         self.unpowered.add(slot)
         self.numberless.discard(slot)
+        self.uncommissioned.discard(slot)
         self._units.kill(self._trains.stock_ids[slot])
         self._trains.truths[slot].powered = 0
 
-    def power_on(self, slot: int) -> None:
-        """The unit boots; it knows nothing before its crew enters a train number."""
+    def lose_store(self, slot: int) -> None:
+        """The durable state of a unit that is off is gone."""
+        self._units.lose(self._trains.stock_ids[slot])
+
+    def commission(self, slot: int, number: int) -> None:
+        """People put a unit into service again that waits for it; it has yet to boot."""
+        self.uncommissioned.discard(slot)
+        self._units.commission(self._trains.stock_ids[slot], number)
+
+    def power_on(self, slot: int) -> bool:
+        """The unit boots, and knows nothing before its crew enters a train number; False: it has lost its durable
+        state, and stays off.
+        """
+        try:
+            self._units.restart(self._trains.stock_ids[slot])
+        except NotCommissioned:
+            self.uncommissioned.add(slot)
+            return False
         self.unpowered.discard(slot)
-        self._units.restart(self._trains.stock_ids[slot])
         self.await_number(slot)
         before = self._motions[slot]
         self._motions[slot] = new_motion(self._trains, slot, self._keepers[slot])
         self._motions[slot].load_share = before.load_share
         self._motions[slot].vehicle = before.vehicle
+        return True
 
     def switch_on(
         self, slot: int, duty: Duty, stands_at: int | None, beyond_m: float = 0.0

@@ -235,6 +235,7 @@ def execute(
         "ended_because": result.ended_because.value,
         "outside_design": list(outside_design(result)),
         "unfinished": list(unfinished(result)),
+        "uncommissioned": list(result.uncommissioned),
         "broken": list(broken),
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,
         "wall_s": round(wall_s, 3),

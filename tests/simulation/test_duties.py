@@ -57,6 +57,7 @@ class Yard:
         self.sent: list[tuple[str, str]] = []
         self.inputs: list[Any] = []
         wayside: Any = SimpleNamespace(
+            uncommissioned=set(),
             machines={},
             transmit=lambda _step, source, destination, _data: self.sent.append((source, destination)),
             input=lambda _step, _device, value: self.inputs.append(value),

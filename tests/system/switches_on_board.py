@@ -21,7 +21,16 @@ from onboard.duty import arrival, shown
 from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, PointsNeeded
-from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
+from onboard.duty.records import (
+    Command,
+    Limit,
+    Person,
+    Place,
+    PointsSeen,
+    PointsWrong,
+    Sensed,
+    SwitchedOn,
+)
 from onboard.duty.turn import Turn
 from onboard.localisation import tags
 from onboard.localisation.fix import Fix, Refused, Taken, take
@@ -33,7 +42,9 @@ from onboard.unit import Answer, Report, Telegram, Unit
 from radio.messages import (
     PointsCommand,
 )
-from simulation.setup import Setup, behaviour_rows
+from simulation.agenda import Due
+from simulation.cabs import CREW, Cabs
+from simulation.setup import STEPS_PER_S, Setup, behaviour_rows
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import Duty
@@ -269,3 +280,45 @@ def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, Telegram("B-W", data)))
 
     patch.setattr(Unit, "advance", rogue)
+
+
+# durable state -------------------------------------------------------------------------------------------------
+
+
+@switch
+def forgets_that_it_was_on_the_line(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("host.unit._was_on_line", lambda _kept: False)
+
+
+@switch
+def crew_comes_ten_seconds_later(patch: pytest.MonkeyPatch) -> None:
+    """Given: the crew of a unit that has booted enters its train number some time after that."""
+    crew_comes_after(patch, 10.0)
+
+
+def crew_comes_after(patch: pytest.MonkeyPatch, delay_s: float) -> None:
+    """What the crew of a booted unit would tell it at once waits for this time; a boot meanwhile begins it anew."""
+    tell, look, waits = Cabs.tell, Cabs.crew_looks, dict[int, tuple[int, Sequence[Person | Sensed]]]()
+
+    def told(
+        self: Cabs,
+        slot: int,
+        step: int,
+        happened: Sequence[Person | Sensed] = (),
+        telegrams: Sequence[bytes] = (),
+    ) -> None:
+        if any(isinstance(event, SwitchedOn) for event in happened):
+            comes = step + round(delay_s * STEPS_PER_S)
+            waits[slot], happened = (comes, happened), ()
+            self._agenda.put(comes, Due.SCRIPT, CREW + self._trains.stock_ids[slot])
+        tell(self, slot, step, happened, telegrams)
+
+    def looks(self: Cabs, slot: int, step: int) -> None:
+        comes, happened = waits.get(slot, (0, ()))
+        if happened and step >= comes:
+            del waits[slot]
+            tell(self, slot, step, happened)
+        look(self, slot, step)
+
+    patch.setattr(Cabs, "tell", told)
+    patch.setattr(Cabs, "crew_looks", looks)

@@ -35,6 +35,7 @@ from simulation.world.crew import Crew
 from simulation.world.points import WaysideWorld
 from study.run.drill import shipped_drills
 from study.run.run import Run
+from tests.system.switchboard import SWITCHES
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
@@ -133,6 +134,11 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("study.run.run.terminal_configs", strict)
 
 
+def forgets_the_line_with_a_late_crew(patch: pytest.MonkeyPatch) -> None:
+    SWITCHES["crew_comes_ten_seconds_later"](patch)
+    SWITCHES["forgets_that_it_was_on_the_line"](patch)
+
+
 def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Crew, "give_keys_back", lambda *_: None)
 
@@ -229,6 +235,13 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "K2 runs at low speed until position and holdings are known",
         ),
         "14c_manager_and_units_one_each": ("starts_with_every_section_free", "no invariant is broken"),
+        "15_crew_comes_late": (
+            forgets_the_line_with_a_late_crew,
+            "the unit is not taken for one that holds nothing",
+        ),
+        "16a_manager_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
+        "16b_unit_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
+        "16c_terminal_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "20_route_given_back": (keeps_a_route_set_back, "then the manager frees it"),
         "21_points_stuck": ("proves_what_it_has_not_detected", "the train waits before them"),
         "22_points_no_detection": ("proves_what_it_has_not_detected", "but not proven"),

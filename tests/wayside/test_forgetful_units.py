@@ -36,7 +36,7 @@ def forgetful() -> Desk:
 
 def test_an_empty_claim_of_one_that_was_on_the_line_is_shown_and_the_line_is_swept() -> None:
     desk = forgetful()
-    assert "it was on the line, and says that it is outside" in desk.why
+    assert "it may have been on the line, and says that it is outside" in desk.why
     assert "u1" in desk.register.ledger  # a second restart must not take its word alone
     assert ToBeSwept in desk.accept()
     assert desk.register.unswept == {"A", "B", "C", "D"}

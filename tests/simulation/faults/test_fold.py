@@ -67,6 +67,7 @@ class World:
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
         self.wayside: Any = SimpleNamespace(
             section_ids=(),
+            sections_of={},
             machines=machines,
             set_machine=lambda _step, machine: machines.update({machine.points_id: machine}),
             power_on=lambda _step, device: self.power.update({device: True}),
@@ -88,6 +89,7 @@ class World:
             lambda _unit, _hold_s: None,
             lambda unit, clock: self.clocks.update({unit: clock}),
             lambda _unit, part, good: self.vehicle.update({part: good}),
+            lambda _unit, _number: None,
         )
         self.injector.start(0)
 
