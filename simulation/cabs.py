@@ -150,10 +150,9 @@ class Cabs:
 
     def waits_for(self, slot: int) -> str:
         """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
-        if slot in self._on_board.uncommissioned:
-            return f"its unit: {_LOST}"
         if slot in self._on_board.unpowered:
-            return "its unit to be switched on"
+            lost = slot in self._on_board.uncommissioned
+            return f"its unit: {_LOST}" if lost else "its unit to be switched on"
         if slot in self._frozen:
             return "its unit, which is frozen"
         if slot in self._on_board.numberless:
@@ -162,8 +161,8 @@ class Cabs:
             return "power: its battery is empty"
         if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
-        lost = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
-        return self._on_board.shown(slot).waits_for + lost
+        others = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
+        return self._on_board.shown(slot).waits_for + others
 
     # crews ----------------------------------------------------------------------------------------------------------
 

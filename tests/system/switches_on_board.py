@@ -28,8 +28,6 @@ from onboard.duty.records import (
     Place,
     PointsSeen,
     PointsWrong,
-    Sensed,
-    SwitchedOn,
 )
 from onboard.duty.turn import Turn
 from onboard.localisation import tags
@@ -42,9 +40,7 @@ from onboard.unit import Answer, Report, Telegram, Unit
 from radio.messages import (
     PointsCommand,
 )
-from simulation.agenda import Due
-from simulation.cabs import CREW, Cabs
-from simulation.setup import STEPS_PER_S, Setup, behaviour_rows
+from simulation.setup import Setup, behaviour_rows
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import Duty
@@ -288,37 +284,3 @@ def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
 @switch
 def forgets_that_it_was_on_the_line(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("host.unit._was_on_line", lambda _kept: False)
-
-
-@switch
-def crew_comes_ten_seconds_later(patch: pytest.MonkeyPatch) -> None:
-    """Given: the crew of a unit that has booted enters its train number some time after that."""
-    crew_comes_after(patch, 10.0)
-
-
-def crew_comes_after(patch: pytest.MonkeyPatch, delay_s: float) -> None:
-    """What the crew of a booted unit would tell it at once waits for this time; a boot meanwhile begins it anew."""
-    tell, look, waits = Cabs.tell, Cabs.crew_looks, dict[int, tuple[int, Sequence[Person | Sensed]]]()
-
-    def told(
-        self: Cabs,
-        slot: int,
-        step: int,
-        happened: Sequence[Person | Sensed] = (),
-        telegrams: Sequence[bytes] = (),
-    ) -> None:
-        if any(isinstance(event, SwitchedOn) for event in happened):
-            comes = step + round(delay_s * STEPS_PER_S)
-            waits[slot], happened = (comes, happened), ()
-            self._agenda.put(comes, Due.SCRIPT, CREW + self._trains.stock_ids[slot])
-        tell(self, slot, step, happened, telegrams)
-
-    def looks(self: Cabs, slot: int, step: int) -> None:
-        comes, happened = waits.get(slot, (0, ()))
-        if happened and step >= comes:
-            del waits[slot]
-            tell(self, slot, step, happened)
-        look(self, slot, step)
-
-    patch.setattr(Cabs, "tell", told)
-    patch.setattr(Cabs, "crew_looks", looks)

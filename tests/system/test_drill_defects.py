@@ -35,7 +35,6 @@ from simulation.world.crew import Crew
 from simulation.world.points import WaysideWorld
 from study.run.drill import shipped_drills
 from study.run.run import Run
-from tests.system.switchboard import SWITCHES
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 
 pytestmark = pytest.mark.system
@@ -132,11 +131,6 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
         return tuple(configs)
 
     patch.setattr("study.run.run.terminal_configs", strict)
-
-
-def forgets_the_line_with_a_late_crew(patch: pytest.MonkeyPatch) -> None:
-    SWITCHES["crew_comes_ten_seconds_later"](patch)
-    SWITCHES["forgets_that_it_was_on_the_line"](patch)
 
 
 def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
@@ -236,7 +230,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         ),
         "14c_manager_and_units_one_each": ("starts_with_every_section_free", "no invariant is broken"),
         "15_crew_comes_late": (
-            forgets_the_line_with_a_late_crew,
+            "forgets_that_it_was_on_the_line",
             "the unit is not taken for one that holds nothing",
         ),
         "16a_manager_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
