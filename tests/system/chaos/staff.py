@@ -13,7 +13,7 @@ from collections import Counter
 from typing import Final
 
 from network.model import SectionKind
-from simulation.events import Commissioned, Entry, PowerOff, PowerOn, Uncommissioned
+from simulation.events import Entry, PowerOff, PowerOn, Uncommissioned
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.loop import Simulation
 from simulation.pauses import Pauses
@@ -43,7 +43,6 @@ class Staff:
         self._pauses = Pauses(simulation.setup)
         self._next_look_s = 0.0
         self._off_s: dict[str, float] = {}  # since when, by device
-        self._lost_s: dict[str, float] = {}  # the same, without its durable state
         self._broken_s: dict[str, float] = {}  # the same of points
         self._restored_from_s: float | None = None  # the manager's last restart, until the line is defined
         self._watched_from_s: float | None = None  # the one after which the controller looks at the picture
@@ -61,9 +60,7 @@ class Staff:
             case PowerOn():
                 self._off_s.pop(event.device_id, None)
             case Uncommissioned():
-                self._lost_s.setdefault(event.device_id, t_s)
-            case Commissioned():
-                self._lost_s.pop(event.device_id, None)
+                self._act(t_s + self._manner.power_s, ActKind.COMMISSION, event.device_id, STAFF)
             case Started() if entry.who == MANAGER_ID:
                 self._silent_s = dict.fromkeys(self._simulation.trains.stock_ids, t_s)
                 self._restored_from_s = t_s if event.epoch > 1 else None
@@ -82,9 +79,6 @@ class Staff:
         for device_id, since_s in list(self._off_s.items()):
             if t_s - since_s > self._manner.power_s:
                 self._act(t_s, ActKind.POWER_ON, device_id, STAFF)
-        for device_id, since_s in list(self._lost_s.items()):
-            if t_s - since_s > self._manner.power_s:
-                self._act(t_s, ActKind.COMMISSION, device_id, STAFF)
         for points_id, machine in self._simulation.wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)
         if MANAGER_ID in self._off_s:
