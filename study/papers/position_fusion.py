@@ -34,7 +34,7 @@ from study.papers.fusion_runs import (
     outcome,
 )
 from study.papers.position_run import PositionRun
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.run.forks import Died, Forks, jobs_of
 
 NAME: Final = "position-fusion"
@@ -50,6 +50,8 @@ SET_RUNS: Final = 100  # with each further set of sensors
 QUICK_SET_RUNS: Final = 4
 MEDIAN_CURVED_M: Final = 2.0
 STRAIGHT_OVER_M: Final = 1000.0
+HELD: Final = "runs with a step out of bounds, {}, {}"
+NULL: Final = NullMethod(TRUSTING.name, (HELD.format(AS_UNITS_ARE.name, " and ".join(AS_UNITS_ARE.carries)),))
 WITH_CURVATURE: Final = ("tags", Carried.CURVATURE)
 
 
@@ -99,7 +101,7 @@ def held_row(found: Found) -> Row:
     """Whether the truth was inside in every step of every run."""
     ours = f"{len(found.broken)} of {len(found.outcomes)} runs, {found.steps} steps; {len(found.died)} died"
     return Row(
-        f"runs with a step out of bounds, {found.rule.name}, {' and '.join(found.rule.carries)}",
+        HELD.format(found.rule.name, " and ".join(found.rule.carries)),
         None,
         ours,
         not found.broken and not found.died,
@@ -231,12 +233,20 @@ def reproduce(options: Options) -> Reproduction:
         NAME,
         "Where a train is: the truth within the stated bounds, whatever wheels and tags do",
         parameters(),
-        (held_row(found), *map(broken_row, off), median_row(line), *map(held_row, sets), *curved),
+        (
+            held_row(found),
+            *map(broken_row, off),
+            median_row(line),
+            *map(held_row, sets),
+            *curved,
+            *NULL.rows([held_row(replace(off[SWITCHED_OFF.index(TRUSTING)], rule=AS_UNITS_ARE))]),
+        ),
         tuple(remarks),
         (
             *figures(found),
             *(evenly_turning(line, one.rule) for one in sets if one.rule.carries == WITH_CURVATURE),
         ),
+        null=NULL,
     )
 
 
