@@ -19,13 +19,15 @@ from network.model import Charger, Line
 from simulation.battery_settings import BatterySettings, Beyond
 from simulation.setup import Setup
 from study.measures.wait import Cause
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.run.run import CarrierKind, Link, Run, execute
 from study.scenario.battery_choice import heated
 from study.scenario.scenario import Scenario, load_scenario
 from vehicle.train_file import TrainType
 
 SCENARIO: Final = "karasuyama_battery"
+ARRIVE: Final = "trains that arrive"
+NULL: Final = NullMethod("no charger on the line", (ARRIVE,))
 UNBALANCED_PERCENT_MAX: Final = 0.1
 HOME_KM: Final = 32.1  # Karasuyama to Utsunomiya, of which 20.4 on this line
 LINE_KM: Final = 20.4
@@ -75,9 +77,10 @@ def reproduce(options: Options) -> Reproduction:
         "battery-day",
         "A Karasuyama weekday on batteries",
         tuple(_parameters(scenario.setup)),
-        (*_rows(day), _limited_row(day, *limited)),
+        (*_rows(day), _limited_row(day, *limited), *NULL.rows(_rows(_run(scenario, _no_chargers)))),
         remarks,
         (_home(day), *(figure for _, figure in figures)),
+        null=NULL,
     )
 
 
@@ -104,7 +107,7 @@ def _rows(day: Run) -> Iterator[Row]:
     )
     arrived, planned = day.summary["trains_arrived"], day.summary["trains_planned"]
     whole = arrived == planned and not day.broken
-    yield Row("trains that arrive", planned, arrived, whole, "all, and nothing broken")
+    yield Row(ARRIVE, planned, arrived, whole, "all, and nothing broken")
 
 
 def _limited_row(day: Run, tried: Tried, limited: Run) -> Row:
@@ -234,6 +237,10 @@ def _heated(heating_kw: float) -> Change:
         return replace(setup, battery=settings, trains=heated(setup.trains, settings))
 
     return change
+
+
+def _no_chargers(setup: Setup) -> Setup:
+    return replace(setup, line=replace(setup.line, chargers={}))
 
 
 def _charger(station: str, power_kw: float) -> Change:

@@ -30,7 +30,7 @@ SLOW_KMH: Final = 45.0
 NULL: Final = NullMethod(
     "no threshold on the mismatch (equation 3)", ("entering the loop is noticed", "fixes on the loop")
 )
-NO_THRESHOLD_PER_M: Final = 0.1  # no curve of any railway is so far off
+NO_THRESHOLD_PER_M: Final = 0.01  # the greatest that a file may say: no track bends so
 AROUND_M: Final = 250.0
 BEFORE_M: Final = 700.0
 AFTER_M: Final = 3500.0

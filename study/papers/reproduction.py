@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any, Final
 
@@ -114,11 +114,9 @@ class Reproduction:
     remarks: tuple[str, ...] = ()
     figures: tuple[Figure, ...] = ()
     beside: str = ""
-    null: NullMethod | None = None
+    null: NullMethod = field(kw_only=True)
 
     def __post_init__(self) -> None:
-        if self.null is None:
-            return
         cases = [row.case for row in self.rows if row.case.startswith(self.null.case(""))]
         absent = [end for end in self.null.fails if not any(case.endswith(end) for case in cases)]
         if absent or not self.null.fails:
@@ -137,7 +135,7 @@ class Reproduction:
             "name": self.name,
             "title": self.title,
             "passed": self.passed,
-            "null_method": None if self.null is None else self.null.name,
+            "null_method": self.null.name,
             "parameters": [
                 {"name": p.name, "value": p.value, "unit": p.unit, "origin": p.origin}
                 for p in self.parameters

@@ -15,9 +15,10 @@ from typing import Final
 
 from network.units import J_PER_KWH
 from study.papers.reference_data import reference_folder
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.papers.ttobench_files import BenchTrain, Track, course_of, read_tracks, read_trains
 from vehicle.optimum import Course, least_time
+from vehicle.optimum.coast import cruise_run
 from vehicle.optimum.proof import Proof, proven
 
 TITLE: Final = "Least energy on TTOBench's tracks, with a proven bound"
@@ -33,6 +34,8 @@ QUICK: Final = (
     ("CN_Songjiazhuang_Yizhuang", "CN_Beijing_Subway"),
     ("00_reference_with_tunnels", "CH_Stadler_FLIRT_TPF"),
 )
+HELD: Final = ("CH_Fribourg_Bern", "CH_Stadler_FLIRT_TPF", "static")
+NULL: Final = NullMethod("full power to one cruising speed", (", ".join(HELD),))
 EFFICIENCIES: Final = (("perfect", True), ("static", False))
 
 
@@ -76,7 +79,10 @@ def reproduce(options: Options) -> Reproduction:
             pairs += found
     checks = [cross_row(tracks[check.track], trains[CROSS_TRAIN], check) for check in CROSS_CHECKS]
     rows += [*checks, *_simpler_rows(tracks[SIMPLER_TRACK], trains[SIMPLER_TRAIN])]
-    return Reproduction("ttobench", TITLE, _parameters(), tuple(rows), _remarks(options), _figures(pairs))
+    rows += NULL.rows([cruising_row(tracks[HELD[0]], trains[HELD[1]])])
+    return Reproduction(
+        "ttobench", TITLE, _parameters(), tuple(rows), _remarks(options), _figures(pairs), null=NULL
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +153,18 @@ def row_of(case: str, least_s: float, pairs: list[Pair]) -> Row:
     held = all(-1e-9 <= pair.judged.gap <= GAP for pair in pairs)
     criterion = f"gap at most {100.0 * GAP:g} % for the run of {POINTS} points, bound with {BOUND_POINTS}"
     return Row(case, None, ours, held, criterion)
+
+
+def cruising_row(track: Track, train: BenchTrain) -> Row:
+    """The instance of the null method: as fast as it can up to the speed that it then holds."""
+    course = course_of(track, train, perfect=False)
+    least_s = float(least_time(course).time_s[-1])
+    pairs: list[Pair] = []
+    for share in TIMES:
+        pair = pair_of(course, share * least_s)
+        run = cruise_run(course, share * least_s)
+        pairs.append(replace(pair, coarse=replace(pair.coarse, energy_j=run.energy_j)))
+    return row_of(", ".join(HELD), least_s, pairs)
 
 
 def cross_row(track: Track, train: BenchTrain, check: CrossCheck) -> Row:
