@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
+ACTS: Final = 1_000_000  # what people do is numbered from here on, faults from 0
 LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
@@ -66,7 +67,7 @@ class Injector:
         unit_vehicle: ShowVehicle,
         unit_commission: Commission,
     ) -> None:
-        self._script = script
+        self._faults = list(script.faults)
         self._acts = list(script.acts)  # and those added during the run
         self._seed = seed
         self._trains = trains
@@ -105,12 +106,12 @@ class Injector:
                 self._come_due(key, trigger.at_s + trigger.after_s)
 
     def take_up(self, script: Script, step: int) -> None:
-        """A script that has times alone, from now on: ValueError if there is another, or one that waits for events."""
-        triggers = _triggers_of(script)
-        if self._triggers or any(trigger.at_s is None for trigger in triggers.values()):
-            raise ValueError("a script is taken up by time, where there is none")
-        self._script, self._triggers = script, triggers
-        self._acts = list(script.acts)
+        """A script that has times alone, from now on, behind what there is: ValueError if it waits for events."""
+        triggers = _triggers_of(script, len(self._faults), len(self._acts))
+        if any(trigger.at_s is None for trigger in triggers.values()):
+            raise ValueError("a script is taken up by time")
+        self._faults += script.faults
+        self._acts += script.acts
         self._world.step = step
         for key, trigger in triggers.items():
             at_step = max(step_not_before((trigger.at_s or 0.0) + trigger.after_s), step)
@@ -119,11 +120,11 @@ class Injector:
     def add(self, act: Act, at_s: float) -> None:
         """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
         self._acts.append(act)
-        self._come_due(len(self._script.faults) + len(self._acts) - 1, at_s)
+        self._come_due(ACTS + len(self._acts) - 1, at_s)
 
     def _seen(self, key: int, at_s: float) -> None:
         """What a trigger waited for has come; a person who has said no time acts on it after one of their own."""
-        act = None if key < len(self._script.faults) else self._acts[key - len(self._script.faults)]
+        act = None if key < ACTS else self._acts[key - ACTS]
         if act is not None and act.trigger.after_s == 0.0:
             at_s += self._pauses.steps(Pause.WORD, act.person) / STEPS_PER_S
         self._come_due(key, at_s)
@@ -143,10 +144,10 @@ class Injector:
             self._wayside.input(step, MANAGER_ID, self._words[key])
         elif what == "end":
             self._end(key)
-        elif key < len(self._script.faults):
-            self._begin(key, self._script.faults[key])
+        elif key < ACTS:
+            self._begin(key, self._faults[key])
         else:
-            act = self._acts[key - len(self._script.faults)]
+            act = self._acts[key - ACTS]
             self._courses[key] = Course(act, step / STEPS_PER_S)
             self._act(act)
 
@@ -167,7 +168,7 @@ class Injector:
         """A fault is over: its time has come, or a person has ended it before."""
         if key not in self._in_force:
             return
-        failure = self._script.faults[key]
+        failure = self._faults[key]
         self._courses[key].over_s = self._world.step / STEPS_PER_S
         if not failure.fault.momentary:
             self._write(FaultOver, failure)
@@ -282,7 +283,7 @@ class Injector:
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
 
 
-def _triggers_of(script: Script) -> dict[int, Trigger]:
-    """By number: the faults, then the acts."""
-    items: tuple[Failure | Act, ...] = (*script.faults, *script.acts)
-    return {i: item.trigger for i, item in enumerate(items)}
+def _triggers_of(script: Script, faults: int = 0, acts: int = 0) -> dict[int, Trigger]:
+    """By number, behind so many faults and acts."""
+    of_faults = {i: failure.trigger for i, failure in enumerate(script.faults, faults)}
+    return of_faults | {i: act.trigger for i, act in enumerate(script.acts, ACTS + acts)}
