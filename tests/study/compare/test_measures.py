@@ -10,6 +10,7 @@ import pytest
 from study.compare.comparison import compare, compare_two, verdict_of
 from study.compare.grids import inputs_grid, measures_grid, moved_matrix, rows_grid
 from study.compare.measures import compare_rows, figures_of, measures_of
+from study.measures.missing import planned_times
 from study.report.data import Run
 from study.run.summary import energy_summary
 from tests.study.compare.sides import side, with_tables
@@ -58,6 +59,7 @@ def test_punctuality_counts_what_did_not_come_as_late(weekday: Run) -> None:
 
 def test_nothing_is_better_for_trains_that_never_ran(weekday: Run) -> None:
     """Half of the trains left out of the table of stops: they are planned all the same."""
+    assert planned_times(weekday.tables.stops, weekday.timetable)["came"].all()
     half = set(sorted(weekday.timetable.trains)[::2])
     fewer = with_tables(weekday, stops=weekday.tables.stops.filter(pl.col("train").is_in(half)))
     for group in ("arrivals", "departures"):
