@@ -2,8 +2,8 @@
 
 What a party knows changes with telegrams and with nothing else, so between two of them it does not matter to it when
 something fails. On a grid of seconds a window of a few tenths between a word and its answer is found by luck; on this
-one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a party
-counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all of them.
+one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a
+party counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all.
 """
 
 from __future__ import annotations
@@ -28,9 +28,11 @@ from study.run.forks import alone
 from study.run.moving import NO_TIME, SINGLES, single_faults
 from study.run.run import simulated
 from study.run.sweep import Variation, Window
+from study.scenario.script_file import names_of
 
 BEFORE_S: Final = 60.0  # of what the script does first, and
-AFTER_S: Final = 300.0  # after the last of it: without a script, all of the run
+AFTER_S: Final = 300.0  # after the last of it
+LASTS_S: Final = 3600.0  # without a script, from the first telegram on
 FOLLOWS_S: Final = (
     1200.0  # trains that begin later than this after the last instant cannot show anything of it
 )
@@ -69,12 +71,14 @@ def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
     course = alone(_Course, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
     first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
-    last_s = max(course.script_s) + AFTER_S if course.script_s else max(steps) / STEPS_PER_S
+    last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
     first_s = first_s if window.from_s is None else window.from_s
     last_s = last_s if window.to_s is None else window.to_s
     within = [t for t in course.telegrams if first_s * STEPS_PER_S <= t[0] <= last_s * STEPS_PER_S]
+    names = names_of(setup)
+    parties = frozenset((*names.units, *names.devices))
     variations = (
-        replace(v, instants=_instants(v, within))
+        replace(v, instants=_instants(v, within, parties))
         if v.instants is None
         else replace(v, instants=_inside(v.instants, first_s, last_s))
         for v in _faults(setup, chosen, within)
@@ -114,10 +118,11 @@ def _cut(setup: Setup, source: str, receiver: str) -> Variation:
     return Variation(f"{Cut.kind} {source}{ONE_WAY}{receiver}", ((0, failure),), (), stocks)
 
 
-def _instants(variation: Variation, telegrams: list[tuple[int, str, str]]) -> tuple[int, ...]:
+def _instants(
+    variation: Variation, telegrams: list[tuple[int, str, str]], parties: frozenset[str]
+) -> tuple[int, ...]:
     """Before and after each telegram that this fault may have to do with: in a step, faults come after telegrams."""
     ((_, failure),) = variation.faults
-    parties = {party for _, source, receiver in telegrams for party in (source, receiver)}
     steps: set[int] = set()
     for step, source, receiver in telegrams:
         if isinstance(failure.fault, LinkFault):
