@@ -308,6 +308,23 @@ def test_two_hours_of_the_whole_day_are_its_first_and_of_a_chosen_train_its_own(
         assert begins < middle < ends
 
 
+def test_the_graph_of_a_drill_opens_on_what_is_done_in_it(browser: Browser, weekday_report: Path) -> None:
+    """A fault of some minutes within a day is not lost in it; one before the first train widens the bounds."""
+    opening = """(marks) => import("branchline/graphpaper.js").then(({ openingOf }) => {
+      const { x0, x1 } = openingOf({ ...branchline.day, marks });
+      return [x0, x1];
+    })"""
+    with opened(browser, weekday_report) as page:
+        day = page.evaluate("[branchline.graph.pane.bounds.x0, branchline.graph.pane.bounds.x1]")
+        fault = {"kind": "F", "from": 36_000, "to": 36_300}
+        expectation = {"kind": "E", "from": 20_000, "to": None}
+        assert page.evaluate(opening, []) == day
+        assert page.evaluate(opening, [expectation]) == day
+        assert page.evaluate(opening, [fault, expectation]) == [34_200, 38_100]
+        begins, _ = page.evaluate(opening, [{"kind": "F", "from": 10_000, "to": 10_060}])
+        assert begins < 10_000
+
+
 def test_blocks_of_all_trains_stay_when_one_is_chosen_and_tracks_stand_apart(
     browser: Browser, weekday_report: Path
 ) -> None:

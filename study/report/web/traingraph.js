@@ -37,7 +37,7 @@ export function scaleOf(view, plot) {
 export function boundsOf(day) {
   const [low, high] = day.extent;
   const margin = Math.max(0.03 * (high - low), 20);
-  const done = day.marks.filter((mark) => mark.from !== null).map((mark) => mark.from);
+  const done = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null).map((mark) => mark.from);
   const [from, to] = [Math.min(day.window[0], ...done), Math.max(day.window[1], ...done)];
   const room = Math.max(0.01 * (to - from), 10);
   return { x0: from - room, x1: to + room, y0: low - margin, y1: high + margin };
