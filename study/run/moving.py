@@ -155,9 +155,11 @@ def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, .
     A person takes part where nothing goes on without: a manager that has lost its power needs its picture accepted.
     """
     names = names_of(setup)
-    passages = alone(list[tuple[int, int]], partial(_passages, setup))
+    wanted = tuple(kinds or SINGLES)
+    of_tags = any(FAULTS[kind].aims_at == "tag" for kind in wanted)
+    passages = alone(list[tuple[int, int]], partial(_passages, setup)) if of_tags else []
     variations: list[Variation] = []
-    for kind in kinds or SINGLES:
+    for kind in wanted:
         single, fault = SINGLES[kind], FAULTS[kind]
         for target in _targets(fault, names):
             keys = dict(single.keys) | ({"id": _another(target, names)} if kind == "wrong_id" else {})

@@ -74,16 +74,21 @@ def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
     last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
     first_s = first_s if window.from_s is None else window.from_s
     last_s = last_s if window.to_s is None else window.to_s
-    within = [t for t in course.telegrams if first_s * STEPS_PER_S <= t[0] <= last_s * STEPS_PER_S]
+    setup = shortened(setup, last_s + FOLLOWS_S)
     names = names_of(setup)
     parties = frozenset((*names.units, *names.devices))
+    within = [
+        (step, source, receiver)
+        for step, source, receiver in course.telegrams
+        if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S and {source, receiver} <= parties
+    ]
     variations = (
         replace(v, instants=_instants(v, within, parties))
         if v.instants is None
         else replace(v, instants=_inside(v.instants, first_s, last_s))
         for v in _faults(setup, chosen, within)
     )
-    return Grid(shortened(setup, last_s + FOLLOWS_S), tuple(v for v in variations if v.instants))
+    return Grid(setup, tuple(v for v in variations if v.instants))
 
 
 def _course(setup: Setup) -> _Course:

@@ -111,3 +111,21 @@ def test_the_command_counts_outcomes_and_takes_no_other_words(
         ended = main("drill", NAME, *words)
         assert ended.code == 2
         assert key in ended.err
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("name", "chosen"),
+    [
+        ("rtri/01_normal", Chosen.LINKS),
+        ("rtri/12_terminal_power", Chosen.POWER),
+        ("karasuyama/12_terminal_power", Chosen.LINKS),
+    ],
+)
+def test_nothing_bad_on_a_slice_of_the_grid(
+    name: str, chosen: Chosen, record_property: Callable[[str, object], None]
+) -> None:
+    grid = grid_of(load_scenario(find_drill(name)).setup, chosen, Window())
+    swept = sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script)
+    record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
+    assert not swept.bad
