@@ -14,7 +14,7 @@ import pytest
 
 from radio.air import DelayShape
 from simulation.result import RunResult
-from simulation.setup import Setup
+from simulation.setup import STEP_S, Setup
 from study.capacity import headway as module
 from study.capacity.headway import HeadwayKind, line_cases
 from study.capacity.observed import observed
@@ -90,7 +90,10 @@ def late_s(pair: Pair, apart_s: int, alone_s: list[float]) -> float:
 
 @dataclass(frozen=True)
 class Driven:
-    """How late the second train is at the greatest of the least headways, in whole seconds, and a second nearer, s."""
+    """How late the second train is at the greatest of the least headways, in whole seconds, and a second nearer, s.
+
+    What frees a section and who asks for it come in any order within a step, so that one is added.
+    """
 
     least_s: int
     kept_s: float
@@ -99,7 +102,7 @@ class Driven:
 
 def driven(pair: Pair, kinds: Collection[HeadwayKind] = FOLLOWS) -> Driven:
     setup, far = pair.run(FAR_S)
-    least_s = math.ceil(greatest_s(setup, far, FAR_S, kinds))
+    least_s = math.ceil(greatest_s(setup, far, FAR_S, kinds) + STEP_S)
     alone_s = pair.times_s(far, FAR_S)
     return Driven(least_s, late_s(pair, least_s, alone_s), late_s(pair, least_s - 1, alone_s))
 
