@@ -8,18 +8,17 @@ party counts at telegrams in which that party takes part, one of a link at those
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 
 from network.timetable import BecomesTrain, Stabled
 from radio.noted import Sent, TookEffect
-from simulation.faults.devices import PowerFault
-from simulation.faults.fault import Fault
+from simulation.faults.devices import PowerOff
 from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
 from simulation.faults.script import Failure
 from simulation.faults.table import FAULTS
@@ -103,18 +102,13 @@ def _course(setup: Setup) -> _Course:
 
 
 def _faults(setup: Setup, chosen: Chosen, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
-    kinds: Mapping[str, type[Fault[Any]]] = FAULTS
     if chosen is Chosen.POWER:
-        yield from single_faults(setup, [name for name, kind in kinds.items() if _is_power(kind)])
+        yield from single_faults(setup, [PowerOff.kind])
     if chosen is Chosen.ALL:
-        yield from single_faults(setup, [name for name in kinds if name != Cut.kind])
+        yield from single_faults(setup, [name for name in FAULTS if name != Cut.kind])
     if chosen is not Chosen.POWER:
         for link in sorted({(source, receiver) for _, source, receiver in telegrams}):
             yield _cut(setup, *link)
-
-
-def _is_power(kind: type[Fault[Any]]) -> bool:
-    return issubclass(kind, PowerFault) and not kind.momentary
 
 
 def _cut(setup: Setup, source: str, receiver: str) -> Variation:
