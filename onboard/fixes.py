@@ -7,10 +7,13 @@ from the main track, while the register has which of them the points were locked
 
 from __future__ import annotations
 
+import math
 from typing import Any, Final
 
 from network.model import SectionKind
 from onboard import notes
+from onboard.driving.stopping import LIMIT_MARGIN_M
+from onboard.driving.supervision import RESERVE_M
 from onboard.duty.mission import Mission, Target
 from onboard.duty.plan import ARRIVED_ON_SIGHT_WITHIN_M
 from onboard.duty.records import AtMark, Command, Found, Sensed, TagPassed, TagReached
@@ -29,6 +32,9 @@ EYE_WITHIN_M: Final = (
 UNSURE_OVER_M: Final = (
     EYE_WITHIN_M + 1.0
 )  # bounds wider than what the driver's eye leaves are worth asking him
+
+
+ROOM_M: Final = LIMIT_MARGIN_M + RESERVE_M  # nearer to its stop limit no train starts
 
 
 class Fixes:
@@ -53,6 +59,9 @@ class Fixes:
         self._virtual = False
         self._doubted = False  # a position found that is not believed, and said so
         self._elsewhere = False  # a tag was read that does not lie on its path
+        self._tight = (
+            False  # the position was given up since it left no room to go on, or was not the driver's
+        )
         self.untold = False  # which track it is on rests on the register
         self.notes: Final = said
 
@@ -69,14 +78,14 @@ class Fixes:
         number = READER_NAMES.index(SIGN)
         self._outcomes[number] = self._readers.outcome[number] = NOTHING
 
-    def doubt(self) -> None:
-        """The position is lost."""
+    def doubt(self, *, tight: bool = False) -> None:
+        """The position is lost; `tight`: given up, since with it the train would come no further."""
         self._places.doubt()
-        self.untold = False
+        self.untold, self._tight = False, self._tight or tight
 
     def tag_believed(self) -> None:
         """A real tag has told the position: it lies on one track only."""
-        self.untold = self._elsewhere = False
+        self.untold = self._elsewhere = self._tight = False
 
     def tag_of_another_path(self) -> None:
         """A real tag was read that is not on the path: until one that is tells so, no other sensor can."""
@@ -158,14 +167,28 @@ class Fixes:
 
     def _found(self, reader: str, command: Command, *, by_eye: bool) -> list[Sensed]:
         """A position was told to a unit that had none: believed, or forgotten again."""
-        if not self._may_be_here(command, by_eye=by_eye):
+        if not (self._may_be_here(command, by_eye=by_eye) and (by_eye or self._leaves_room(command))):
             self._row.position_known = 0
             if not self._doubted:
                 self.notes.append(notes.FoundElsewhere(reader=reader))
             self._doubted = True
             return []
-        self._doubted, self.untold = False, True
+        self._doubted, self._tight, self.untold = False, False, True
         return [Found()]
+
+    def _leaves_room(self, command: Command) -> bool:
+        """Whether it is of more use than the one given up: as narrow as the driver's eye, or surely short of the mark.
+
+        Otherwise the train would stand where it is, or be asked again whether it is at its mark.
+        """
+        row, mission = self._row, self._mission
+        if not self._tight or mission is None or max(row.bound_ahead_m, row.bound_behind_m) <= UNSURE_OVER_M:
+            return True
+        following, joint = command.at + 1, command.limit.joint
+        mark_m = mission.targets[following].mark_m if following < len(mission.targets) else -math.inf
+        limit_m = mission.spans[joint].start_m if joint < len(mission.spans) else mission.spans[-1].end_m
+        front_m = float(row.position_m + row.bound_ahead_m)
+        return front_m + ROOM_M < min(mark_m, limit_m)
 
     def _may_be_here(self, command: Command, *, by_eye: bool) -> bool:
         """Whether the train may be on its own path where it was found: by the register, or where there is no other."""

@@ -10,11 +10,9 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from network.model import Line
 from onboard import notes
@@ -45,7 +43,7 @@ from onboard.duty.records import (
     VehicleChecked,
 )
 from onboard.duty.unable import Unable
-from onboard.fixes import Fixes
+from onboard.fixes import ROOM_M, Fixes
 from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import Heard, TagDoubt
@@ -54,6 +52,7 @@ from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_CONTRADICTED,
     EVENT_FIX,
+    EVENT_IDLE,
     EVENT_INTERVENTION,
     EVENT_MOVING,
     EVENT_OFF_PLAN,
@@ -67,6 +66,7 @@ from onboard.records import (
     MODE_HOLD,
     NO_INTERVENTION,
     BehaviourRow,
+    PathData,
     UnitRow,
 )
 from onboard.unit_records import UnitParameters
@@ -76,17 +76,8 @@ from vehicle.records import TrainRow
 from vehicle.wheel import pulse_m
 
 STANDS_WITHIN_M: Final = 0.01  # a train that has come this far has begun to move
+NO_ROOM: Final = "the bounds leave no room to go on"
 ARRIVED_WITHIN_M: Final = 5.0  # stood this near the mark, the train has arrived
-
-
-@dataclass(frozen=True, slots=True)
-class PathData:
-    """The unit's path database of one mission: rows of PATTERN, where they lie in the pool, and the places there."""
-
-    rows: NDArray[np.void]
-    offset: int
-    places_offset: int = 0
-    places_rows: int = 0
 
 
 class Motion:
@@ -327,6 +318,8 @@ class Motion:
         if bits & EVENT_STOPPED:
             self._stood_m = float(row.odometer_m)
             happened += self._stopped()
+        if bits & EVENT_IDLE and not (bits & EVENT_STOPPED):
+            happened += self._stands_idle()
         if bits & EVENT_OFF_PLAN:
             self._off_plan = True
         if bits & (EVENT_POSITION | EVENT_SAFE_REAR | EVENT_OFF_PLAN):
@@ -346,7 +339,7 @@ class Motion:
             return [Stopped(How.AT, 0.0)]
         away_m = float(row.position_m) - target.mark_m
         if away_m < -ARRIVED_WITHIN_M and row.bound_ahead_m > self._parameters.doubt_bound_max_m:
-            return self._lose("the bounds leave no room to go on")
+            return self._lose(NO_ROOM)
         if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
             self._impossible(Verdict.SIGN_BEYOND_LIMIT)
         elif away_m < -ARRIVED_WITHIN_M:
@@ -359,6 +352,18 @@ class Motion:
         if learned is not None:
             self.notes.append(learned)
         return [Stopped(How.BEYOND if away_m > ARRIVED_WITHIN_M else How.AT, away_m)]
+
+    def _stands_idle(self) -> list[Sensed]:
+        """It may go on to its mark and does not: it is there, or its own bounds leave no room, which nothing mends."""
+        target = self._next_target()
+        if target is None or self.command.target is None or not self.row.position_known:
+            return []
+        row = self.row
+        tight = bool(row.position_m + row.bound_ahead_m + ROOM_M >= row.stop_limit_m)
+        there = row.position_m >= target.mark_m - ARRIVED_WITHIN_M
+        if there or (tight and self._stands_at_limit_of(target)):
+            return self._stopped()
+        return self._lose(NO_ROOM) if tight else []
 
     def _stands_at_limit_of(self, target: Target) -> bool:
         """Whether the train went as far as it may on the track where it calls, and the mark lies beyond that."""
@@ -399,7 +404,7 @@ class Motion:
         row = self.row
         self.notes.append(notes.PositionFault(why=why))
         self._doubt.begin(wheels_lie=wheels_lie)
-        self._fixes.doubt()
+        self._fixes.doubt(tight=why == NO_ROOM)
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known = 0
         row.restricted_mps = self._parameters.restricted_mps
@@ -419,7 +424,7 @@ class Motion:
         if Order.STOP in command.orders:
             row.intervention = EMERGENCY_INTERVENTION
         if Order.LOSE in command.orders:
-            self._lose("the bounds leave no room to go on")
+            self._lose(NO_ROOM)
         restricted = command.on_sight or command.sweeps or not row.position_known
         row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
         if command.on_sight:

@@ -6,6 +6,7 @@ what the unit believes; the truth is elsewhere and never read.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Final, NamedTuple, Protocol
 
 import numpy as np
@@ -27,6 +28,7 @@ EVENT_FIX: Final = 256  # what came of a sensor's reading is another than before
 EVENT_PLACE: Final = 1024  # a fix makes certain that the front is beyond `place_trigger_m`
 EVENT_FOUND: Final = 2048  # a fix has told the position, which was not known
 EVENT_CONTRADICTED: Final = 4096  # fixes of absolute sensors miss the bounds, one after the other
+EVENT_IDLE: Final = 8192  # it may drive on to its mark, and stands
 
 # unit.mode
 MODE_HOLD: Final = 0  # stand with the brakes applied
@@ -94,6 +96,7 @@ class UnitRow(Protocol):
     braking_to_stop: Annotated[int, "latched: the stop pattern has taken over"]
     fix_correction_m: Annotated[float, "by which the last fix moved the position; taken up by the next tick"]
     stop_verdict: Annotated[int, "onboard.driving.tasc.Verdict"]
+    idle_s: Annotated[float, "for how long it stands without power although it may drive on to its mark"]
     notch: Annotated[float, "> 0 power, < 0 brake"]
     notch_held_s: float
     emergency: int
@@ -154,6 +157,16 @@ class Chart(NamedTuple):
 
 
 NO_PLACES: Final = np.zeros(0, dtype=PLACE)
+
+
+@dataclass(frozen=True, slots=True)
+class PathData:
+    """The unit's path database of one mission: rows of PATTERN, where they lie in the pool, and the places there."""
+
+    rows: NDArray[np.void]
+    offset: int
+    places_offset: int = 0
+    places_rows: int = 0
 
 
 class BehaviourRow(Protocol):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ from onboard.localisation.tachometer import locate
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_FOUND,
+    EVENT_IDLE,
     EVENT_MOVING,
     EVENT_OFF_PLAN,
     EVENT_POSITION,
@@ -23,8 +26,26 @@ from onboard.records import (
     EVENT_TAG_OVERDUE,
     MODE_DRIVE,
     Chart,
+    UnitRow,
 )
 from vehicle.compiled import compiled
+
+IDLE_S: Final = 10.0  # assumed: longer than a driving law takes to ask for power
+
+
+@compiled
+def stands_idle(unit: UnitRow, speed_mps: float, step_s: float) -> int:
+    """Whether it has stood for some time without power, brakes released, its mark within the stop limit; event bits."""
+    drives = unit.mode == MODE_DRIVE and unit.intervention != EMERGENCY_INTERVENTION
+    idle = drives and speed_mps == 0.0 and unit.notch <= 0.0
+    if not idle or not np.isfinite(unit.mark_m) or unit.mark_m > unit.stop_limit_m:
+        unit.idle_s = 0.0
+        return 0
+    unit.idle_s += step_s
+    if unit.idle_s < IDLE_S:
+        return 0
+    unit.idle_s = 0.0
+    return EVENT_IDLE
 
 
 @compiled
@@ -64,6 +85,7 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
         events |= EVENT_STOPPED
     elif before_mps == 0.0 and speed_mps > 0.0:
         events |= EVENT_MOVING
+    events |= stands_idle(unit, speed_mps, step_s)
     if unit.position_m >= unit.position_trigger_m:
         unit.position_trigger_m = np.inf
         events |= EVENT_POSITION

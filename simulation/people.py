@@ -21,7 +21,10 @@ class People(Record):
     """`[people]`: times that people take, each drawn anew from a lognormal distribution, at most six times its mean."""
 
     times: Annotated[
-        DelayFactor, about("all that is drawn is multiplied by this; 0: everybody acts at once")
+        DelayFactor,
+        about(
+            "all that is drawn is multiplied by this; 0: everybody acts at once", "1: the means as they stand"
+        ),
     ] = 1.0
     sigma: Annotated[
         LogSigma0,

@@ -9,12 +9,16 @@ What may be wrong, and what comes of it (P is the protection level that the rece
   few satellites tell them. So does one that has not been borne out by `BORNE_OUT` fixes before it.
 - A fault that comes up moves the fixes against the wheels. Within a window they may move by P / 4, by what wheels may
   be wrong by (`DRIFT_SHARE`; a window ends where that comes to P / 8), and by what slid or slipped. What moves by more
-  is a lie of the receiver, now or before: it is added to the interval from then on, until it moves back or until
-  bounds that others have made narrow confirm the receiver; on another path its direction is not known any more. So a
-  fault that comes up by more than 3 % of the way run is held: up to 3 P / 8 of it may hide at the edges of two windows
-  each, beside the P / 4.
-- Not held: a fault that is there from the first fix on; one that comes up by less than 3 % of the way to more than P;
-  two small ones, one after the other. What leaves the bounds altogether is refused by the one rule of fixes.
+  is a lie of the receiver, now or before: the interval spans it from then on, until it moves back; on another path its
+  direction is not known any more. So a fault that comes up by more than 3 % of the way run is held: up to 3 P / 8 of it
+  may hide at the edges of two windows each, beside the P / 4.
+- While wheels slide or slip, a fault may move the fixes by as much the other way, and nothing is seen of it. So all
+  that may have slid is in the interval, too: ahead of the fix, as it is in the bounds; what slipped, behind it.
+- Bounds hold the front, whatever made them. A fix that is further from them than P / 4 and the lie that is known shows
+  that it lies, also from the first one on: the interval spans that. One that is nearer shows how great the lie can
+  still be: narrow bounds confirm a receiver, and give back what slides had taken from it.
+- Not held: a fault that comes up by less than 3 % of the way while bounds are too wide to show it; several that are
+  too small to be seen, one after the other. What leaves the bounds altogether is refused by the one rule of fixes.
 - A wrong time tag shifts fixes by the speed; it shows, like any other fault, where the speed changes.
 
 A unit without a position takes the interval of a receiver that `FIRST_FIXES` open-sky fixes have borne out.
@@ -26,7 +30,7 @@ from typing import Annotated, Final, Protocol
 
 import numpy as np
 
-from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m, taken
+from onboard.localisation.fix import FIX_MISSED, MISSED, NOTHING, REFUSED, TAKEN, leant, missed_m, taken
 from onboard.records import Chart, UnitRow
 from vehicle.compiled import compiled
 
@@ -39,8 +43,8 @@ WINDOW_S: Final = 60.0
 BORNE_OUT: Final = 5  # fixes in a row that agree, before one cuts the bounds
 FIRST_FIXES: Final = 10  # before one gives a unit its position
 LOST_S: Final = 10.0  # without a fix, and the receiver counts as lost
-CONFIRMED_SHARE: Final = (
-    0.25  # of the protection level: bounds that others made as narrow confirm a fix in them
+HIDDEN_SHARE: Final = (
+    0.75  # of the protection level: what it leaves, beside errors as stated, for lies not seen
 )
 
 
@@ -61,18 +65,23 @@ class GnssRow(Protocol):
     ticks: int
     odometer_m: Annotated[float, "the tachometer a tick ago"]
     way_m: Annotated[float, "run by the wheels, as calibrated, since the unit began"]
-    slid_m: Annotated[float, "how much of it may be false since then: wheels slid or slipped"]
+    slid_m: Annotated[float, "by how much it may be short since then, since wheels slid"]
+    slipped_m: Annotated[float, "by how much it may be too long, since they slipped"]
     way_then_m: Annotated[list[float], RING]
-    slid_then_m: Annotated[list[float], RING]
+    doubt_then_m: Annotated[list[float], RING, "what had slid or slipped by then"]
     heard: Annotated[int, "1: it has had a fix"]
     silent_s: Annotated[float, "since the last one"]
     agreeing: Annotated[int, "fixes under an open sky that did not move against the wheels, in a row"]
     offset_m: Annotated[float, "a fix less the way, at the window's beginning"]
     window_way_m: Annotated[float, "the way there"]
     window_slid_m: float
+    window_slipped_m: float
     window_s: Annotated[float, "how long ago that is; negative: there is no window"]
-    lie_m: Annotated[float, "by how much the receiver has moved against the wheels where that was too much"]
-    lie_within_m: Annotated[float, "what of that the wheels may have been wrong by"]
+    moved_low_m: Annotated[float, "its lie is no less, as it has moved against the wheels, or may have"]
+    moved_high_m: Annotated[float, "and no more"]
+    shown_low_m: Annotated[float, "its lie is no less, as bounds have shown that it is no other"]
+    shown_high_m: Annotated[float, "and no more"]
+    forgives: Annotated[int, "1: what may hide in slides is not in the interval; for experiments alone"]
     slack_m: Annotated[float, "what the estimate may be wrong by if all that it leans on was true"]
     bounds_m: Annotated[float, "half of what the bounds spanned at the last tick"]
 
@@ -83,9 +92,14 @@ def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
     run_m = (unit.odometer_m - own.odometer_m) * unit.odometer_scale if own.ticks > 0 else 0.0
     own.odometer_m = unit.odometer_m
     own.way_m += run_m
-    own.slid_m = unit.slid_ahead_m + unit.slipped_behind_m
+    if own.heard != 0 and own.forgives == 0:
+        may_lie(own, own.slid_m - unit.slid_ahead_m, unit.slipped_behind_m - own.slipped_m)
+    own.slid_m, own.slipped_m = unit.slid_ahead_m, unit.slipped_behind_m
     own.ticks += 1
-    own.way_then_m[own.ticks % RING], own.slid_then_m[own.ticks % RING] = own.way_m, own.slid_m
+    own.way_then_m[own.ticks % RING], own.doubt_then_m[own.ticks % RING] = (
+        own.way_m,
+        own.slid_m + own.slipped_m,
+    )
     half_m = (unit.bound_ahead_m + unit.bound_behind_m) / 2.0
     wider_m = half_m - own.bounds_m
     own.slack_m = half_m if wider_m < 0.0 else min(own.slack_m + wider_m, half_m)
@@ -95,22 +109,36 @@ def keep_way(own: GnssRow, unit: UnitRow, step_s: float) -> None:
         own.window_s += step_s
     if own.path != unit.paths_taken_up or own.ticks == 1:
         own.path, own.window_s, own.agreeing = unit.paths_taken_up, -1.0, 0
-        own.lie_within_m += abs(own.lie_m)  # on another path it may point the other way
-        own.lie_m = 0.0
+        least_m, most_m = lie_m(own)
+        either_m = max(-least_m, most_m)  # on another path it may point the other way
+        own.moved_low_m, own.moved_high_m = -either_m, either_m
+        own.shown_low_m = own.shown_high_m = 0.0
+
+
+@compiled
+def may_lie(own: GnssRow, less_m: float, more_m: float) -> None:
+    """The lie may be another now: by `less_m` at least and `more_m` at most."""
+    own.moved_low_m += less_m
+    own.moved_high_m += more_m
+    own.shown_low_m += less_m
+    own.shown_high_m += more_m
+
+
+@compiled
+def lie_m(own: GnssRow) -> tuple[float, float]:
+    """What the fixes are wrong by at least and at most (m), errors as stated apart: now, or only before."""
+    return min(own.moved_low_m, own.shown_low_m, 0.0), max(own.moved_high_m, own.shown_high_m, 0.0)
 
 
 @compiled
 def front_by_fix(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> tuple[float, float]:
-    """Where the front is now (m) by a fix and the way run since it was taken, and within what (m either way).
-
-    The protection level, what the receiver has been seen to lie by, and what the wheels may be wrong by since.
-    """
+    """Where the front is now (m) by a fix and the way since, and what wheels may be wrong by since (m)."""
     back = min(int(reading.age_s / step_s + 0.5), own.ticks - 1, RING - 1)
     then = (own.ticks - back) % RING
     since_m = own.way_m - own.way_then_m[then]
-    slid_m = own.slid_m - own.slid_then_m[then]
-    wheels_m = abs(since_m) * unit.bound_growth + slid_m + unit.pulse_m + 0.5 * step_s * abs(unit.speed_mps)
-    return reading.position_m + since_m, reading.protection_m + abs(own.lie_m) + own.lie_within_m + wheels_m
+    doubt_m = own.slid_m + own.slipped_m - own.doubt_then_m[then]
+    wheels_m = abs(since_m) * unit.bound_growth + doubt_m + unit.pulse_m + 0.5 * step_s * abs(unit.speed_mps)
+    return reading.position_m + since_m, wheels_m
 
 
 @compiled
@@ -123,10 +151,10 @@ def bears_out(own: GnssRow, at_m: float, protection_m: float) -> bool:
         return True
     moved_m = offset_m - own.offset_m
     wheels_m = DRIFT_SHARE * abs(own.way_m - own.window_way_m)
-    slid_m = own.slid_m - own.window_slid_m
-    if abs(moved_m) > STEADY_SHARE * protection_m + wheels_m + slid_m:
-        own.lie_m += moved_m
-        own.lie_within_m += wheels_m + slid_m
+    most_m = STEADY_SHARE * protection_m + wheels_m + own.slid_m - own.window_slid_m
+    least_m = -(STEADY_SHARE * protection_m + wheels_m + own.slipped_m - own.window_slipped_m)
+    if not least_m <= moved_m <= most_m:
+        may_lie(own, moved_m - wheels_m, moved_m + wheels_m)
         own.agreeing = 0
         begin_window(own, offset_m)
         return False
@@ -140,21 +168,38 @@ def bears_out(own: GnssRow, at_m: float, protection_m: float) -> bool:
 def begin_window(own: GnssRow, offset_m: float) -> None:
     """From here on the next fixes are compared with this one."""
     own.offset_m, own.window_s = offset_m, 0.0
-    own.window_way_m, own.window_slid_m = own.way_m, own.slid_m
+    own.window_way_m, own.window_slid_m, own.window_slipped_m = own.way_m, own.slid_m, own.slipped_m
 
 
 @compiled
-def confirmed(own: GnssRow, unit: UnitRow, at_m: float, protection_m: float) -> bool:
-    """Whether others have made the bounds so narrow that a fix near them shows the receiver to be right again."""
-    if unit.position_known == 0 or own.bounds_m > CONFIRMED_SHARE * protection_m:
-        return False
-    return bool(abs(at_m - unit.position_m) <= own.bounds_m + STEADY_SHARE * protection_m)
+def measure_lie(own: GnssRow, unit: UnitRow, at_m: float, wheels_m: float, protection_m: float) -> bool:
+    """Keep what the bounds, which hold the front, leave of the lie; whether the fix meets them as far as it is known.
+
+    Where they leave nothing of it they show another; where what they leave is too small to matter there is none.
+    """
+    steady_m, hidden_m = STEADY_SHARE * protection_m + wheels_m, HIDDEN_SHARE * protection_m
+    low_m = at_m - (unit.position_m + unit.bound_ahead_m) - steady_m
+    high_m = at_m - (unit.position_m - unit.bound_behind_m) + steady_m
+    meets = low_m <= max(own.moved_high_m, 0.0) + hidden_m and high_m >= min(own.moved_low_m, 0.0) - hidden_m
+    least_m, most_m = lie_m(own)
+    if low_m > most_m or high_m < least_m:
+        own.shown_low_m, own.shown_high_m = low_m, high_m
+    elif -hidden_m <= low_m and high_m <= hidden_m:
+        own.moved_low_m = own.moved_high_m = own.shown_low_m = own.shown_high_m = 0.0
+    else:
+        own.shown_low_m = min(max(own.shown_low_m, low_m), high_m)
+        own.shown_high_m = min(max(own.shown_high_m, low_m), high_m)
+        if meets:
+            own.moved_low_m = min(max(own.moved_low_m, low_m), high_m)
+            own.moved_high_m = min(max(own.moved_high_m, low_m), high_m)
+    return bool(meets)
 
 
 @compiled
-def told(own: GnssRow, protection_m: float) -> int:
+def outcome_of(own: GnssRow, protection_m: float) -> int:
     """What came of a fix that was used: nothing new while the receiver is under suspicion."""
-    return TAKEN if abs(own.lie_m) <= STEADY_SHARE * protection_m + own.lie_within_m else NOTHING
+    least_m, most_m = lie_m(own)
+    return TAKEN if max(most_m, -least_m) <= STEADY_SHARE * protection_m else NOTHING
 
 
 @compiled
@@ -165,24 +210,26 @@ def leans(own: GnssRow, unit: UnitRow, at_m: float, within_m: float, protection_
     if abs(at_m - unit.position_m) > own.slack_m + within_m:
         return NOTHING
     own.slack_m = leant(unit, own.slack_m, at_m, within_m)
-    return told(own, protection_m)
+    return outcome_of(own, protection_m)
 
 
 @compiled
 def used(own: GnssRow, reading: GnssReading, unit: UnitRow, step_s: float) -> int:
     """A fix that is sound: it cuts the bounds under an open sky once borne out, else it leans the estimate."""
-    at_m, within_m = front_by_fix(own, reading, unit, step_s)
-    protection_m = reading.protection_m
-    if reading.open_sky == 0:
-        return leans(own, unit, at_m, within_m, protection_m)
-    if not bears_out(own, at_m, protection_m):
+    at_m, wheels_m = front_by_fix(own, reading, unit, step_s)
+    protection_m, sky_open = reading.protection_m, reading.open_sky != 0
+    if sky_open and not bears_out(own, at_m, protection_m):
         return REFUSED
-    if own.lie_m != 0.0 and confirmed(own, unit, at_m, protection_m):
-        within_m -= abs(own.lie_m) + own.lie_within_m
-        own.lie_m = own.lie_within_m = 0.0
-    if own.agreeing < (BORNE_OUT if unit.position_known == 1 else FIRST_FIXES):
-        return leans(own, unit, at_m, within_m, protection_m)
-    return told(own, protection_m) if taken(unit, at_m, within_m, within_m) == TAKEN else REFUSED
+    meets = not sky_open or unit.position_known == 0 or measure_lie(own, unit, at_m, wheels_m, protection_m)
+    least_m, most_m = lie_m(own)
+    within_m = protection_m + wheels_m
+    if not sky_open or own.agreeing < (BORNE_OUT if unit.position_known == 1 else FIRST_FIXES):
+        return leans(own, unit, at_m, within_m + max(most_m, -least_m), protection_m)
+    if not meets:
+        unit.fix_came = FIX_MISSED
+        return REFUSED
+    came = taken(unit, at_m, within_m + most_m, within_m - least_m)
+    return outcome_of(own, protection_m) if came == TAKEN else REFUSED
 
 
 @compiled

@@ -20,8 +20,9 @@ from onboard.driving.tuning import StopRecord as StopWaves
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, plan_of
 from onboard.duty.records import AtMark, Begin, ChangeEnds, Command, Person, Sensed, SwitchedOn
-from onboard.motion import Motion, PathData
+from onboard.motion import Motion
 from onboard.notes import Note
+from onboard.records import PathData
 from onboard.unit import Answer, Report
 from simulation.faults.fault import VehiclePart
 from simulation.setup import Setup

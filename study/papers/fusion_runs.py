@@ -25,7 +25,7 @@ from radio.chance import generator
 from simulation.setup import Belief, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
-from study.papers.position_run import Moment, PositionRun
+from study.papers.position_run import SLOT, Moment, PositionResult, PositionRun
 from study.papers.position_sets import furnished
 from study.scenario.scenario import load_scenario
 from vehicle.train_file import TrainType
@@ -124,6 +124,7 @@ class Rule:
     wheel_error_share: float | None = None
     carries: tuple[str, ...] = ("tags",)
     only: tuple[Ill, ...] = field(default=tuple(Ill))
+    forgives: bool = False  # receivers do not count what may hide in slides
 
     def of(self, setup: Setup) -> Setup:
         """The setup with this rule."""
@@ -304,19 +305,24 @@ def run_of(drawn: Drawn, rule: Rule = AS_UNITS_ARE) -> PositionRun:
         moments.append(replace(rail(1.0), at_m=stretch.to_m))
     run = PositionRun(rule.of(drawn.setup), moments)
     run.trains.tag_faults.update(drawn.says)
+    run.trains.readers[SLOT].gnss.forgives = int(rule.forgives)
     return run
 
 
 def outcome(seed: int, number: int, rule: Rule = AS_UNITS_ARE) -> Outcome:
     """Draw a run and let it run."""
     drawn = draw(seed, number)
-    result = run_of(drawn, rule).run()
+    return outcome_of(seed, drawn, run_of(drawn, rule).run())
+
+
+def outcome_of(seed: int, drawn: Drawn, result: PositionResult) -> Outcome:
+    """What came of a run that was drawn so."""
     trace = result.trace
     seen = trace[(trace["speed_mps"] > 0.0) & np.isfinite(trace["bound_ahead_m"])]
     halves_m = (seen["bound_ahead_m"] + seen["bound_behind_m"]) / 2.0
     happened = [note for _, _, note in result.notes]
     return Outcome(
-        number,
+        drawn.number,
         drawn.scenario,
         seed,
         result.steps,

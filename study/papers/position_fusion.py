@@ -7,7 +7,7 @@ name: bounds that trust every tag, and bounds that do not grow, must be broken, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 from typing import Final
@@ -33,6 +33,7 @@ from study.papers.fusion_runs import (
     base_setup,
     outcome,
 )
+from study.papers.joint_faults import SETS, joint_outcome, rule_of
 from study.papers.position_run import PositionRun
 from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.run.forks import Died, Forks, jobs_of
@@ -53,6 +54,10 @@ CURVED: Final = ", outside long straights"
 STRAIGHT_OVER_M: Final = 1000.0
 HELD: Final = "runs with a step out of bounds, {}, {}"
 NULL: Final = NullMethod(TRUSTING.name, (HELD.format(AS_UNITS_ARE.name, " and ".join(AS_UNITS_ARE.carries)),))
+JOINT_RUNS: Final = 2000
+QUICK_JOINT_RUNS: Final = 28
+JOINT: Final = Rule("several sensors fail at once")
+FORGIVING: Final = Rule("receivers forgive what may hide in slides", forgives=True)
 WITH_CURVATURE: Final = ("tags", Carried.CURVATURE)
 
 
@@ -82,14 +87,20 @@ class Found:
         return tuple(one for one in self.outcomes if one.known_steps and not one.out_m <= 0.0)
 
 
-def run_all(seed: int, numbers: Sequence[int], rule: Rule = AS_UNITS_ARE, jobs: int | None = None) -> Found:
+def run_all(
+    seed: int,
+    numbers: Sequence[int],
+    rule: Rule = AS_UNITS_ARE,
+    jobs: int | None = None,
+    of: Callable[[int, int, Rule], Outcome] = outcome,
+) -> Found:
     """The runs of these numbers, in copies of this process; the first one here, which compiles what all need."""
-    first = outcome(seed, numbers[0], rule)
+    first = of(seed, numbers[0], rule)
     for line in LINES:
         base_setup(line)
     with Forks(Outcome, jobs_of(jobs)) as copies:
         for number in numbers[1:]:
-            copies.start((rule.name, number), lambda number=number: outcome(seed, number, rule))  # type: ignore[misc]
+            copies.start((rule.name, number), lambda number=number: of(seed, number, rule))  # type: ignore[misc]
         copies.wait()
         found = [copies.results[rule.name, number] for number in numbers[1:]]
     died = [
@@ -115,6 +126,12 @@ def broken_row(found: Found) -> Row:
     worst_m = max((one.out_m for one in found.broken), default=0.0)
     ours = f"{len(found.broken)} of {len(found.outcomes)} runs, by {worst_m:.1f} m at most"
     return Row(f"the same where {found.rule.name}", None, ours, bool(found.broken), "at least one")
+
+
+def joint_rows(found: Found, forgiven: Found) -> tuple[Row, Row]:
+    """Whether the truth stayed inside while several sensors failed at once; where receivers forgive, it must not."""
+    case = f"runs with a step out of bounds, {JOINT.name}, {len(SETS)} sets of sensors"
+    return replace(held_row(found), case=case), broken_row(forgiven)
 
 
 def median_row(setup: Setup, rule: Rule = AS_UNITS_ARE) -> Row:
@@ -217,6 +234,8 @@ def reproduce(options: Options) -> Reproduction:
     sets = [
         run_all(options.seed, range(QUICK_SET_RUNS if options.quick else SET_RUNS), r) for r in sensor_sets()
     ]
+    runs = range(QUICK_JOINT_RUNS if options.quick else JOINT_RUNS)
+    joint, forgiven = (run_all(options.seed, runs, rule, of=joint_outcome) for rule in (JOINT, FORGIVING))
     line = base_setup(MEDIAN_LINE)
     curved = [curved_row(line, one.rule) for one in sets if one.rule.carries == WITH_CURVATURE]
     remarks = [
@@ -229,6 +248,11 @@ def reproduce(options: Options) -> Reproduction:
             for each in sets
             for one in each.broken
         ),
+        *(
+            f"OUT with {' and '.join(rule_of(one.number, JOINT).carries)}: {again(one)}"
+            for one in joint.broken
+        ),
+        *joint.died,
         *found.died,
     ]
     if options.quick:
@@ -244,6 +268,7 @@ def reproduce(options: Options) -> Reproduction:
             *map(held_row, sets),
             *curved,
             *NULL.rows([held_row(replace(off[SWITCHED_OFF.index(TRUSTING)], rule=AS_UNITS_ARE))]),
+            *joint_rows(joint, forgiven),
         ),
         tuple(remarks),
         (

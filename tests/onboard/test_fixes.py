@@ -29,13 +29,15 @@ from onboard.duty.records import (
 )
 from onboard.fixes import EYE_WITHIN_M
 from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, taken, told
-from onboard.motion import Motion, PathData
+from onboard.motion import NO_ROOM, Motion
 from onboard.records import (
     EVENT_CONTRADICTED,
     EVENT_FOUND,
+    EVENT_IDLE,
     EVENT_PLACE,
     EVENT_POSITION,
     BehaviourRow,
+    PathData,
     UnitRow,
 )
 from onboard.unit_records import UnitParameters
@@ -313,3 +315,40 @@ def test_outcomes_of_the_rule_are_told_apart(motion: Motion) -> None:
     run_to(motion, 300.0, 5.0)
     assert taken(row, 300.0, 2.0, 2.0) == TAKEN
     assert taken(row, 400.0, 2.0, 2.0) == REFUSED
+
+
+# no room to go on -------------------------------------------------------------------------------------------------
+
+
+def stand_idle(motion: Motion, short_m: float, bound_m: float) -> list[object]:
+    """Stand so far short of the mark, which the limit lies just behind, with such bounds, and report it."""
+    run_to(motion, MARK_B_M - short_m, bound_m)
+    motion.row.speed_mps = 0.0
+    motion.row.stop_limit_m = MARK_B_M + 10.0
+    return list(motion.events(EVENT_IDLE))
+
+
+def test_a_train_that_stands_since_its_bounds_leave_no_room_gives_its_position_up(motion: Motion) -> None:
+    """It may drive on to its mark, and stands: nothing else would ever change that."""
+    assert stand_idle(motion, 300.0, 320.0) == [PositionLost()]
+    assert motion.row.position_known == 0
+    assert notes.PositionFault(why=NO_ROOM) in motion.taken_notes()
+
+
+def test_a_train_that_has_room_and_stands_waits_for_something_else(motion: Motion) -> None:
+    assert stand_idle(motion, 300.0, 20.0) == []
+    assert motion.row.position_known == 1
+
+
+def test_a_position_that_was_given_up_for_want_of_room_is_not_found_again_without(motion: Motion) -> None:
+    stand_idle(motion, 300.0, 320.0)
+    bits = fix(motion, MARK_B_M - 40.0, MARK_B_M + 5.0)  # its mark lies within
+    assert bits & EVENT_FOUND
+    assert motion.events(bits) == []
+    assert motion.row.position_known == 0
+    assert Found() in motion.events(fix(motion, MARK_B_M - 110.0, MARK_B_M - 60.0))
+
+
+def test_a_position_as_narrow_as_the_drivers_eye_is_found_again_anywhere(motion: Motion) -> None:
+    stand_idle(motion, 300.0, 320.0)
+    assert Found() in motion.events(fix(motion, MARK_B_M - 4.0, MARK_B_M + 4.0))

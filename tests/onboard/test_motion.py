@@ -17,7 +17,7 @@ from network.model import Line
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, How, Limit, Looked, Order, PositionLost, Started, Stopped, TagPassed
-from onboard.motion import ARRIVED_WITHIN_M, Motion, PathData
+from onboard.motion import ARRIVED_WITHIN_M, Motion
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_MOVING,
@@ -29,6 +29,7 @@ from onboard.records import (
     MODE_HOLD,
     NO_INTERVENTION,
     BehaviourRow,
+    PathData,
     UnitRow,
 )
 from onboard.unit_records import UnitParameters

@@ -10,15 +10,18 @@ from onboard.board import BOARD, SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.records import (
+    EMERGENCY_INTERVENTION,
+    EVENT_IDLE,
     EVENT_MOVING,
     EVENT_POSITION,
     EVENT_STOPPED,
+    MODE_DRIVE,
     NO_PLACES,
     BehaviourRow,
     Chart,
     UnitRow,
 )
-from onboard.tick import tick
+from onboard.tick import IDLE_S, stands_idle, tick
 from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]
@@ -82,3 +85,26 @@ def test_two_trains_use_their_own_rows_of_one_path_database(
         tick(board, sensed(0.0, 1.0), Chart(both, NO_PLACES), NO_PLAN)
         permitted.append(float(board.unit.permitted_mps))
     assert permitted == pytest.approx([10.0, 20.0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, 2),
+        ({"mode": 0}, 0),
+        ({"notch": 1.0}, 0),
+        ({"intervention": EMERGENCY_INTERVENTION}, 0),
+        ({"mark_m": np.inf}, 0),  # on sight
+        ({"mark_m": 700.0}, 0),  # it waits for what lies ahead
+    ],
+)
+def test_a_train_that_may_drive_on_and_stands_is_reported(
+    unit: UnitRow, changes: dict[str, float], told: int
+) -> None:
+    unit.mode, unit.notch, unit.mark_m, unit.stop_limit_m = MODE_DRIVE, -3.0, 500.0, 600.0
+    for name, value in changes.items():
+        setattr(unit, name, value)
+    events = [stands_idle(unit, 0.0, 0.5) for _ in range(int(2.0 * IDLE_S / 0.5))]
+    assert events.count(EVENT_IDLE) == told
+    assert stands_idle(unit, 0.1, 0.5) == 0
+    assert unit.idle_s == 0.0

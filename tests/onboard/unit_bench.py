@@ -19,10 +19,11 @@ from onboard.duty.records import (
     Sensed,
     Told,
 )
-from onboard.motion import Motion, PathData
+from onboard.motion import Motion
 from onboard.records import (
     EVENT_STOPPED,
     BehaviourRow,
+    PathData,
     UnitRow,
 )
 from onboard.unit import Report, Unit

@@ -25,8 +25,8 @@ from onboard.fixes import Fixes
 from onboard.localisation.fix import Fix, Refused, Taken, take
 from onboard.localisation.places import Places
 from onboard.localisation.tags import TagDoubt
-from onboard.motion import Motion, PathData
-from onboard.records import UnitRow
+from onboard.motion import Motion
+from onboard.records import PathData, UnitRow
 from onboard.unit import Answer, Report, Unit
 from onboard.vehicle import Vehicle
 from radio.envelope import header_of

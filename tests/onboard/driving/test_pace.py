@@ -17,8 +17,8 @@ from onboard.driving.laws.table import LAWS_ROW
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.mission import Mission
 from onboard.duty.records import Command, Limit, Looked, Order
-from onboard.motion import Motion, PathData
-from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, BehaviourRow, UnitRow
+from onboard.motion import Motion
+from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, BehaviourRow, PathData, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.records import TrainRow
 

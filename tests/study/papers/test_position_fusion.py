@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from simulation.faults.table import FAULTS
 from study.papers.fusion_runs import (
     AS_UNITS_ARE,
     LIES,
@@ -17,8 +18,11 @@ from study.papers.fusion_runs import (
     keep_to_the_model,
     outcome,
 )
+from study.papers.joint_faults import FAILS, SETS, joint_outcome
 from study.papers.position_fusion import (
     CURVED,
+    FORGIVING,
+    JOINT,
     MEDIAN_CURVED_M,
     NO_GROWTH,
     WITH_CURVATURE,
@@ -33,6 +37,9 @@ from study.papers.position_fusion import (
 from study.papers.reproduction import Options, reproduction
 
 SHORT = (7, 15, 18, 19, 28)  # on the test line, which takes a moment
+JOINT_SEED = 41
+JOINT_SHORT = (2, 3, 8, 11, 12, 87)
+ONCE_FORGIVEN = 87  # a reflection that came up in a slide
 ONCE_BROKEN = (15,)  # by wheels that slipped and slid by turns, while only slips were seen
 
 
@@ -76,6 +83,22 @@ def test_bounds_that_do_not_grow_are_broken() -> None:
 
 def test_on_the_line_as_it_stands_bounds_are_narrow_enough() -> None:
     assert median_row(base_setup("karasuyama_weekday")).passed
+
+
+@pytest.mark.parametrize("number", JOINT_SHORT)
+def test_the_truth_stays_inside_while_several_sensors_fail_at_once(number: int) -> None:
+    found = Found(JOINT, (joint_outcome(JOINT_SEED, number, JOINT),))
+    assert held_row(found).passed, again(found.outcomes[0])
+
+
+def test_receivers_that_forgive_what_may_hide_in_slides_break_bounds() -> None:
+    assert not joint_outcome(JOINT_SEED, ONCE_FORGIVEN, FORGIVING).out_m <= 0.0
+
+
+def test_every_fault_of_a_sensor_that_fails_is_drawn() -> None:
+    carried = {kind for one in SETS for kind in one}
+    assert set(FAILS) <= carried
+    assert {kind for fails in FAILS.values() for kind in fails} <= set(FAULTS)
 
 
 @pytest.mark.nightly
