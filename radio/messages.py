@@ -18,8 +18,8 @@ What a unit owes, so that no late answer gives it back what it has released:
   then gives up the request outstanding.
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
   unit that waits for its portal holds nothing yet.
-- A unit drops a section before it reports or signs off; it repeats the sign-off until accepted, and reports
-  when it is refused.
+- A unit drops a section before it reports; it repeats the sign-off until accepted, and reports when it is
+  refused. Signed off, it holds its portal until its train is off the line.
 """
 
 from __future__ import annotations
@@ -160,7 +160,7 @@ class SignOff(Message, frozen=True, array_like=True, tag=9):
 
 
 class SignOffAccepted(Message, frozen=True, array_like=True, tag=10):
-    """Manager to unit: you hold nothing any more."""
+    """Manager to unit: your train may leave; the portal is yours until it has."""
 
 
 class SignOffRefused(Message, frozen=True, array_like=True, tag=11):

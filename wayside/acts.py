@@ -296,6 +296,8 @@ UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxy
         (Phase.RUNNING, Standing.BY_HAND, ConfirmHolding): _confirm_holding,
         (Phase.RUNNING, Standing.REPORTED, ConfirmOutside): _doubt_speaker,
         (Phase.RUNNING, Standing.REPORTED, ConfirmHolding): _doubt_speaker,
+        (Phase.RUNNING, Standing.LEAVING, ConfirmOutside): _doubt_speaker,
+        (Phase.RUNNING, Standing.LEAVING, ConfirmHolding): _doubt_speaker,
         (Phase.RUNNING, Standing.DISPUTED, ConfirmOutside): _refuse_unit_speaks,
         (Phase.RUNNING, Standing.DISPUTED, ConfirmHolding): _refuse_unit_speaks,
         (Phase.RESTORING, Standing.UNKNOWN, ConfirmOutside): _take_word,
@@ -306,13 +308,15 @@ UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxy
         (Phase.RESTORING, Standing.BY_HAND, ConfirmHolding): _take_word,
         (Phase.RESTORING, Standing.REPORTED, ConfirmOutside): _take_correction,
         (Phase.RESTORING, Standing.REPORTED, ConfirmHolding): _take_correction,
+        (Phase.RESTORING, Standing.LEAVING, ConfirmOutside): _take_correction,
+        (Phase.RESTORING, Standing.LEAVING, ConfirmHolding): _take_correction,
         (Phase.RESTORING, Standing.DISPUTED, ConfirmOutside): _take_correction,
         (Phase.RESTORING, Standing.DISPUTED, ConfirmHolding): _take_correction,
         (Phase.RUNNING, Standing.OUTSIDE, TakeBack): _take_back,
         (Phase.RUNNING, Standing.BY_HAND, TakeBack): _take_back,
         **{
             (Phase.RUNNING, standing, TakeBack): _nothing_to_take_back
-            for standing in (Standing.UNKNOWN, Standing.REPORTED, Standing.DISPUTED)
+            for standing in (Standing.UNKNOWN, Standing.REPORTED, Standing.LEAVING, Standing.DISPUTED)
         },
         **{(Phase.RESTORING, standing, TakeBack): _take_back_word for standing in Standing},
     }

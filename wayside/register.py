@@ -26,6 +26,7 @@ class Standing(Enum):
     OUTSIDE = "outside"  # signed off, confirmed outside, or its claim was empty
     BY_HAND = "by hand"  # a person entered what it holds; it has not spoken
     REPORTED = "reported"  # it speaks for itself
+    LEAVING = "leaving"  # signed off; it holds its portal until its train is known to have left
     DISPUTED = "disputed"  # it claims what another holds; nothing is granted to anyone meanwhile
 
 
@@ -53,7 +54,7 @@ class Unit:
     @property
     def has_spoken(self) -> bool:
         """Whether it spoke for itself, be it before persons spoke for it."""
-        return self.barred or self.standing is Standing.REPORTED
+        return self.barred or self.standing in (Standing.REPORTED, Standing.LEAVING)
 
 
 UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
@@ -169,9 +170,10 @@ class Register:
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
     def asked(self) -> tuple[str, ...]:
-        """Units that are asked what they hold: those that block, and those that count by persons' word alone."""
-        silent = (unit_id for unit_id, unit in self.units.items() if unit.silent)
-        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent)))
+        """Units that are asked what they hold: those that block, that leave, or that count by persons' word alone."""
+        units = self.units.items()
+        others = (unit_id for unit_id, u in units if u.silent or u.standing is Standing.LEAVING)
+        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others)))
 
     @property
     def in_dispute(self) -> bool:

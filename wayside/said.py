@@ -61,7 +61,21 @@ class TakeBack(msgspec.Struct, frozen=True, array_like=True, tag=6):
     person: str
 
 
-Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture | TakeBack
+class BoundaryPassed(msgspec.Struct, frozen=True, array_like=True, tag=7):
+    """World to manager: the contact at the boundary beyond this portal has counted a whole train out of the line."""
+
+    section_id: str
+
+
+Input = (
+    ConfirmOutside
+    | ConfirmHolding
+    | PointsDetected
+    | EnterSection
+    | AcceptPicture
+    | TakeBack
+    | BoundaryPassed
+)
 
 
 class StartThrow(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -112,12 +126,20 @@ class Refused(Noted, frozen=True, kw_only=True, tag="refused"):
 
 
 class Freed(Noted, frozen=True, kw_only=True, tag="freed"):
-    """The manager has freed sections: by the unit's own word, or `by` a person's."""
+    """The manager has freed sections: by the unit's own word, the boundary's contact, or `by` a person's word."""
 
     unit_id: str
     section_ids: tuple[str, ...]
     token: int = 0
     by: str = ""
+
+
+class Leaving(Noted, frozen=True, kw_only=True, tag="leaving"):
+    """The manager has accepted a sign-off: the portal stays the unit's until its train is known to have left."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    token: int
 
 
 class Accepted(Noted, frozen=True, kw_only=True, tag="accepted"):
@@ -275,6 +297,7 @@ ManagerNote = (
     | Granted
     | Refused
     | Freed
+    | Leaving
     | Accepted
     | Outside
     | ConfirmedByHand

@@ -67,6 +67,7 @@ class Command(msgspec.Struct, frozen=True):
 
 class Authority(msgspec.Struct, frozen=True):
     """The state. `held`: sections in order of travel; `commandable`: those of them granted with a capability.
+    `leaving`: signed off, with its train still in its portal, which it holds until that is off the line.
 
     `unsaid`: points not commanded any more, of which a proof still counts. `entering`: the sign-on is a wish for a
     portal, so until it is accepted nothing is held. `mismatch`: why register and unit contradict each other, if they
@@ -76,6 +77,7 @@ class Authority(msgspec.Struct, frozen=True):
     held: tuple[str, ...] = ()
     commandable: tuple[str, ...] = ()
     on_line: bool = False  # signed on and not signed off
+    leaving: bool = False
     entering: bool = False
     requests: tuple[Request, ...] = ()
     commands: tuple[Command, ...] = ()
@@ -111,6 +113,10 @@ class BeginOnLine(msgspec.Struct, frozen=True, tag=True):
 
 class EndOnLine(msgspec.Struct, frozen=True, tag=True):
     """The train leaves the line; it holds nothing but its portal."""
+
+
+class TakenOff(msgspec.Struct, frozen=True, tag=True):
+    """The train of a unit that has signed off is wholly off the line."""
 
 
 class AskRoute(msgspec.Struct, frozen=True, tag=True):
@@ -246,6 +252,7 @@ class PeerRestarted(msgspec.Struct, frozen=True, tag=True):
 Event = (
     BeginOnLine
     | EndOnLine
+    | TakenOff
     | AskRoute
     | Throw
     | CheckedByCrew

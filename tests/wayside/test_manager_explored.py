@@ -31,7 +31,7 @@ from wayside.block_manager import Ask, Event, Heard, step
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.reentry import in_station
 from wayside.register import Register, Standing, start
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, TakeBack
+from wayside.said import AcceptPicture, BoundaryPassed, ConfirmHolding, ConfirmOutside, EnterSection, TakeBack
 
 UNITS, PERSONS = ("u1", "u2"), ("Sato", "Mori")
 CONFIG: Final = ManagerConfig(
@@ -113,6 +113,8 @@ def _telegrams(register: Register) -> Iterator[Event]:
         messages.append(HoldingReport(held, unit.token, ("P", "C", "S")))
         yield from (Heard(unit_id, 1, True, 0, message) for message in messages)
         yield Heard(unit_id, 1, False, 0, Claim((), unit.token))
+        yield Heard(unit_id, 2, True, 0, Claim((), 0))
+    yield BoundaryPassed("P")
 
 
 def _inputs(register: Register, persons: tuple[str, ...]) -> Iterator[Event]:
@@ -141,15 +143,22 @@ def _agreed_with_another(step_: Step, unit_id: str) -> bool:
 
 
 def check_freed(step_: Step) -> None:
-    """By its holder's own report or sign-off, or by two persons who put it in a station or out of a portal."""
+    """By its holder's own report, its train having left by its own word or the boundary's, or by two persons who put it
+    in a station or out of a portal.
+    """
     for section_id, holder in step_.before.holders.items():
         now = step_.after.holders.get(section_id)
         if now == holder:
             continue
         assert now is None, "from one unit straight to another"
         match step_.event:
-            case Heard(unit_id, message=HoldingReport() | SignOff()):
+            case Heard(unit_id, message=HoldingReport()):
                 assert unit_id == holder
+            case Heard(unit_id, epoch=epoch, fresh=True, message=Claim(())):
+                unit = step_.before.unit(holder)
+                assert (unit_id, epoch, unit.standing) == (holder, unit.epoch, Standing.LEAVING)
+            case BoundaryPassed(portal):
+                assert section_id == portal or step_.before.unit(holder).standing is Standing.LEAVING
             case ConfirmHolding(section_ids=section_ids):
                 assert in_station(step_.after, section_ids)
                 assert _agreed_with_another(step_, holder)

@@ -31,6 +31,7 @@ from wayside.reentry import Clash
 from wayside.register import Stage, Standing, start
 from wayside.said import (
     AcceptPicture,
+    BoundaryPassed,
     ConfirmHolding,
     ConfirmOutside,
     Contradicted,
@@ -294,6 +295,7 @@ def test_trains_finish_within_what_they_hold_and_entries_follow() -> None:
     token = desk.register.unit("u1").token
     desk.hear("u1", HoldingReport(("B",), token))
     assert desk.hear("u3", SignOff("u3", desk.register.unit("u3").token)) == SignOffAccepted()
+    desk.register, _ = step(desk.register, BoundaryPassed("P9"), desk.now_s)
     assert desk.accept()[-1] is PictureChanged
     assert desk.register.holders == {"B": "u1", "E": "u2"}
 
