@@ -45,6 +45,7 @@ class RefusalReason(Enum):
     CLAIM_NEEDED = 9  # neither side knows what the unit holds: a person must say
     WRONG_UNIT = 10  # the unit named is not the one that sent it
     NO_WAY_ON = 11  # granted, not every train could still finish; named: who is waited for, to come where
+    UNKNOWN_TOKEN = 13  # claimed under a token that was never granted
     NOT_ITS_TURN = 12  # another goes first by the order of trains; named likewise
 
 
@@ -58,6 +59,7 @@ class PointsRefusalReason(Enum):
     LOCKED = 5  # this holder already has the points locked the other way
     NOT_DETECTED = 6  # thrown, but position or lock did not prove in time
     LOCKED_BY_HAND = 7  # a crew passes them on sight and has the key
+    BARRED = 8  # persons have barred the unit
 
 
 class Capability(msgspec.Struct, frozen=True, array_like=True):
@@ -112,12 +114,14 @@ class HoldingReport(Message, frozen=True, array_like=True, tag=4):
 class HoldingConfirmed(Message, frozen=True, array_like=True, tag=5):
     """Manager to unit: what the register says it holds, and its current token; the answer to every report.
 
-    `contested`: what of it another claims, or may be in. While there is any, the train is not to move.
+    `contested`: what of it another claims, or may be in. While there is any, the train is not to move; `on_sight` as
+    in a grant.
     """
 
     section_ids: tuple[str, ...]
     token: int
     contested: tuple[str, ...] = ()
+    on_sight: tuple[str, ...] = ()
 
 
 class SignOn(Message, frozen=True, array_like=True, tag=6):

@@ -1,5 +1,5 @@
-"""Invariant: what a barred unit says counts for nothing, in whatever boot and by whatever key; two different persons bar
-it, two unbar it, and no restart forgets that.
+"""Invariant: what a barred unit says counts for nothing, in whatever boot and by whatever key; two different persons
+bar it, two unbar it, and no restart forgets that.
 
 For a unit that is mad, or whose key is stolen. What it held stays its own until people say where it is: barring frees
 nothing. Block manager and point terminals each keep the bars that persons entered there, for the manager tells a

@@ -26,6 +26,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
+import msgspec
+
 from radio.messages import (
     AnyMessage,
     Claim,
@@ -63,6 +65,9 @@ from wayside.said import (
 M = TypeVar("M")
 
 
+__all__ = ["TELEGRAMS", "Ask", "Event", "Heard", "step", "table_rows", "wake_at_s"]
+
+
 @dataclass(frozen=True, slots=True)
 class Ask:
     """Look whether it is time to ask the units that block the line what they hold."""
@@ -91,12 +96,14 @@ def step(register: Register, event: Event, now_s: float) -> Step:
 
 def wake_at_s(register: Register) -> float | None:
     """When the manager wants to ask again; None while the line is defined and every unit speaks for itself."""
-    return register.ask_at_s if register.asked() else None
+    return register.ask_at_s if register.asked() or register.in_dispute else None
 
 
 def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if heard.unit_id not in register.plan.unit_ids:
         return register, (Show(Refused(unit_id=heard.unit_id, why="not on the fleet list")),)
+    if heard.unit_id in register.bars.barred:
+        return register, (Show(Refused(unit_id=heard.unit_id, why="barred")),)
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
@@ -113,7 +120,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
 
 def _ask(register: Register, now_s: float) -> Step:
     asked = register.asked()
-    if not asked or now_s < register.ask_at_s:
+    if not (asked or register.in_dispute) or now_s < register.ask_at_s:
         return register, ()
     in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}
     register = replace(register, ask_at_s=now_s + register.plan.ask_interval_s, doubted=in_vain)
@@ -124,7 +131,8 @@ def _tell_contested(register: Register) -> tuple[Send, ...]:
     """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
     if not register.in_dispute:
         return ()
-    contested = {unit_id: register.contested(unit_id) for unit_id in register.plan.unit_ids}
+    units = (unit_id for unit_id in register.plan.unit_ids if unit_id not in register.bars.barred)
+    contested = {unit_id: register.contested(unit_id) for unit_id in units}
     return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
 
 
@@ -221,7 +229,9 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     unit = register.unit(unit_id)
     held, listed = register.held_by(unit_id), frozenset(message.section_ids)
     contested = register.contested(unit_id)
-    confirmed = Send(unit_id, HoldingConfirmed(held, unit.token, contested), heard.correlation)
+    confirmed = Send(
+        unit_id, HoldingConfirmed(held, unit.token, contested, register.on_sight(held)), heard.correlation
+    )
     if heard.epoch != unit.epoch:
         return register, (show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
     if message.token != unit.token:
@@ -245,7 +255,11 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     return register, (
         *noted,
         Show(Freed(unit_id=unit_id, section_ids=freed, token=unit.token)),
-        Send(unit_id, HoldingConfirmed(kept, unit.token, register.contested(unit_id)), heard.correlation),
+        Send(
+            unit_id,
+            HoldingConfirmed(kept, unit.token, register.contested(unit_id), register.on_sight(kept)),
+            heard.correlation,
+        ),
     )
 
 
@@ -280,9 +294,8 @@ def _claim(register: Register, heard: Heard[Claim]) -> Step:
 
 def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
     unit_id, claimed = heard.unit_id, heard.message.section_ids
-    register, doubts = _doubt(register, heard)
-    if doubts:
-        return register, (*doubts, Send(unit_id, ClaimQuery(), heard.correlation))
+    if heard.message.token > register.token_max:
+        return _never_granted(register, heard)
     unit = register.unit(unit_id)
     if claimed is None:
         if unit.standing in (Standing.UNKNOWN, Standing.DISPUTED):
@@ -325,16 +338,23 @@ def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     return register, (Show(shown), *refusal)
 
 
-def _doubt(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
-    """A token that no boot known here can have given: the durable state was lost, this is no first start."""
-    token = heard.message.token
-    if token <= max(register.token_max, register.foreign_token):
-        return register, ()
-    if register.restoring:
-        return replace(register, foreign_token=token), ()
-    why = "a token that this manager does not remember; the line must be restored"
-    doubt = Contradicted(unit_id=heard.unit_id, token=token, why=why)
-    return reentry.lost_again(register, token), (Show(doubt),)
+def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
+    """A token that no boot gave contradicts this unit alone: that is shown, and its claim refused.
+
+    But where nobody knows what it holds, what it claims may be so, and is taken without the token.
+    """
+    unit_id, token, claimed = heard.unit_id, heard.message.token, heard.message.section_ids
+    shown = Show(Contradicted(unit_id=unit_id, token=token, why="a token that was never granted"))
+    if claimed and register.unit(unit_id).standing is Standing.UNKNOWN:
+        register, actions = _take_claim(register, replace(heard, message=_without_token(heard.message)))
+    else:
+        register = replace(register, ledger=register.ledger | {unit_id})  # two persons must say where it is
+        register, actions = _refuse_claim(register, heard, RefusalReason.UNKNOWN_TOKEN)
+    return register, (shown, *actions)
+
+
+def _without_token(message: SignOn | Claim) -> Any:  # noqa: ANN401 - of the type given
+    return msgspec.structs.replace(message, token=0)
 
 
 def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:

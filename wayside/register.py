@@ -15,6 +15,7 @@ from enum import Enum
 from network.errors import InputError
 from radio.keys import capability_mac
 from radio.messages import Capability
+from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 from wayside.journeys import Days, Kept, Trip, days_of
 
@@ -113,7 +114,7 @@ class Register:
 
     `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of
     the line has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept
-    over power cuts; it blocks and never frees. `foreign_token`: the greatest heard that no known boot gave.
+    over power cuts; it blocks and never frees. `bars`: units that persons have barred, kept over power cuts.
     `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
     to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
     often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
@@ -130,7 +131,7 @@ class Register:
     ask_at_s: float = 0.0
     restoring: bool = False
     ledger: frozenset[str] = frozenset()
-    foreign_token: int = 0
+    bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
     doubted: Mapping[str, int] = field(default_factory=dict[str, int])
     reentry: Reentry = field(default_factory=Reentry)
@@ -173,7 +174,8 @@ class Register:
         """Units that are asked what they hold: those that block, that leave, or that count by persons' word alone."""
         units = self.units.items()
         others = (unit_id for unit_id, u in units if u.silent or u.standing is Standing.LEAVING)
-        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others)))
+        named = dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others))
+        return tuple(unit_id for unit_id in named if unit_id not in self.bars.barred)
 
     @property
     def in_dispute(self) -> bool:
@@ -245,6 +247,7 @@ def start(
     ledger: Iterable[str] | None = None,
     unswept: Iterable[str] = (),
     moves_done: Mapping[str, int] | None = None,
+    bars: Bars = NO_BARS,
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
@@ -279,6 +282,7 @@ def start(
         epoch,
         restoring=epoch > 1,
         ledger=on_line,
+        bars=bars,
         unswept=frozenset(unswept),
         trips={unit_id: Trip(done) for unit_id, done in (moves_done or {}).items()},
         trips_lost=trips_lost,

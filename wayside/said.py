@@ -67,6 +67,20 @@ class BoundaryPassed(msgspec.Struct, frozen=True, array_like=True, tag=7):
     section_id: str
 
 
+class BarUnit(msgspec.Struct, frozen=True, array_like=True, tag=8):
+    """Operator to manager and terminals: the unit is mad or its key stolen, nothing that it says is to count."""
+
+    unit_id: str
+    person: str
+
+
+class UnbarUnit(msgspec.Struct, frozen=True, array_like=True, tag=9):
+    """Operator to manager and terminals: what the unit says is to count again."""
+
+    unit_id: str
+    person: str
+
+
 Input = (
     ConfirmOutside
     | ConfirmHolding
@@ -75,6 +89,8 @@ Input = (
     | AcceptPicture
     | TakeBack
     | BoundaryPassed
+    | BarUnit
+    | UnbarUnit
 )
 
 
@@ -207,6 +223,20 @@ class ToBeSwept(Noted, frozen=True, kw_only=True, tag="to_be_swept"):
     section_ids: tuple[str, ...]
 
 
+class Barred(Noted, frozen=True, kw_only=True, tag="barred"):
+    """Two persons have barred the unit at this device: what it says counts for nothing from now on."""
+
+    unit_id: str
+    by: str
+
+
+class Unbarred(Noted, frozen=True, kw_only=True, tag="unbarred"):
+    """Two persons have unbarred the unit at this device."""
+
+    unit_id: str
+    by: str
+
+
 class Swept(Noted, frozen=True, kw_only=True, tag="swept"):
     """A train has run through these sections on sight and found them empty: they are as any other again."""
 
@@ -304,6 +334,8 @@ ManagerNote = (
     | WordTaken
     | PictureChanged
     | TakenBack
+    | Barred
+    | Unbarred
     | ToBeSwept
     | Swept
     | Contradicted
@@ -318,6 +350,8 @@ TerminalNote = (
     Started
     | InputRefused
     | Refused
+    | Barred
+    | Unbarred
     | PointsCommanded
     | ThrowRefused
     | PointsProven

@@ -214,6 +214,7 @@ class Confirmed(msgspec.Struct, frozen=True, tag=True):
     answers: bool
     newer: bool
     contested: tuple[str, ...] = ()
+    on_sight: tuple[str, ...] = ()
 
 
 class Contested(msgspec.Struct, frozen=True, tag=True):
