@@ -26,6 +26,7 @@ from branchline.importing import importers
 from branchline.making import makers
 from branchline.measuring import bench
 from branchline.plotting import plot
+from branchline.reporting import report
 from branchline.reproducing import reproduce
 from branchline.running import run
 from branchline.sweeping_days import sweep
@@ -44,6 +45,7 @@ for command in (
     bench,
     reproduce,
     check,
+    report,
     compare,
     plot,
     duties,

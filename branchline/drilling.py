@@ -42,6 +42,20 @@ def drill(
         bool,
         typer.Option("--sweep-kinds", help="FILE is a scenario: sweep single faults of every kind over it."),
     ] = False,
+    at: Annotated[
+        str | None,
+        typer.Option(
+            "--at",
+            help="telegrams: of FILE as it is, with single faults beside its own, each just before and just after"
+            " every telegram that it may have to do with is sent or takes effect.",
+        ),
+    ] = None,
+    faults: Annotated[
+        str,
+        typer.Option(
+            "--faults", help="Of --at telegrams: power of each party, links (each cut one way), or all kinds."
+        ),
+    ] = "power",
     every: Annotated[float, typer.Option("--every", min=0.1, help="Of a sweep: its step, s.")] = 1.0,
     from_time: Annotated[
         str | None,
@@ -55,13 +69,15 @@ def drill(
     ] = None,
 ) -> None:
     """Run a drill and print it expectation by expectation; exit code 1 if one is not met, or a swept run is bad."""
-    if sweep or sweep_kinds:
-        from branchline.sweeping import Asked, sweep_drill
+    if sweep or sweep_kinds or at is not None:
+        from branchline.sweeping import Asked, sweep_drill, sweep_telegrams
         from branchline.sweeping import sweep_kinds as sweep_all_kinds
 
         if link != "simulated" or units != "simulator":
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
         asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
+        if at is not None:
+            end(judged(sweep_telegrams(file, asked, at, faults)))
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
         end(judged(good))
     from study.run.directory import reserved

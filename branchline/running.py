@@ -49,7 +49,7 @@ def run(
     from study.compare.against import against as compared_with
     from study.feasibility.check import refuse
     from study.run.directory import reserved
-    from study.run.run import NO_MORE, CarrierKind, execute, fill_run, link_of, units_at
+    from study.run.run import NO_MORE, CarrierKind, end_room_bytes, execute, fill_run, link_of, units_at
     from study.scenario.scenario import load_scenario
 
     chosen = link_of(link)
@@ -64,6 +64,7 @@ def run(
     base = None if against is None else _base_of(against, loaded)
     directory = (out or Path("runs") / loaded.id).resolve()
     with reserved(directory) as place:
+        place.hold_room(end_room_bytes(loaded.setup))
         with crashes_into(directory), progress_of(loaded.id) as progress:
             done = execute(
                 loaded,

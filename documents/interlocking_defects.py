@@ -78,6 +78,21 @@ CAUGHT: Final = (
         "wayside/test_silent_units.py::test_an_acceptance_dies_with_a_new_contradiction",
     ),
     Caught(
+        "a unit that has booted says that it does not know",
+        "host.unit",
+        "host/test_unit_memory.py::test_after_a_boot_it_claims_nothing_only_if_it_was_surely_off_the_line",
+    ),
+    Caught(
+        "an empty claim of a unit on the ledger is swept for",
+        "wayside.reentry",
+        "wayside/test_forgetful_units.py::test_an_empty_claim_of_one_that_was_on_the_line_is_shown_and_the_line_is_swept",
+    ),
+    Caught(
+        "a blank store is no first start",
+        "host.boot",
+        "host/test_store.py::test_a_store_is_blank_until_people_commission_it",
+    ),
+    Caught(
         "the store is on disk (fsync) before it counts",
         "host.store",
         "host/test_store.py::test_it_is_on_the_disk_before_it_takes_the_place_of_the_old_one",

@@ -59,6 +59,27 @@ HAZARDS: Final = (
         ("a picture accepted without a silent unit", "a claim of less than is held"),
     ),
     Hazard(
+        "A train whose unit has just booted is taken for one that is outside",
+        "manager and unit lost their power; the unit is asked before its crew has entered a train number",
+        "a unit keeps whether it may be on the line, and says then that it does not know; the empty claim of one"
+        " that was is swept for",
+        ("onboard.authority.sign_on", "host.unit", "wayside.reentry"),
+        (Checker.SUMO_COLLISION, Checker.INSIDE_HOLDING),
+        ("rtri/15_crew_comes_late",),
+    ),
+    Hazard(
+        "A lost durable state is taken for a first start",
+        "the disk of a party was replaced",
+        "no party starts from a blank store: people commission it, with a number and tokens beyond all that were used",
+        ("host.store", "host.boot", "simulation.faults.commissioning"),
+        (Checker.UNDEFINED_GRANTS_NOTHING, Checker.TOKENS_GROW, Checker.EVERYONE_ARRIVES),
+        (
+            "rtri/16a_manager_store_lost",
+            "rtri/16b_unit_store_lost",
+            "rtri/16c_terminal_store_lost",
+        ),
+    ),
+    Hazard(
         "Two persons are wrong about a silent unit that is on the line",
         "a train with its radio cut is said to stand, or to have left, where it does not",
         "a place must be named, in a station; what no unit speaks for is locked until a train on sight has run through;"

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from host.party import Party, PartySpec, Role
-from host.store import Store
+from host.store import Store, commissioned
 
 
 def boot(spec: PartySpec, store: Store, file: str = "config.json") -> Party:
-    """Start the party. Raises InputError that names `file` where its configuration is not of this party."""
+    """Start the party. Raises NotCommissioned if its store is blank, and InputError that names `file` where its
+    configuration is not of this party.
+    """
+    commissioned(store, spec.called)
     match spec.role:
         # Imported here: a process loads its own role and nothing of the others.
         case Role.BLOCK_MANAGER | Role.POINT_TERMINAL:

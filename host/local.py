@@ -9,11 +9,14 @@ from typing import Self
 from host.boot import boot
 from host.parties import PartyError
 from host.party import Advance, Party, PartySpec
-from host.store import MemoryStore
+from host.store import MemoryStore, commission
 
 
 class LocalParties:
-    """`host.parties.Parties` without processes. A killed party keeps its durable state only."""
+    """`host.parties.Parties` without processes. A killed party keeps its durable state only.
+
+    Entering the context is the first commissioning of them all.
+    """
 
     def __init__(self, specs: Iterable[PartySpec]) -> None:
         self._specs = {spec.party_id: spec for spec in specs}
@@ -21,7 +24,8 @@ class LocalParties:
         self._running: dict[str, Party] = {}
 
     def __enter__(self) -> Self:
-        for party_id in self._specs:
+        for party_id, store in self._stores.items():
+            commission(store)
             self.restart(party_id)
         return self
 
@@ -46,7 +50,15 @@ class LocalParties:
         self._running.pop(party_id, None)
 
     def restart(self, party_id: str) -> None:
-        """Power back: a new boot epoch. PartyError if it runs."""
+        """Power back: a new boot epoch. PartyError if it runs, NotCommissioned if its durable state is lost."""
         if party_id in self._running:
             raise PartyError(f"party {party_id} runs already")
         self._running[party_id] = boot(self._specs[party_id], self._stores[party_id])
+
+    def lose(self, party_id: str) -> None:
+        """Its durable state is gone."""
+        self._stores[party_id] = MemoryStore()
+
+    def commission(self, party_id: str, number: int, vital: bytes) -> None:
+        """People put it into service again."""
+        commission(self._stores[party_id], number, vital)

@@ -32,7 +32,8 @@ from host.planes import (
     session_json5,
     time_key,
 )
-from host.process import PartyProcess, last_words
+from host.process import DURABLE_FILE, Commission, PartyProcess, last_words
+from host.store import NotCommissioned
 
 START_LIMIT_S: Final = 30.0
 ASK_AGAIN_S: Final = 2.5
@@ -61,10 +62,18 @@ class _Hosted:
     asker: Asker
     session_id: str = ""
     process: PartyProcess | None = None
+    commission: Commission | None = None  # what people have entered, before its next boot
+
+    @property
+    def durable(self) -> Path:
+        """The file of its durable state."""
+        return self.state / DURABLE_FILE
 
 
 class ZenohParties:
     """`host.parties.Parties` with a process per party. State is kept in `directory`, one folder a party.
+
+    Entering the context is the first commissioning of those that have none there.
 
     Raises PartyError if a party does not start within 30 s or does not answer within 10 s, with what it last
     wrote, and ForeignError as soon as anybody else is heard.
@@ -89,6 +98,8 @@ class ZenohParties:
         try:
             self._open()
             for hosted in self._hosted.values():
+                if not hosted.durable.exists():
+                    hosted.commission = Commission(1)
                 self._spawn(hosted)
             for hosted in self._hosted.values():
                 self._wait_ready(hosted)
@@ -146,12 +157,26 @@ class ZenohParties:
             process.kill()
 
     def restart(self, party_id: str) -> None:
-        """Power back: a new process with new secrets on the same durable state. PartyError if it runs."""
+        """Power back: a new process with new secrets on the same durable state.
+
+        PartyError if it runs, NotCommissioned if its durable state is lost.
+        """
+        hosted = self._hosted[party_id]
         if self.alive(party_id):
             raise PartyError(f"party {party_id} runs already")
+        if hosted.commission is None and not hosted.durable.exists():
+            raise NotCommissioned(hosted.spec.called)
         self.kill(party_id)
-        self._spawn(self._hosted[party_id])
-        self._wait_ready(self._hosted[party_id])
+        self._spawn(hosted)
+        self._wait_ready(hosted)
+
+    def lose(self, party_id: str) -> None:
+        """The file of its durable state is gone."""
+        self._hosted[party_id].durable.unlink(missing_ok=True)
+
+    def commission(self, party_id: str, number: int, vital: bytes) -> None:
+        """People put it into service again: its next process writes that down."""
+        self._hosted[party_id].commission = Commission(number, vital)
 
     def _open(self) -> None:
         folder = self._folder.enter_context(private_folder())
@@ -189,7 +214,8 @@ class ZenohParties:
         hosted.asker = Asker(hosted.spec.party_id, secrets.plane_key)
         # Sessions of killed boots stay known: their end may be heard of after the next one's beginning.
         self._sessions.add(secrets.session_id)
-        hosted.process = PartyProcess(hosted.spec, secrets, hosted.state, self._endpoint)
+        hosted.process = PartyProcess(hosted.spec, secrets, hosted.state, self._endpoint, hosted.commission)
+        hosted.commission = None
 
     def _wait_ready(self, hosted: _Hosted) -> None:
         """Until the party answered and its telegram reached us: then both planes stand."""

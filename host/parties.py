@@ -48,5 +48,16 @@ class Parties(Protocol):
         ...
 
     def restart(self, party_id: str) -> None:
-        """Power back: a new boot epoch. What it must see of the world it has to be told anew."""
+        """Power back: a new boot epoch. What it must see of the world it has to be told anew.
+
+        Raises NotCommissioned, and it stays down, if its durable state is lost.
+        """
+        ...
+
+    def lose(self, party_id: str) -> None:
+        """The durable state of a party that is down is gone."""
+        ...
+
+    def commission(self, party_id: str, number: int, vital: bytes) -> None:
+        """People put a party that is down into service again (see `host.store.commission`), before its next boot."""
         ...

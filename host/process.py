@@ -11,7 +11,7 @@ import sys
 import sysconfig
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
@@ -47,18 +47,35 @@ def environment(own: Mapping[str, str], folder: Path, root: Path = _ROOT) -> dic
     return kept | ({"PYTHONPATH": os.pathsep.join(map(str, path))} if path else {})
 
 
+class Commission(NamedTuple):
+    """What people enter to put a party into service (`host.store.commission`)."""
+
+    number: int
+    vital: bytes = b""
+
+
 class PartyProcess:
     """One running `host.serve`. It ends by itself when its stdin or its parent is gone."""
 
-    def __init__(self, spec: PartySpec, secrets: Secrets, state: Path, endpoint: str) -> None:
+    def __init__(
+        self,
+        spec: PartySpec,
+        secrets: Secrets,
+        state: Path,
+        endpoint: str,
+        commission: Commission | None = None,
+    ) -> None:
         state = state.resolve()
         state.mkdir(mode=0o700, parents=True, exist_ok=True)
         (state / CONFIG_FILE).write_bytes(spec.config)
-        write_private(state / SECRETS_FILE, msgspec.json.encode(secrets))
+        self._secrets: Final = state / SECRETS_FILE
+        write_private(self._secrets, msgspec.json.encode(secrets))
         # -P, and a folder of its own: that from which the program was called cannot put a module in the way.
         command = [sys.executable, "-P", "-m", "host.serve", spec.role.value]
         command += ["--line", spec.line_id, "--party", spec.party_id, "--state", str(state)]
-        command += ["--key-file", str(state / SECRETS_FILE), "--connect", endpoint]
+        command += ["--key-file", str(self._secrets), "--connect", endpoint]
+        if commission is not None:
+            command += ["--commission", str(commission.number), "--vital", commission.vital.hex()]
         with (state / LOG_FILE).open("ab") as log:
             self._process = subprocess.Popen(
                 command,
@@ -112,6 +129,7 @@ class PartyProcess:
         if not self.ended_within(_END_LIMIT_S):
             self._process.kill()
             self._process.wait()
+        self._secrets.unlink(missing_ok=True)  # of one that ended before it had read them
 
 
 def last_words(state: Path) -> str:

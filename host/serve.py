@@ -29,7 +29,7 @@ from host.party import PartySpec, Role
 from host.patience import Patience
 from host.planes import ANSWER_LIMIT_S, PAYLOAD_BYTES_MAX, Secrets, radio_key, session_json5, time_key
 from host.process import CONFIG_FILE, DURABLE_FILE, WANTING_CODE
-from host.store import FileStore
+from host.store import FileStore, commission
 from network.errors import InputError, wanting
 
 INBOX_TELEGRAMS: Final = 4096
@@ -130,16 +130,27 @@ def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--state", required=True, type=Path, help="directory with config.json and durable state"
     )
-    parser.add_argument("--key-file", required=True, type=Path, help="the party's secrets, JSON")
+    parser.add_argument(
+        "--key-file", required=True, type=Path, help="the party's secrets, JSON; removed once read"
+    )
     parser.add_argument("--connect", required=True, help="endpoint of the simulator, unixsock-stream/<path>")
+    parser.add_argument(
+        "--commission", type=int, help="how often people have put it into service, this time included"
+    )
+    parser.add_argument("--vital", type=bytes.fromhex, default=b"", help="what they have it remember, hex")
     return parser.parse_args(arguments)
 
 
 def _secrets(file: Path) -> Secrets:
+    """What this boot is given in secret; the file is gone once it is read, so that nobody's death leaves it."""
     try:
-        return msgspec.json.decode(file.read_bytes(), type=Secrets)
+        data = file.read_bytes()
+        file.unlink()
+        return msgspec.json.decode(data, type=Secrets)
     except OSError as error:
-        raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from None
+        raise InputError(
+            str(file), "", None, f"a file that can be read and removed ({error.strerror})"
+        ) from None
     except msgspec.MsgspecError as error:
         raise InputError(str(file), "", None, f"the secrets of a party ({error})") from None
 
@@ -151,7 +162,10 @@ def _answerer(options: argparse.Namespace, secrets: Secrets) -> Answerer:
     except OSError as error:
         raise InputError(str(file), "", None, f"a readable file ({error.strerror})") from None
     spec = PartySpec(options.line, options.party, Role(options.role), config, secrets.keys)
-    party = boot(spec, FileStore(options.state / DURABLE_FILE), str(file))
+    store = FileStore(options.state / DURABLE_FILE)
+    if options.commission is not None:
+        commission(store, options.commission, options.vital)
+    party = boot(spec, store, str(file))
     return Answerer(options.party, secrets.plane_key, party)
 
 

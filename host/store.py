@@ -1,11 +1,15 @@
-"""Durable state of a party: what a power cut must not lose. Written aside, synced, renamed; checked when read."""
+"""Durable state of a party: what a power cut must not lose. Written aside, synced, renamed; checked when read.
+
+People commission a party (使用開始): an act of theirs, which `commission` writes down. A store without it is
+blank: lost, or never used. From the store alone nobody can tell which, so no party starts from one.
+"""
 
 from __future__ import annotations
 
 import os
 from hashlib import blake2b
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Final, Protocol, TypeVar
 
 import msgspec
 
@@ -14,18 +18,27 @@ from network.errors import InputError
 T = TypeVar("T")
 _DIGEST_BYTES = 16
 _LENGTH_BYTES = 4
+BOOTS_BITS: Final = 16  # a party boots less often than 2^16 times before it is commissioned again
 
 
 class Durable(msgspec.Struct, frozen=True):
-    """Boot epoch of the party (0: never started), and what its role keeps, as the role's own bytes.
+    """Boot epoch of the party, how often people have commissioned it, and what its role keeps, as the role's own bytes.
 
-    `vital`: without it the party must not start. `spare`: it may be lost, and the role knows what that means;
-    None: lost. Both are empty in a party that never ran.
+    Epoch 0: never started; `commissioned` 0: the store is blank. `vital`: without it the party must not start.
+    `spare`: it may be lost, and the role knows what that means; None: lost. Both are empty in a party that never ran.
     """
 
     epoch: int = 0
     vital: bytes = b""
     spare: bytes | None = b""
+    commissioned: int = 0
+
+
+class NotCommissioned(InputError):  # noqa: N818 - names what happened
+    """A party has power, but its store is blank: people must commission it."""
+
+    def __init__(self, called: str) -> None:
+        super().__init__(called, "durable", None, "a durable state: it is lost, so people must commission it")
 
 
 class _Head(msgspec.Struct, frozen=True, array_like=True):
@@ -33,18 +46,36 @@ class _Head(msgspec.Struct, frozen=True, array_like=True):
 
     epoch: int
     vital: bytes
+    commissioned: int
 
 
 class Store(Protocol):
     """Where a party keeps its durable state."""
 
     def load(self) -> Durable:
-        """What was saved last; a party that never ran has epoch 0. Raises InputError if it is damaged."""
+        """What was saved last; nothing of a blank store. Raises InputError if it is damaged."""
         ...
 
     def save(self, durable: Durable) -> None:
         """Keep it: when this returns, a power cut no longer loses it."""
         ...
+
+
+def commission(store: Store, number: int = 1, vital: bytes = b"") -> None:
+    """People put a party into service, for the `number`th time by their own record, with a `vital` of theirs.
+
+    Its epochs then begin beyond all that it can have had, so peers take it for a new boot, and it drops whatever they
+    said to an earlier one. What it kept besides is lost from the second time on.
+    """
+    spare = b"" if number == 1 else None
+    store.save(Durable((number - 1) << BOOTS_BITS, vital, spare, number))
+
+
+def commissioned(store: Store, called: str) -> Store:
+    """The store. Raises NotCommissioned if it is blank."""
+    if store.load().commissioned == 0:
+        raise NotCommissioned(called)
+    return store
 
 
 def raise_epoch(store: Store) -> Durable:
@@ -79,7 +110,7 @@ class FileStore:
         self._path = path
 
     def load(self) -> Durable:
-        """What was saved last; a missing file is a party that never ran."""
+        """What was saved last; a missing file is a blank store."""
         try:
             data = self._path.read_bytes()
         except FileNotFoundError:
@@ -88,11 +119,11 @@ class FileStore:
         head = _unsealed(data[_LENGTH_BYTES:split], _Head)
         if head is None:
             raise InputError(str(self._path), "", None, "an undamaged durable state of a party")
-        return Durable(head.epoch, head.vital, _unsealed(data[split:], bytes))
+        return Durable(head.epoch, head.vital, _unsealed(data[split:], bytes), head.commissioned)
 
     def save(self, durable: Durable) -> None:
         """Write aside, sync, rename, sync the directory."""
-        head = _sealed(_Head(durable.epoch, durable.vital))
+        head = _sealed(_Head(durable.epoch, durable.vital, durable.commissioned))
         spare = b"" if durable.spare is None else _sealed(durable.spare)
         aside = self._path.with_suffix(".new")
         with aside.open("wb") as file:

@@ -15,7 +15,7 @@ from host.parties import Parties
 from host.party import Advance, Codec, PartySpec, Role
 from host.store import Store, raise_epoch
 from network.errors import InputError
-from onboard.duty.records import Command, Told
+from onboard.duty.records import Command, DutyState, Told
 from onboard.duty.turn import DutyParameters
 from onboard.notes import Note
 from onboard.unit import Answer, Report, Telegram, Unit
@@ -45,10 +45,12 @@ CODEC: Final = Codec(Report, UnitSaid)
 _CONFIG: Final = msgspec.json.Decoder(UnitConfig)
 
 
-def unit_of(config: UnitConfig, keys: KeyRing, epoch: int) -> Unit:
-    """A unit that has just been switched on."""
+def unit_of(config: UnitConfig, keys: KeyRing, epoch: int, *, perhaps_on_line: bool | None = None) -> Unit:
+    """A unit that has just been switched on; `perhaps_on_line` as in `onboard.unit`."""
     endpoint = Endpoint(keys, epoch, config.telegram_age_max_s)
-    return Unit(config.device_id, config.manager_id, config.parameters, endpoint)
+    return Unit(
+        config.device_id, config.manager_id, config.parameters, endpoint, perhaps_on_line=perhaps_on_line
+    )
 
 
 def unit_specs(units: Iterable[tuple[UnitConfig, KeyRing]]) -> tuple[PartySpec, ...]:
@@ -59,8 +61,58 @@ def unit_specs(units: Iterable[tuple[UnitConfig, KeyRing]]) -> tuple[PartySpec, 
     )
 
 
+class _Spare(msgspec.Struct, frozen=True, array_like=True):
+    """What a unit keeps: whether it is, or may be, on the line."""
+
+    on_line: bool = False
+
+
+def _was_on_line(kept: bytes | None) -> bool:
+    """What a unit kept; one that never ran was not on the line, one that lost it may have been."""
+    if not kept:
+        return kept is None
+    try:
+        return msgspec.msgpack.decode(kept, type=_Spare).on_line
+    except msgspec.MsgspecError:
+        return True
+
+
+class HostedUnit:
+    """A unit and its durable state. Making it is a boot: the epoch is raised and saved first.
+
+    That it is on the line is saved before anything leaves it that follows from that; that it is not, when it is.
+    """
+
+    def __init__(self, config: UnitConfig, keys: KeyRing, store: Store) -> None:
+        self._store: Final = store
+        self._durable = raise_epoch(store)
+        self._kept = _was_on_line(self._durable.spare)
+        self._unit: Final = unit_of(config, keys, self._durable.epoch, perhaps_on_line=self._kept)
+
+    @property
+    def epoch(self) -> int:
+        """Number of this boot."""
+        return self._durable.epoch
+
+    @property
+    def state(self) -> DutyState:
+        """Where the unit is in its duty."""
+        return self._unit.state
+
+    def advance(self, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
+        """Act at `now_s` on what happened, telegrams and timers."""
+        answer = self._unit.advance(now_s, telegrams, report)
+        on_line = self.state.authority.perhaps_on_line
+        if on_line is not self._kept:
+            self._kept = on_line
+            spare = msgspec.msgpack.encode(_Spare(on_line))
+            self._durable = msgspec.structs.replace(self._durable, spare=spare)
+            self._store.save(self._durable)
+        return answer
+
+
 class UnitParty:
-    """`host.party.Party` over a `Unit`."""
+    """`host.party.Party` over a `HostedUnit`."""
 
     def __init__(self, spec: PartySpec, store: Store, file: str) -> None:
         try:
@@ -71,13 +123,12 @@ class UnitParty:
             given = f"unit {spec.party_id} of line {spec.line_id}"
             expected = f"unit {config.device_id} of line {config.line_id}, as it was configured"
             raise InputError(file, "device", given, expected)
-        self._epoch: Final = raise_epoch(store).epoch
-        self._unit: Final = unit_of(config, spec.keys, self._epoch)
+        self._unit: Final = HostedUnit(config, spec.keys, store)
 
     @property
     def epoch(self) -> int:
-        """Number of this boot, from 1."""
-        return self._epoch
+        """Number of this boot."""
+        return self._unit.epoch
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], told: bytes) -> Advance:
         """Act at `now_s` on what happened, telegrams and timers."""
@@ -105,5 +156,13 @@ class PartyUnits:
         self._parties.kill(unit_id)
 
     def restart(self, unit_id: str) -> None:
-        """Power back: a new boot."""
+        """Power back: a new boot. NotCommissioned if its durable state is lost."""
         self._parties.restart(unit_id)
+
+    def lose(self, unit_id: str) -> None:
+        """Its durable state is gone."""
+        self._parties.lose(unit_id)
+
+    def commission(self, unit_id: str, number: int) -> None:
+        """People put it into service again."""
+        self._parties.commission(unit_id, number, b"")

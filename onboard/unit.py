@@ -76,11 +76,20 @@ class _RunsOut(NamedTuple):
 
 
 class Unit:
-    """One boot of one on-board unit."""
+    """One boot of one on-board unit. `perhaps_on_line`: whether the boot before ended there; None: nobody can tell."""
 
-    def __init__(self, unit_id: str, manager_id: str, parameters: DutyParameters, endpoint: Endpoint) -> None:
+    def __init__(
+        self,
+        unit_id: str,
+        manager_id: str,
+        parameters: DutyParameters,
+        endpoint: Endpoint,
+        *,
+        perhaps_on_line: bool | None = None,
+    ) -> None:
         self.unit_id: Final = unit_id
-        self.state = DutyState()
+        unsure = endpoint.epoch > 1 if perhaps_on_line is None else perhaps_on_line
+        self.state = DutyState(authority=auth.Authority(unsure=unsure))
         self.plan: Plan = NO_PLAN
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint

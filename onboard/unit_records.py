@@ -88,6 +88,11 @@ class UnitParameters(Record):
     ] = 15.0 / 3.6
 
     @property
+    def wheel_varies_share(self) -> float:
+        """By how much at most the way of a turn changes on the way, as a share; what more it is worth is wear."""
+        return max(self.wheel_error_share - self.wheel_scale_limit, 0.0)
+
+    @property
     def duty(self) -> DutyParameters:
         """Those that the duty works with."""
         return DutyParameters(self.dwell_min_s, self.request_lead_s, self.emergency_release_s)

@@ -17,7 +17,8 @@ What a unit owes, so that no late answer gives it back what it has released:
 - HoldingConfirmed never adds a section. A unit may take a greater token from it or from SignOnAccepted, and
   then gives up the request outstanding.
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
-  unit that waits for its portal holds nothing yet.
+  unit that waits for its portal holds nothing yet. One that has booted, and was or may have been on the line
+  before, does not know what it holds, whether or not its crew has entered a train number yet.
 - A unit drops a section before it reports; it repeats the sign-off until accepted, and reports when it is
   refused. Signed off, it holds its portal until its train is off the line.
 """

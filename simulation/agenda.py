@@ -20,6 +20,7 @@ class Due(IntEnum):
     DUTY = 4  # a stock takes up its next duty
     SCRIPT = 5  # something fails, heals, or is done by a person
     PEOPLE = 6  # passengers and doors at a stop
+    CREW = 7  # a crew has done what it took its time for
 
 
 @dataclass(order=True, frozen=True, slots=True)

@@ -12,9 +12,11 @@ from typing import Final
 
 from onboard.duty.records import Person, Sensed, SetBack, Told
 from simulation.agenda import Agenda, Due
-from simulation.events import WORLD, PowerOff, PowerOn
+from simulation.events import WORLD, Commissioned, PowerOff, PowerOn, Uncommissioned
 from simulation.faults.fault import VehiclePart
 from simulation.journal import Journal
+from simulation.pauses import Pauses
+from simulation.people import Pause
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.books import Books
 from simulation.world.charging import Charging
@@ -22,9 +24,11 @@ from simulation.world.clock import Clock
 from simulation.world.crew import LOOKS_AGAIN_S, Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
+from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 
 CREW: Final = "crew "
+_LOST: Final = "it has lost its durable state, and people must commission it"
 
 
 class Cabs:
@@ -48,6 +52,8 @@ class Cabs:
         self._crew = Crew(trains, on_board, wayside.machines.__getitem__, journal, wayside)
         self.charging: Charging | None = None
         self._looking: set[int] = set()  # slots whose crew has a next look on the agenda
+        self._pauses = Pauses(trains.setup)
+        self._about_to: set[tuple[Pause, int]] = set()  # what a crew is going to do, by its slot
         self._timer_steps: dict[int, int] = {}
         self._wakes: set[int] = set()  # slots whose unit has a timer running
         self._frozen: dict[int, list[tuple[Sequence[Person | Sensed], Sequence[bytes]]]] = {}
@@ -87,7 +93,7 @@ class Cabs:
 
     def _look(self, slot: int, step: int) -> None:
         """Stops are booked by the truth; the crew of a train on the line looks at its display and at the line."""
-        self._crew.give_keys_back(slot, step / STEPS_PER_S)
+        self.keys_back(slot, step)
         if not self._trains.truths[slot].active:
             self._crew.on_sight.discard(slot)
             return
@@ -145,25 +151,61 @@ class Cabs:
     def waits_for(self, slot: int) -> str:
         """What the train waits for by what its unit shows and its driver sees; what ails a unit that shows nothing."""
         if slot in self._on_board.unpowered:
-            return "its unit to be switched on"
+            lost = slot in self._on_board.uncommissioned
+            return f"its unit: {_LOST}" if lost else "its unit to be switched on"
         if slot in self._frozen:
             return "its unit, which is frozen"
+        if slot in self._on_board.numberless:
+            return "its crew to enter the train number"
         if self.charging is not None and self.charging.empty(slot):
             return "power: its battery is empty"
         if self._crew.sees_train(slot):
             return "the track ahead: the driver sees a train on it"
-        return self._on_board.shown(slot).waits_for
+        others = "".join(f"; {device}: {_LOST}" for device in sorted(self._wayside.uncommissioned))
+        return self._on_board.shown(slot).waits_for + others
 
     # crews ----------------------------------------------------------------------------------------------------------
 
     def crew_looks(self, slot: int, step: int) -> None:
         """It is time for a crew on sight to look again, whatever the tachometer shows."""
         self._looking.discard(slot)
-        self.crew_stands(slot, step)
+        self._look_out(slot, step)
         self._keep_looking(slot, step)
 
     def crew_stands(self, slot: int, step: int) -> None:
-        """A train on sight stands: the crew looks at the points, or has reached a mark."""
+        """A train on sight has come to a stand: its crew will look at the points, or say what mark it has reached."""
+        if self._crew.has_to_look(slot):
+            self._begins(Pause.STAND, slot, step)
+
+    def crew_due(self, pause: Pause, slot: int, step: int) -> None:
+        """A crew does what it took its time for."""
+        self._about_to.discard((pause, slot))
+        match pause:
+            case Pause.STAND:
+                self._look_out(slot, step)
+            case Pause.KEY:
+                self._crew.give_keys_back(slot, step / STEPS_PER_S)
+            case _:
+                raise ValueError(f"{pause} is not for the crew of a train that runs")
+
+    def _begins(self, pause: Pause, slot: int, step: int) -> None:
+        """A crew begins to do something, unless it is at it."""
+        if (pause, slot) in self._about_to:
+            return
+        if self.pause(pause, slot, step) == step:
+            self.crew_due(pause, slot, step)
+        else:
+            self._about_to.add((pause, slot))
+
+    def pause(self, pause: Pause, slot: int, step: int) -> int:
+        """The step at which a crew does what it now begins; put on the agenda unless that is now."""
+        stock_id = self._trains.stock_ids[slot]
+        due_step = step + self._pauses.steps(pause, stock_id)
+        if due_step > step:
+            self._agenda.put(due_step, Due.CREW, f"{pause.value} {stock_id}")
+        return due_step
+
+    def _look_out(self, slot: int, step: int) -> None:
         happened = [] if slot in self._frozen else self._crew.stand(slot, step / STEPS_PER_S)
         if happened:
             self.tell(slot, step, happened)
@@ -172,9 +214,10 @@ class Cabs:
         """Whether the crew stands before points and looks again until they lie right, or sees to its vehicle."""
         return self._on_board.ails(slot) or (slot in self._looking and self._crew.watches(slot))
 
-    def rear_passed(self, slot: int, step: int) -> None:
-        """The rear of a train has left a piece of track: its crew may have no more use for a key of points."""
-        self._crew.give_keys_back(slot, step / STEPS_PER_S)
+    def keys_back(self, slot: int, step: int) -> None:
+        """A crew that has no more use for a key of points gives it back: the rear may have left a piece of track."""
+        if self._crew.keys_over(slot):
+            self._begins(Pause.KEY, slot, step)
 
     def _keep_looking(self, slot: int, step: int) -> None:
         asked = self._on_board.drives_on_sight(slot) or self._on_board.shown(slot).confirm
@@ -193,6 +236,7 @@ class Cabs:
     def power_off(self, slot: int, step: int) -> None:
         """An on-board unit dies; the emergency brake applies itself."""
         if slot in self._on_board.unpowered:
+            self._on_board.uncommissioned.discard(slot)
             return
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=self._trains.stock_ids[slot]))
         self._on_board.power_off(slot)
@@ -203,14 +247,25 @@ class Cabs:
         self._trains.truths[slot].sight_m = math.inf
 
     def power_on(self, slot: int, step: int) -> bool:
-        """It boots, and the crew of a train on the line enters the train number; whether it was off."""
+        """It boots, if it has not lost its durable state; whether it was off, and is not now."""
         if slot not in self._on_board.unpowered:
             return False
-        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=self._trains.stock_ids[slot]))
-        self._on_board.power_on(slot)
-        duty = self._trains.duties[slot]
-        if duty is not None and self._trains.truths[slot].active:
-            stands_at = self._books.stands_at(slot)
-            beyond_m = 0.0 if stands_at is None else self._crew.beyond_m(slot, stands_at)
-            self.tell(slot, step, self._on_board.switch_on(slot, duty, stands_at, beyond_m))
+        stock_id = self._trains.stock_ids[slot]
+        if not self._on_board.power_on(slot):
+            self._journal.write(step / STEPS_PER_S, WORLD, Uncommissioned(device_id=stock_id))
+            return False
+        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=stock_id))
         return True
+
+    def commission(self, slot: int, step: int, number: int) -> bool:
+        """People put a unit into service again that waits for it; whether it has booted."""
+        self._on_board.commission(slot, number)
+        commissioned = Commissioned(device_id=self._trains.stock_ids[slot], number=number)
+        self._journal.write(step / STEPS_PER_S, WORLD, commissioned)
+        return self.power_on(slot, step)
+
+    def crew_enters_number(self, slot: int, step: int, duty: Duty) -> None:
+        """After a boot on the line: the train number, and where it stands, as the crew sees it now."""
+        stands_at = self._books.stands_at(slot)
+        beyond_m = 0.0 if stands_at is None else self._crew.beyond_m(slot, stands_at)
+        self.tell(slot, step, self._on_board.switch_on(slot, duty, stands_at, beyond_m))

@@ -11,13 +11,14 @@ from enum import Enum
 from typing import Final
 
 from network.model import SectionKind
-from onboard.duty.records import Accepted, Finished, Leave, OffTheLine, Told
+from onboard.duty.records import Accepted, Finished, Leave, LeftLine, OffTheLine, Told
 from onboard.notes import MissionDone
 from simulation.agenda import Agenda, Due
 from simulation.cabs import Cabs
 from simulation.events import WORLD, CameLate, Entered, Left, Reversed
 from simulation.journal import Journal
 from simulation.judge.checkers import Checkers
+from simulation.people import Pause
 from simulation.result import Waiting
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
@@ -76,6 +77,7 @@ class Duties:
         self._becoming: list[Duty] = []
         sections = setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
+        self._due: dict[tuple[Pause, int], int] = {}  # the step at which a crew does something, by slot
         self.charging: Charging | None = None
         cabs.told = self.told
 
@@ -97,8 +99,9 @@ class Duties:
         return self._stage[slot] is Stage.DONE
 
     def all_done(self) -> bool:
-        """Whether nothing follows for any stock."""
-        return all(stage is Stage.DONE for stage in self._stage)
+        """Whether nothing follows for any stock, and none moves: a tachometer shows a stand before the wheels do."""
+        done = all(stage is Stage.DONE for stage in self._stage)
+        return done and all(self._trains.plants[slot].speed_mps <= 0.0 for slot in self._trains.active())
 
     def truly_done(self, slot: int) -> bool:
         """Whether the stock has truly left the line, or stands where its last duty ends."""
@@ -182,7 +185,12 @@ class Duties:
             else:
                 self._trains.continue_as(slot, duty)
             self._begin(slot, duty, step)
-        if slot not in self._on_board.unpowered:
+        if slot in self._on_board.unpowered:
+            return
+        if self._stage[slot] is Stage.WAITING:
+            self._on_board.await_number(slot)
+            self._begins(Pause.SIGN_ON, slot, step)
+        elif not on_line or slot not in self._on_board.numberless:  # else its crew will enter this one
             happened = self._on_board.enter_number(slot, duty, comes_on_line=not on_line, turned=turns)
             self._cabs.tell(slot, step, happened)
 
@@ -197,23 +205,56 @@ class Duties:
         return any(other.mission.spans[0].section_id == portal for other in waiting)
 
     def powered_on(self, slot: int, step: int) -> None:
-        """A unit has booted outside its portal: the crew enters the train number again."""
-        if self._stage[slot] is not Stage.WAITING:
+        """A unit has booted: its crew will enter the train number again, and does nothing else before."""
+        for pause in Pause:
+            self._due.pop((pause, slot), None)
+        on_line = self._trains.duties[slot] is not None and self._trains.truths[slot].active
+        if on_line or self._stage[slot] is Stage.WAITING:
+            self._begins(Pause.BOOT, slot, step)
+
+    def _begins(self, pause: Pause, slot: int, step: int) -> None:
+        """A crew begins to do something; what it was about to do before, of the same kind, it does not do."""
+        self._due[pause, slot] = self._cabs.pause(pause, slot, step)
+        if self._due[pause, slot] == step:
+            self.crew_due(pause, slot, step)
+
+    def crew_due(self, pause: Pause, slot: int, step: int) -> None:
+        """A crew does what it took its time for; nothing where its unit has lost its power meanwhile."""
+        if pause in (Pause.STAND, Pause.KEY):
+            self._cabs.crew_due(pause, slot, step)
             return
-        stock_id = self._trains.stock_ids[slot]
-        duty = self._duties[stock_id][self._next[stock_id] - 1]
-        self._cabs.tell(slot, step, self._on_board.enter_number(slot, duty, comes_on_line=True, turned=False))
+        if self._due.get((pause, slot)) != step:
+            return
+        del self._due[pause, slot]
+        if slot in self._on_board.unpowered:
+            return
+        following = self._duties[self._trains.stock_ids[slot]][self._next[self._trains.stock_ids[slot]] - 1]
+        match pause:
+            case Pause.SIGN_ON | Pause.BOOT if self._stage[slot] is Stage.WAITING:
+                happened = self._on_board.enter_number(slot, following, comes_on_line=True, turned=False)
+                self._cabs.tell(slot, step, happened)
+            case Pause.BOOT:
+                duty = self._trains.duties[slot]
+                if duty is not None:
+                    self._cabs.crew_enters_number(slot, step, duty)
+            case Pause.ENTRY:
+                self._enter(slot, following, step)
+            case Pause.SIGN_OFF:
+                self._cabs.tell(slot, step, (Leave(),))
+            case Pause.LEAVE if self._on_board.shown(slot).leaving:
+                self._leave(slot, step)
+            case _:
+                pass
 
     def told(self, slot: int, told: Told, step: int) -> None:
         """What a unit tells its driver."""
-        stock_id = self._trains.stock_ids[slot]
         match told:
             case Accepted() if self._stage[slot] is Stage.WAITING:
-                self._enter(slot, self._duties[stock_id][self._next[stock_id] - 1], step)
+                self._begins(Pause.ENTRY, slot, step)
             case Finished():
                 self._finish(slot, step)
-            case _ if self._stage[slot] is Stage.ON_LINE and not isinstance(told, Accepted):
-                self._leave(slot, step)
+            case LeftLine() if self._stage[slot] is Stage.ON_LINE:
+                self._begins(Pause.LEAVE, slot, step)
             case _:
                 pass
 
@@ -261,7 +302,7 @@ class Duties:
             return
         self._journal.write(step / STEPS_PER_S, stock_id, MissionDone(train=duty.train.number))
         if duty.leaves:
-            self._cabs.tell(slot, step, (Leave(),))
+            self._begins(Pause.SIGN_OFF, slot, step)
         elif duty.becomes is not None and duty not in self._becoming:
             self._becoming.append(duty)  # a unit that starts again in its terminus finishes twice
             self._agenda.put(step + round(self._setup.operation.change_ends_s / STEP_S), Due.DUTY, stock_id)

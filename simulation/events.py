@@ -126,6 +126,19 @@ class PowerOn(Noted, frozen=True, kw_only=True, tag="power_on"):
     device_id: str
 
 
+class Uncommissioned(Noted, frozen=True, kw_only=True, tag="uncommissioned"):
+    """A device or unit could have power again, but its durable state is lost: it waits for people to commission it."""
+
+    device_id: str
+
+
+class Commissioned(Noted, frozen=True, kw_only=True, tag="commissioned"):
+    """People have put a device or unit into service again, for the `number`th time by their own record (使用開始)."""
+
+    device_id: str
+    number: int
+
+
 class FaultBegan(Noted, frozen=True, kw_only=True, tag="fault"):
     """A fault of the script came into force."""
 
@@ -199,6 +212,8 @@ WorldEvent = (
     | PointsKeyBack
     | PowerOff
     | PowerOn
+    | Uncommissioned
+    | Commissioned
     | FaultBegan
     | FaultOver
     | CameLate

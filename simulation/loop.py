@@ -31,6 +31,7 @@ from simulation.faults.injector import Injector
 from simulation.faults.script import Script
 from simulation.journal import Journal
 from simulation.late.day import late_day
+from simulation.people import Pause
 from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
@@ -77,9 +78,8 @@ class Simulation:
         self.journal = journal or Journal()
         duties = drawn_up(setup, setup.believed_line)
         first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)
-        last_s = max(c.last_s for t in setup.timetable.trains.values() for c in t.calls)
         self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
-        self._limit_step = round((last_s + setup.limits.time_limit_s) / STEP_S)
+        self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S)
         self.trains = Trains(setup, self._carrier)
@@ -149,6 +149,7 @@ class Simulation:
             self._give_back,
             self._unit_clock,
             self._unit_vehicle,
+            self._unit_commission,
         )
 
     @property
@@ -243,6 +244,9 @@ class Simulation:
                 self._platforms.due(step, subject)
             case Due.DUTY:
                 self._take_up_duty(self.trains.slot_of[subject])
+            case Due.CREW:
+                pause, stock_id = subject.split(" ", 1)
+                self._duties.crew_due(Pause(pause), self.trains.slot_of[stock_id], step)
 
     def _to_unit(self, slot: int, stock_id: str, data: bytes) -> None:
         if slot in self.on_board.unpowered:
@@ -359,7 +363,7 @@ class Simulation:
         if passed & (PASSED_FRONT | PASSED_REAR):
             trains.set_boundaries(slot)
         if passed & PASSED_REAR:
-            cabs.rear_passed(slot, step)
+            cabs.keys_back(slot, step)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
         if self._charging is not None:
@@ -386,6 +390,12 @@ class Simulation:
         if not on:
             self._cabs.power_off(slot, self._step)
         elif self._cabs.power_on(slot, self._step):
+            self._duties.powered_on(slot, self._step)
+
+    def _unit_commission(self, stock_id: str, number: int) -> None:
+        """People put an on-board unit into service again."""
+        slot = self.trains.slot_of[stock_id]
+        if self._cabs.commission(slot, self._step, number):
             self._duties.powered_on(slot, self._step)
 
     def _unit_freeze(self, stock_id: str, frozen: bool) -> None:
@@ -423,6 +433,10 @@ class Simulation:
         if still_s < self.setup.limits.stall_limit_s:
             return False
         return self._duties.overdue_s(self.now_s) >= self.setup.limits.stall_limit_s
+
+    def _uncommissioned(self) -> tuple[str, ...]:
+        units = (self.trains.stock_ids[slot] for slot in self.on_board.uncommissioned)
+        return tuple(sorted((*units, *self.wayside.uncommissioned)))
 
     def _result(self, because: Ending, collisions: tuple[str, ...]) -> RunResult:
         self._books.close(self._step)
@@ -464,6 +478,7 @@ class Simulation:
                 if not self._duties.truly_done(slot)
             ),
             courses=self.injector.courses,
+            uncommissioned=self._uncommissioned(),
             learned=self.on_board.learned(),
             learned_from=self.on_board.learned_from(),
             fixes=self.trains.fixes(),

@@ -206,6 +206,9 @@ class RunResult:
     unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
     outside_design: tuple[Violation, ...] = ()  # what followed from less adhesion than the design counts on
     slippery: tuple[Slippery, ...] = ()  # when there was less
+    uncommissioned: tuple[
+        str, ...
+    ] = ()  # parties that have lost their durable state and were not commissioned again
     courses: tuple[Course, ...] = ()  # what became of the script's faults and acts
     # By stock id, empty where no train learned; then the waves of the last stop that counted.
     learned: Mapping[str, Learned] = field(default_factory=dict[str, Learned])

@@ -28,7 +28,6 @@ from network.files.quantities import (
     SpreadShare,
     VisibilityM,
     Wait,
-    WheelError,
     YawRateDegps,
 )
 from network.files.toml_input import Record
@@ -179,15 +178,6 @@ class Curvature(Record):
     sure_sigmas: Annotated[
         Sigmas, about("deviations that the bounds of a fix have room for", "assumed: one in two million")
     ] = 5.0
-
-    wheels_vary_share: Annotated[
-        WheelError,
-        about(
-            "what wheels count over a few hundred metres differs from their mean by no more: creep and the tread's"
-            " slope, as far as they are no slip or slide; where `sensors` has more of them, by that",
-            "assumed: creep of 0.15 % at half of the adhesion, 4 mm off the middle of a cone of 1 in 20 0.05 %",
-        ),
-    ] = 0.002
 
     def step_sigma_radps(self, step_s: float) -> float:
         """Standard deviation (rad/s) of the mean of the samples of a step."""

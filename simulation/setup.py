@@ -26,6 +26,7 @@ from simulation.battery_settings import BatterySettings
 from simulation.faults.script import Script
 from simulation.gnss_settings import Gnss
 from simulation.late.settings import NO_LATE, Late
+from simulation.people import People
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
@@ -95,6 +96,7 @@ class Setup:
     operation: Operation = field(default_factory=Operation)
     dispatch: Dispatch = field(default_factory=Dispatch)
     battery: BatterySettings | None = None  # None: all trains run from a wire
+    people: People = field(default_factory=People)
     late: Late = NO_LATE  # from which distributions the disturbances of the day are drawn
 
     @property
@@ -108,6 +110,11 @@ class Setup:
         return so if self.belief is None else self.belief.trains.get(stock_id, so)
 
     @property
+    def latest_end_s(self) -> float:
+        """When the run ends whatever happens, s: no train comes after that."""
+        return latest_end_s(self.timetable, self.limits)
+
+    @property
     def today(self) -> tuple[str, ...]:
         """What sets the day's draws apart from those of the first day."""
         return () if self.day == 1 else (f"day {self.day}",)
@@ -119,6 +126,12 @@ class Setup:
     def next_day(self, learned: Mapping[str, Learned]) -> Setup:
         """The same timetable a day later, with what the trains have learned."""
         return replace(self, day=self.day + 1, learned=learned)
+
+
+def latest_end_s(timetable: Timetable, limits: Limits = Limits()) -> float:  # noqa: B008 - it is frozen
+    """The last planned time of all trains, and how long the run may last beyond, s; as late counts what never comes."""
+    ends_s = (call.last_s for train in timetable.trains.values() for call in train.calls)
+    return max(ends_s, default=0) + limits.time_limit_s
 
 
 def behaviour_row(driving: Driving, train: np.void) -> NDArray[np.void]:

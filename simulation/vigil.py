@@ -33,7 +33,8 @@ class Vigil:
         if step < self._next_step:
             return
         self._next_step = step + LOOKS_EVERY_STEPS
-        awaited = self._agenda.subjects(Due.DUTY)
+        of_crews = {subject.partition(" ")[2] for subject in self._agenda.subjects(Due.CREW)}
+        awaited = self._agenda.subjects(Due.DUTY) | of_crews
         slots = range(len(self._trains.stock_ids))
         self._checkers.alive(step / STEPS_PER_S, [self._seen(slot, awaited) for slot in slots])
 

@@ -12,9 +12,11 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from network.errors import InputError
@@ -33,6 +35,16 @@ NETCONVERT_OPTIONS: Final = (
     *("--xml-validation", "never"),
 )
 GZIP_ABOVE_BYTES: Final = 1_000_000
+
+# What netconvert reads and writes in a folder that is gone when its complaint is read, and what that is called then.
+_FILES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "n.nod.xml": "the nodes",
+        "e.edg.xml": "the edges",
+        "c.con.xml": "the connections",
+        "o.net.xml": "the net",
+    }
+)
 
 _DIGEST_COMMENT: Final = re.compile(rb"<!-- branchline plain XML blake2b ([0-9a-f]{32}) -->")
 _COMMENT: Final = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
@@ -57,10 +69,11 @@ def convert(plain: PlainXml, line_id: str, scratch: Path | None = None) -> bytes
         scratch.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="branchline-net-", dir=scratch) as name:
         folder = Path(name)
-        (folder / "n.nod.xml").write_bytes(plain.nodes)
-        (folder / "e.edg.xml").write_bytes(plain.edges)
-        (folder / "c.con.xml").write_bytes(plain.connections)
-        inputs = ("-n", "n.nod.xml", "-e", "e.edg.xml", "-x", "c.con.xml", "-o", "o.net.xml")
+        nodes, edges, connections, net = _FILES
+        (folder / nodes).write_bytes(plain.nodes)
+        (folder / edges).write_bytes(plain.edges)
+        (folder / connections).write_bytes(plain.connections)
+        inputs = ("-n", nodes, "-e", edges, "-x", connections, "-o", net)
         run = subprocess.run(
             [str(program), *inputs, *NETCONVERT_OPTIONS],
             cwd=folder,
@@ -69,9 +82,9 @@ def convert(plain: PlainXml, line_id: str, scratch: Path | None = None) -> bytes
             text=True,
             check=False,
         )
-        output = folder / "o.net.xml"
+        output = folder / net
         if run.returncode != 0 or not output.exists():
-            complaint = " ".join(run.stderr.split()) or f"exit code {run.returncode}"
+            complaint = _without_files(" ".join(run.stderr.split())) or f"exit code {run.returncode}"
             raise InputError(f"line {line_id}", "net", complaint, "a line that netconvert accepts")
         return _tidy(output.read_bytes(), plain.digest)
 
@@ -134,6 +147,12 @@ def _netconvert(line_id: str) -> Path:
                 return program
     expected = "a line as shipped, or netconvert to build its net: pip install 'branchline[net]'"
     raise InputError(f"line {line_id}", "net", "not built yet", expected)
+
+
+def _without_files(complaint: str) -> str:
+    for name, called in _FILES.items():
+        complaint = re.sub(rf"'?[^\s']*{re.escape(name)}'?", called, complaint)
+    return complaint
 
 
 def _tidy(net: bytes, digest: str) -> bytes:

@@ -282,7 +282,9 @@ def _take_correction(register: Register, event: ConfirmOutside | ConfirmHolding)
     own = register.held_by(event.unit_id) if unit.claim is None else unit.claim
     if frozenset(own) != frozenset(_sections(event)):
         return _refuse_unit_speaks(register, event)
-    changed = reentry.with_word(register, person_key(event.person), event.unit_id, own)
+    if not own and (senseless := _senseless(register, event)) is not None:
+        return register, (senseless,)
+    changed = reentry.with_word(register, person_key(event.person), event.unit_id, own, _place(event))
     note = Show(WordTaken(unit_id=event.unit_id, section_ids=own, by=event.person))
     return _as_changed(register, changed), (note, *_new_contradictions(register, changed))
 

@@ -51,16 +51,7 @@ from wayside.dispatch import Asked
 from wayside.heard import Heard, challenge, show_refusal
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
-from wayside.said import (
-    Accepted,
-    BoundaryPassed,
-    Contradicted,
-    Freed,
-    Granted,
-    Outside,
-    Refused,
-    Swept,
-)
+from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
 
@@ -107,7 +98,8 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
-    register, taken_back = acts.spoke(register, heard.unit_id)
+    says_nothing = isinstance(heard.message, Claim) and heard.message.section_ids is None
+    register, taken_back = (register, ()) if says_nothing else acts.spoke(register, heard.unit_id)
     if register.plan.days is not None:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
@@ -246,7 +238,7 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
         why = "an empty report; sign off to leave the line"
         refused = Refused(unit_id=unit_id, section_ids=held, token=unit.token, why=why)
         return register, (Show(refused), confirmed)
-    register, noted = _swept(register, heard)
+    register, noted = reentry.swept(register, unit_id, message.swept)
     freed = tuple(section_id for section_id in held if section_id not in listed)
     if not freed:
         return register, (*noted, confirmed)
@@ -263,16 +255,6 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     )
 
 
-def _swept(register: Register, heard: Heard[HoldingReport]) -> Step:
-    """What the unit held, and its train has run through on sight, is empty but for it."""
-    held = register.held_by(heard.unit_id)
-    swept = tuple(s for s in register.on_sight(heard.message.swept) if s in held)
-    if not swept:
-        return register, ()
-    left = replace(register, unswept=register.unswept.difference(swept))
-    return left, (Show(Swept(unit_id=heard.unit_id, section_ids=swept)),)
-
-
 def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
     """A claim: added if nobody else holds it, else disputed. A portal it does not hold yet: a wish to enter."""
     if heard.message.unit_id != heard.unit_id:
@@ -286,7 +268,7 @@ def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
 
 
 def _claim(register: Register, heard: Heard[Claim]) -> Step:
-    """Added if fresh and nobody else holds it, else asked again or disputed; empty: the unit is outside."""
+    """Added if fresh and nobody else holds it, else asked again or disputed; empty: outside; unknown: nothing."""
     if not heard.fresh:
         return challenge(register, heard)
     return _take_claim(register, heard)
@@ -297,15 +279,13 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     if heard.message.token > register.token_max:
         return _never_granted(register, heard)
     unit = register.unit(unit_id)
-    if claimed is None:
-        if unit.standing in (Standing.UNKNOWN, Standing.DISPUTED):
-            return _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
-        claimed = ()
-    elif not claimed and unit.standing is Standing.BY_HAND:
+    if claimed is None and (isinstance(heard.message, Claim) or not reentry.known(register, unit_id)):
+        return _does_not_know(register, heard)
+    if claimed == () and unit.standing is Standing.BY_HAND:
         return _deny_entry(register, heard)
-    if unknown := [section_id for section_id in claimed if section_id not in register.plan.order]:
+    if unknown := [section_id for section_id in claimed or () if section_id not in register.plan.order]:
         return _refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
-    return _weigh_claim(register, heard, claimed)
+    return _weigh_claim(register, heard, claimed or ())
 
 
 def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
@@ -327,6 +307,18 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
         register, refusal = _refuse_claim(register, heard, RefusalReason.HELD, section_id, other_id)
         return register, (Show(shown), *refusal)
     return _accept_claim(register, heard, claimed)
+
+
+def _does_not_know(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
+    """Nobody knows what it holds: refused. One that counts as outside signs on so only where that is wrong."""
+    standing = register.unit(heard.unit_id).standing
+    shown: tuple[Action, ...] = ()
+    if isinstance(heard.message, Claim) and standing not in (Standing.UNKNOWN, Standing.DISPUTED):
+        return register, ()
+    if standing is Standing.OUTSIDE:
+        register, shown = reentry.on_line_after_all(register, heard.unit_id, heard.epoch)
+    register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
+    return register, (*shown, *refusal)
 
 
 def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
@@ -394,6 +386,10 @@ def _enter(
 def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
     unit_id = heard.unit_id
     unit, before = register.unit(unit_id), register.held_by(unit_id)
+    shown: tuple[Action, ...] = ()
+    forgot = not claimed and isinstance(heard.message, Claim) and reentry.cannot_be_outside(register, unit_id)
+    if forgot:
+        register, shown = reentry.said_outside(register, unit_id)
     added = tuple(section_id for section_id in claimed if section_id not in before)
     register = register.with_held(unit_id, (*before, *added))
     held = register.held_by(unit_id)
@@ -406,8 +402,9 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = Unit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
+    after = replace(after, unproven=not held and (forgot or unit.unproven))
     register = register.with_unit(unit_id, after)
-    actions: list[Action] = []
+    actions: list[Action] = [*shown]
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:
         was = unit.standing.value
         taken = Accepted(unit_id=unit_id, section_ids=held, token=token, was=was)

@@ -2,9 +2,10 @@
 trains. Off unless the manager's fixed data say otherwise; then who asks first has it.
 
 Invariant: what is granted is granted only if the register has it free; nothing here adds to that. With the certificate,
-from a state in which an order is known by which all can finish, no grant leads to one without; and the train that is
-first in that order is always let on, so somebody can always move. Nobody is held by the order of trains for longer than
-`hold_s_max`, nor when more than `overtaken_max` trains were let on before it.
+from a state in which there is an order by which all can finish, no grant leads to one without: where none is known, and
+it is not proven that there is none, nothing is granted. The train that is first in the order known is always let on, so
+somebody can always move; a search that ran out has more steps each time, until people are told. Nobody is held by the
+order of trains for longer than `hold_s_max`, nor when more than `overtaken_max` trains were let on before it.
 """
 
 from __future__ import annotations
@@ -19,15 +20,19 @@ from radio.messages import RefusalReason
 from wayside.actions import Show
 from wayside.certificate import STEPS_MAX, Found, Proof, Train, finish, follows
 from wayside.config import Order
-from wayside.journeys import Days, Kept, Stands, Trip, next_hop, stands_of, trip_of, with_trip
+from wayside.journeys import Days, Kept, Sought, Stands, Trip, next_hop, stands_of, trip_of, with_trip
 from wayside.order import turn_of
 from wayside.register import Register
 from wayside.said import Certified, HeldBack, NoOrderKnown, OrderChanged
 
 Against = tuple[RefusalReason, str | None, str | None]
 NEAR_STEPS: Final = 200  # assumed: tried before looking further ahead than the present trains
-SEARCHES_EVERY_S: Final = 60.0  # assumed: while no order is known, what persons do may change that
+SEARCHES_EVERY_S: Final = (
+    60.0  # assumed: a day without an order is looked at again, what persons do may change it
+)
 SHORTER_STEPS: Final = 500  # assumed: moves tried for each part of a day that has no order
+MORE_STEPS: Final = 2  # a search that ran out has so many times the steps when it is asked again
+LAST_STEPS: Final = 16 * STEPS_MAX  # assumed: about a second; who has not found it by then tells people
 LOOKED_BACK: Final = 40  # assumed: moves of the order looked at for the one that lets a train on
 
 
@@ -88,12 +93,7 @@ class _Weighing:
 
     def done(self) -> tuple[Register, Against | None, tuple[Show, ...]]:
         """The answer."""
-        before = self._before()
-        after = None if before is None else self._after(before)
-        against: Against | None = None
-        doomed = after is not None and after.proof is not Proof.ORDER
-        if before is not None and after is not None and doomed and self._days.certificate:
-            against = self._no_way_on(before, after)
+        against, after = self._certified() if self._days.certificate else (None, None)
         if against is None and self._days.order is not Order.FIRST_COME:
             against = self._by_order()
         if against is None:
@@ -102,28 +102,52 @@ class _Weighing:
 
     # the certificate ------------------------------------------------------------------------------------------
 
+    def _certified(self) -> tuple[Against | None, Found | None]:
+        """Why not now, if so; and an order for afterwards, None where it is proven that there is none to be kept."""
+        before = self._before()
+        if before is None:
+            sought = self._register.sought
+            unknown = sought is not None and sought.found.proof is Proof.UNKNOWN
+            return (self._not_known(sought.found) if sought is not None and unknown else None), None
+        after = self._after(before)
+        return (None if after.proof is Proof.ORDER else self._no_way_on(before, after)), after
+
     def _before(self) -> tuple[int, ...] | None:
         """An order in which all can finish as things are; the one of the last certificate where that still leads on."""
         register, stands = self._register, self._stands
-        kept = register.kept
-        leads = kept is not None and (kept.at, kept.holds) == (stands.at, stands.holds)
-        if kept is not None and leads and (kept.until_s == inf or register.now_s < register.search_again_s):
+        kept, sought = register.kept, register.sought
+        leads = kept is not None and kept.leads_from(stands)
+        again = sought is not None and sought.at_places(stands)
+        if kept is not None and leads and kept.until_s == inf:
             return self._known(kept)
-        if kept is None and register.now_s < register.search_again_s:
-            return None
-        found = finish(self._trains)
+        if sought is not None and (again or leads) and sought.lasts(register.now_s):
+            return self._known(kept) if kept is not None and leads else None
+        steps = STEPS_MAX
+        if sought is not None and again and sought.found.proof is Proof.UNKNOWN:
+            steps = min(MORE_STEPS * sought.steps, LAST_STEPS)
+        found = finish(self._trains, steps)
         if found.proof is Proof.ORDER:
-            self._register = replace(register, kept=Kept(stands.at, stands.holds, found.order))
+            kept = Kept(stands.at, stands.holds, found.order)
+            self._register = replace(register, kept=kept, sought=None)
             return found.order
-        kept = self._shorter()
+        shorter, proof = self._shorter(steps) if found.proof is Proof.NONE else (None, found.proof)
+        if shorter is None or (kept is not None and leads and kept.until_s > shorter.until_s):
+            shorter = kept if leads else None
+        if shorter is None:
+            found = replace(found, proof=proof)
         again_s = register.now_s + SEARCHES_EVERY_S
-        self._register = replace(register, kept=kept, search_again_s=again_s)
-        if self._days.certificate:
-            self._no_order_known(found, None if kept is None else kept.until_s)
-        return None if kept is None else self._known(kept)
+        if (
+            found.proof is Proof.UNKNOWN
+        ):  # with more steps as soon as anybody asks; after the last, when things change
+            again_s = register.now_s if steps < LAST_STEPS else inf
+        said = "" if sought is None else sought.said
+        sought = Sought(stands.at, stands.holds, found, steps, again_s, said)
+        self._register = replace(register, kept=shorter, sought=sought)
+        self._no_order_known(sought, None if shorter is None else shorter.until_s)
+        return None if shorter is None else self._known(shorter)
 
-    def _known(self, kept: Kept) -> tuple[int, ...] | None:
-        """The order, where it lets the train on: one that goes on beyond it comes after all that is in it."""
+    def _known(self, kept: Kept) -> tuple[int, ...]:
+        """The order; in one of a part of the day, a train that goes on beyond it comes after all that is in it."""
         self._until_s = kept.until_s
         if kept.until_s == inf:
             return kept.order
@@ -133,39 +157,51 @@ class _Weighing:
             Train(held, moves[done : done + order.count(index)])
             for index, (held, moves, done) in enumerate(places)
         ]
-        return order if follows(self._trains, order) else None
+        return order
 
-    def _shorter(self) -> Kept | None:
+    def _shorter(self, steps: int) -> tuple[Kept | None, Proof]:
         """An order of all that is planned to begin until then: looked for from the end of the day in growing strides,
-        then between the last two.
+        then between the last two. None: what the search for the shortest part has shown.
         """
         days, stands = self._days, self._stands
         places = zip(days.moves, stands.at, strict=True)
         times = sorted({move.due_s for moves, done in places for move in moves[done:]})
-        kept: Kept | None = None
-        good, bad, tried = (
-            0,
-            len(times),
-            0,
-        )  # before the first time nothing is planned, and the whole day has no order
+        kept, proof = None, Proof.NONE
+        # Before the first time nothing is planned, and the whole day has no order.
+        good, bad, tried = 0, len(times), 0
         while bad - good > 1:
             middle = (good + bad) // 2 if good else max(1, bad - 1 - tried * tried // 8)
-            found = finish(stands.trains(days, times[middle]), SHORTER_STEPS)
+            found = finish(stands.trains(days, times[middle]), steps if middle == 1 else SHORTER_STEPS)
             if found.proof is Proof.ORDER:
                 kept, good = Kept(stands.at, stands.holds, found.order, times[middle]), middle
             else:
-                bad, tried = middle, tried + 1
-        return kept
+                bad, tried, proof = middle, tried + 1, found.proof
+        return kept, proof
 
-    def _no_order_known(self, found: Found, until_s: float | None) -> None:
-        """Shown once for each circle of trains."""
-        units = tuple(self._days.unit_ids[index] for index in found.circle)
-        why = f"{found.proof.value}: {', '.join(map(self._where, found.circle))}"
+    def _no_order_known(self, sought: Sought, until_s: float | None) -> None:
+        """Shown once for each circle of trains, and once when people have to help."""
+        circle = sought.found.circle
+        units = tuple(self._days.unit_ids[index] for index in circle)
+        why = f"{sought.found.proof.value}: {', '.join(map(self._where, circle))}"
         if until_s is not None:
             why += f"; of what is planned before {clock(until_s)} all can be run"
-        if self._trip.said != why:
+        elif sought.found.proof is Proof.UNKNOWN:
+            why += "; nothing is granted until one is known"
+            if sought.again_s == inf:
+                why += f", and after {sought.steps} steps it is looked for no more until something changes: people must"
+        if sought.said != why:
             self._shows.append(Show(NoOrderKnown(unit_ids=units, why=why)))
-            self._say(why)
+            self._register = replace(self._register, sought=replace(sought, said=why))
+
+    def _not_known(self, found: Found) -> Against:
+        """Refused: nobody knows whether all can finish, whoever goes next."""
+        other = next(index for index in found.circle if index != self._index)
+        section_id = self._next_section(other)
+        other_id = self._days.unit_ids[other]
+        trains = " and ".join(map(self._train, found.circle))
+        why = f"{self._where(self._index)} waits: it is not known in which order {trains} can all finish"
+        self._held_back(why, other_id, section_id, certificate=True)
+        return RefusalReason.NO_WAY_ON, section_id, other_id
 
     def _after(self, before: tuple[int, ...]) -> Found:
         """An order in which all can finish once this is granted: as near to the one before as there is."""
@@ -196,30 +232,27 @@ class _Weighing:
         mine = before.index(self._index)
         first = max(1, mine - LOOKED_BACK)
         lets_on = next(
-            k
-            for k in range(first, mine + 1)
-            if follows(self._trains, (*before[:k], self._index, *before[k:mine]))
+            (
+                k
+                for k in range(first, mine + 1)
+                if follows(self._trains, (*before[:k], self._index, *before[k:mine]))
+            ),
+            mine,
         )
-        other = before[lets_on - 1]
-        hop = self._days.hops[other][self._stands.at[other] + before[:lets_on].count(other) - 1]
         circle = [index for index in after.circle if index != self._index]
+        other, moves = (
+            (before[lets_on - 1], before[:lets_on].count(before[lets_on - 1])) if lets_on else (circle[0], 0)
+        )
+        hop = self._days.hops[other][max(0, self._stands.at[other] + moves - 1)]
         proof = "" if after.proof is Proof.NONE else " as far as could be looked"
         stuck = " and ".join(map(self._train, [self._index, *circle]))
         why = (
             f"{self._where(self._index)} waits for {self._train(other)} to come to {hop.section_id}: if it went now,"
             f" {stuck} could not all finish{proof}"
         )
-        self._held_back(
-            why,
-            HeldBack(
-                unit_id=self._unit_id,
-                other_id=self._days.unit_ids[other],
-                section_id=hop.section_id,
-                certificate=True,
-                why=why,
-            ),
-        )
-        return RefusalReason.NO_WAY_ON, hop.section_id, self._days.unit_ids[other]
+        other_id = self._days.unit_ids[other]
+        self._held_back(why, other_id, hop.section_id, certificate=True)
+        return RefusalReason.NO_WAY_ON, hop.section_id, other_id
 
     # the order of trains --------------------------------------------------------------------------------------
 
@@ -233,8 +266,7 @@ class _Weighing:
                 self._shows.append(Show(OrderChanged(unit_id=self._unit_id, other_id=other_id, why=turn.why)))
             return None
         self._held_by_order()
-        note = HeldBack(unit_id=self._unit_id, other_id=other_id, section_id=turn.section_id, why=turn.why)
-        self._held_back(turn.why, note)
+        self._held_back(turn.why, other_id, turn.section_id)
         return RefusalReason.NOT_ITS_TURN, turn.section_id, other_id
 
     def _held_by_order(self) -> None:
@@ -243,9 +275,16 @@ class _Weighing:
 
     # what follows ---------------------------------------------------------------------------------------------
 
-    def _held_back(self, why: str, note: HeldBack) -> None:
+    def _held_back(self, why: str, other_id: str, section_id: str, *, certificate: bool = False) -> None:
         """It counts as waiting; the journal is told when the reason changes."""
         if self._trip.said != why:
+            note = HeldBack(
+                unit_id=self._unit_id,
+                other_id=other_id,
+                section_id=section_id,
+                certificate=certificate,
+                why=why,
+            )
             self._shows.append(Show(note))
         asked_s = self._register.now_s if self._trip.asked_s is None else self._trip.asked_s
         self._trip = replace(self._trip, asked_s=asked_s)
@@ -270,13 +309,10 @@ class _Weighing:
             if days.hops[other][at].line & hop.line:
                 register = with_trip(register, unit_id, replace(trip, overtaken=trip.overtaken + 1))
         kept = None
-        if after is None and self._until_s < inf:  # what others still have to do is looked at anew
-            register = replace(register, search_again_s=register.now_s)
         if after is not None and after.proof is Proof.ORDER:
             stands = self._stands.after(days, index)
             kept = Kept(stands.at, stands.holds, after.order, self._until_s)
-            if days.certificate:
-                self._shows.append(Show(self._certificate(after.order)))
+            self._shows.append(Show(self._certificate(after.order)))
         self._register = replace(register, kept=kept)
 
     def _certificate(self, rest: Sequence[int]) -> Certified:
@@ -307,6 +343,10 @@ class _Weighing:
             return 0
         train = hops[at].train
         return sum(hop.train == train for hop in hops[at:])
+
+    def _next_section(self, index: int) -> str:
+        hops, at = self._days.hops[index], self._stands.at[index]
+        return hops[min(at, len(hops) - 1)].section_id
 
     def _train(self, index: int) -> str:
         hops, at = self._days.hops[index], self._stands.at[index]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Final
 
-from wayside.certificate import Move, Train
+from wayside.certificate import Found, Move, Train
 from wayside.config import JourneyMove, ManagerConfig, Order
 
 if TYPE_CHECKING:
@@ -85,6 +85,32 @@ class Kept:
     holds: tuple[int, ...]
     order: tuple[int, ...]
     until_s: float = inf
+
+    def leads_from(self, stands: Stands) -> bool:
+        """Whether it is of these places."""
+        return (self.at, self.holds) == (stands.at, stands.holds)
+
+
+@dataclass(frozen=True, slots=True)
+class Sought:
+    """The last search that found no order of the whole day: from which places, with how many steps, what it found
+    instead, until when that is taken as it is, s, and what the journal was told.
+    """
+
+    at: tuple[int, ...]
+    holds: tuple[int, ...]
+    found: Found
+    steps: int
+    again_s: float
+    said: str = ""
+
+    def at_places(self, stands: Stands) -> bool:
+        """Whether it was from these places."""
+        return (self.at, self.holds) == (stands.at, stands.holds)
+
+    def lasts(self, now_s: float) -> bool:
+        """Whether it is not yet time to look again."""
+        return now_s < self.again_s
 
 
 @dataclass(frozen=True, slots=True)

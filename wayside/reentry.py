@@ -16,6 +16,9 @@ functions on the register; persons' inputs themselves are in `wayside.acts`.
 | one person: it holds sections                   | no                      | no                            |
 | nobody entered anything for it                  | no                      | yes: nothing was ever granted |
 
+A unit that says it is outside although it was on the line when the manager stopped may have forgotten: it counts as
+outside, and as a silent one in what must be swept, unless a person also says by which portal it left.
+
 A unit's word outranks an entry: what it claims beyond the entry is added, what was entered beyond its claim is
 added too when the line is defined, and its next report frees it. An entry that gives one unit what another
 claims blocks until a person corrects it. Where a silent unit counts by persons' word alone, every section that no
@@ -33,7 +36,7 @@ from typing import Final
 from wayside.actions import Action, Show
 from wayside.config import ReentryMode
 from wayside.register import Reentry, Register, Stage, Standing, Unit
-from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged, ToBeSwept
+from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged, Swept, ToBeSwept
 
 Step = tuple[Register, tuple[Action, ...]]
 
@@ -254,14 +257,19 @@ def settle(register: Register, now_s: float) -> Step:
 
 
 def _on_line(register: Register, unit_id: str) -> bool:
-    standing = register.unit(unit_id).standing
-    return unit_id in register.ledger if standing is Standing.UNKNOWN else standing is not Standing.OUTSIDE
+    unit = register.unit(unit_id)
+    # Until the line is defined, and swept, the word of one that was on it does not take it off.
+    if unit.standing is Standing.UNKNOWN or (unit.unproven and register.restoring):
+        return unit_id in register.ledger
+    return unit.standing is not Standing.OUTSIDE
 
 
 def _define(register: Register, now_s: float) -> Step:
     """Entries come into force: for silent units all that two persons agree on, for others as additions."""
     actions: list[Action] = []
-    silent = [u for u in register.ledger if register.unit(u).standing is Standing.UNKNOWN]
+    silent = [
+        u for u in register.ledger if register.unit(u).standing is Standing.UNKNOWN or _forgot(register, u)
+    ]
     for unit_id in register.plan.unit_ids:
         unit, entered = register.unit(unit_id), entered_for(register, unit_id)
         said_by = ", ".join(words_for(register, unit_id)) or register.reentry.accepted_by
@@ -284,11 +292,63 @@ def _define(register: Register, now_s: float) -> Step:
         actions.append(Show(confirmed))
     if silent:
         spoken_for = {s for s, holder in register.holders.items() if holder not in silent}
-        register, swept = to_be_swept(register, set(register.plan.order) - spoken_for)
-        actions += swept
+        register, locked = to_be_swept(register, set(register.plan.order) - spoken_for)
+        actions += locked
     past = register.reentry
     done = Reentry(accepted_by=past.accepted_by, inputs=past.inputs, stage=past.stage, defined_s=now_s)
     return replace(register, restoring=False, reentry=done), tuple(actions)
+
+
+def _forgot(register: Register, unit_id: str) -> bool:
+    """Whether it says that it is outside, was on the line, and no person says by which portal it left."""
+    left_by = register.reentry.left_by
+    seen = any(place for (_, of_unit), place in left_by.items() if of_unit == unit_id)
+    return register.unit(unit_id).unproven and not seen
+
+
+def said_outside(register: Register, unit_id: str) -> Step:
+    """A unit that is on the line as far as is known says that it is not: shown, and what it may be in is to be swept:
+    at once, or while the line is restored when it is known who speaks for which sections.
+    """
+    why = "it may have been on the line, and says that it is outside"
+    shown_ = Show(Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=why))
+    if register.restoring or register.held_by(unit_id):
+        return register, (shown_,)
+    register, locked = to_be_swept(register, set(register.plan.order).difference(register.holders))
+    return register, (shown_, *locked)
+
+
+def known(register: Register, unit_id: str) -> bool:
+    """Whether the register has what the unit holds, be it that persons have entered it."""
+    return register.unit(unit_id).standing in (Standing.BY_HAND, Standing.REPORTED)
+
+
+def cannot_be_outside(register: Register, unit_id: str) -> bool:
+    """Whether a unit that says it is outside is on the line, by what is known, and not only before a portal."""
+    unknown = register.unit(unit_id).standing is Standing.UNKNOWN and unit_id in register.ledger
+    return unknown or not register.plan.portals.issuperset(register.held_by(unit_id))
+
+
+def on_line_after_all(register: Register, unit_id: str, epoch: int) -> Step:
+    """A unit that counts as outside is on the line, and may be anywhere: unknown again, and asked.
+
+    Who holds anything of the line is told to stop, and is asked as well: the answer says what must be swept.
+    """
+    unit = Unit(Standing.UNKNOWN, epoch, barred=register.unit(unit_id).barred, taken_back=True)
+    register, locked = to_be_swept(register.with_unit(unit_id, unit), register.plan.order)
+    register = replace(register, ledger=register.ledger | {unit_id}, ask_at_s=0.0)
+    why = "it counts as outside, and signs on without knowing what it holds"
+    return register, (Show(Contradicted(unit_id=unit_id, why=why)), *locked)
+
+
+def swept(register: Register, unit_id: str, section_ids: Iterable[str]) -> Step:
+    """What the unit held, and its train has run through on sight, is empty but for it."""
+    held = register.held_by(unit_id)
+    empty = tuple(s for s in register.on_sight(section_ids) if s in held)
+    if not empty:
+        return register, ()
+    left = replace(register, unswept=register.unswept.difference(empty))
+    return left, (Show(Swept(unit_id=unit_id, section_ids=empty)),)
 
 
 def _forget_words_of_speakers(register: Register) -> Register:

@@ -17,7 +17,7 @@ from radio.keys import capability_mac
 from radio.messages import Capability
 from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
-from wayside.journeys import Days, Kept, Trip, days_of
+from wayside.journeys import Days, Kept, Sought, Trip, days_of
 
 
 class Standing(Enum):
@@ -38,7 +38,8 @@ class Unit:
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
     for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
-    asked all the same; `taken_back`: they were wrong.
+    asked all the same; `taken_back`: they were wrong, or it was. `unproven`: by its own word it is outside, and it was
+    on the line as far as was known when the block state was lost.
     """
 
     standing: Standing
@@ -51,6 +52,7 @@ class Unit:
     barred: bool = False
     silent: bool = False
     taken_back: bool = False
+    unproven: bool = False
 
     @property
     def has_spoken(self) -> bool:
@@ -118,8 +120,8 @@ class Register:
     `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
     to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
     often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
-    in which all can finish, as last proven, `search_again_s` when it is looked for again if none is known, and `now_s`
-    when the last telegram came; all where `plan.days` are.
+    in which all can finish, as last proven, `sought` the last search that found none, and `now_s` when the last
+    telegram came; all where `plan.days` are.
     """
 
     plan: Plan
@@ -138,7 +140,7 @@ class Register:
     trips: Mapping[str, Trip] = field(default_factory=dict[str, Trip])
     trips_lost: bool = False
     kept: Kept | None = None
-    search_again_s: float = 0.0
+    sought: Sought | None = None
     now_s: float = 0.0
 
     @property
@@ -171,10 +173,14 @@ class Register:
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
     def asked(self) -> tuple[str, ...]:
-        """Units that are asked what they hold: those that block, that leave, or that count by persons' word alone."""
+        """Units that are asked what they hold: those that block, that leave, or that count by persons' word alone.
+
+        While one is looked for, those that hold what it may be in, too: with the answer they hear what to sweep.
+        """
         units = self.units.items()
         others = (unit_id for unit_id, u in units if u.silent or u.standing is Standing.LEAVING)
-        named = dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others))
+        near = (unit_id for unit_id in self.units if self.on_sight(self.contested(unit_id)))
+        named = dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others, *near))
         return tuple(unit_id for unit_id in named if unit_id not in self.bars.barred)
 
     @property

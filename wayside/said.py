@@ -273,8 +273,9 @@ class OrderChanged(Noted, frozen=True, kw_only=True, tag="order_changed"):
 
 
 class NoOrderKnown(Noted, frozen=True, kw_only=True, tag="no_order_known"):
-    """No order is known in which all can finish, whoever goes next: these units are in each other's way. Routes are
-    granted as without a certificate.
+    """No order is known in which all can finish, whoever goes next: these units are in each other's way. Where it is
+    proven that there is none, routes are granted so that what is planned before some time can be run, or as without a
+    certificate if there is no such time; where it is not, none is granted.
     """
 
     unit_ids: tuple[str, ...]

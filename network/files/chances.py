@@ -25,6 +25,12 @@ LOG_SIGMA: Final = Quantity(
     ((0.01, 3.0),),
     "assumed: a hundredth; from a twentieth to twentyfold",
 )
+LOG_SIGMA_0: Final = Quantity(
+    "standard deviation of a logarithm", "", ((0.0, 2.0),), "assumed: always the mean; a sevenfold is common"
+)
+PERSON_TIME: Final = Quantity(
+    "time that a person takes", "s", ((0.0, 1800.0),), "assumed: half an hour for one act"
+)
 SHAPE: Final = Quantity(
     "shape of a distribution", "", ((0.1, 50.0),), "assumed: nearly all at once to nearly none scattered"
 )
@@ -38,5 +44,7 @@ MtbfOperations = Annotated[float, MTBF_OPERATIONS]
 Confidence = Annotated[float, CONFIDENCE]
 DrawnValue = Annotated[float, DRAWN_VALUE]
 LogSigma = Annotated[float, LOG_SIGMA]
+LogSigma0 = Annotated[float, LOG_SIGMA_0]
+PersonTime = Annotated[float, PERSON_TIME]
 Shape = Annotated[float, SHAPE]
 DelayFactor = Annotated[float, DELAY_FACTOR]

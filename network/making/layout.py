@@ -116,6 +116,7 @@ class LaidPoints:
     stem: str
     normal: str
     reverse: str
+    offset_m: float = 0.0  # of the stem
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,9 +357,12 @@ def _ladder(place: _Place, stem: str, faces: str, ends_m: dict[str, float]) -> I
     """Points from the stem to the tracks, one after another; `ends_m` becomes where each track ends on this side.
 
     For left-hand running the track that is left for a train that comes in is the normal leg of the first points; with
-    a `normal` track it is straight on through all of them, and the outermost others part first.
+    a `normal` track it is straight on through all of them, and the outermost others part first. What leads on from
+    points lies on the axis, or beside a track that has parted on the axis, between that and the next one.
     """
     station = place.listed
+    lies_m = dict(zip(station.tracks, station.offsets_m, strict=True))
+    lead_m = 0.0
     down = faces == "down"
     sign, edge_m = (1.0, place.low_m) if down else (-1.0, place.high_m)
     side, number = ("W", 10) if down else ("E", 20)
@@ -388,7 +392,10 @@ def _ladder(place: _Place, stem: str, faces: str, ends_m: dict[str, float]) -> I
             stem=stem,
             normal=onward if straight else here,
             reverse=here if straight else onward,
+            offset_m=lead_m,
         )
+        if lies_m[name] == lead_m:
+            lead_m = (lead_m + lies_m[waiting[i + 1]]) / 2.0
         stem = f"{points_id}.{'normal' if straight else 'reverse'}"
 
 

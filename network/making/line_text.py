@@ -131,6 +131,8 @@ def _points(layout: Layout) -> Iterable[str]:
         yield f'terminal = "{points.terminal}"'
         for key, at_m in (("from_km", points.from_m), ("toe_km", points.toe_m), ("to_km", points.to_m)):
             yield f"{key} = {km_text(at_m)}"
+        if points.offset_m:
+            yield f"offset_m = {points.offset_m}"
         yield f'faces = "{points.faces}"'
         for key, name in (("stem", points.stem), ("normal", points.normal), ("reverse", points.reverse)):
             yield f'{key} = "{name}"'

@@ -91,8 +91,13 @@ def make_line(list_file: Path, line_id: str, asked: Asked) -> NewLine:
             *joined.comment,
         ),
     )
-    text = line_toml(words, alignment, layout, rule)
-    return NewLine(text, parse_line(text, line_id), joined.rows, remarks)
+    try:
+        text = line_toml(words, alignment, layout, rule)
+        line = parse_line(text, line_id)
+    except InputError as error:  # of a file that is not there: what can be changed is the list
+        expected = f"stations of which a line can be laid out; of these there would be {error}"
+        raise InputError(stations.file, "stations", None, expected) from error
+    return NewLine(text, line, joined.rows, remarks)
 
 
 def write_line(list_file: Path, out_file: Path, asked: Asked) -> NewLine:

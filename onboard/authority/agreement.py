@@ -9,14 +9,24 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final
 
+from msgspec.structs import replace
+
 from onboard.authority import route, sign_on
-from onboard.authority.records import Ask, Authority, Contested, Refused, SignedOn
+from onboard.authority.records import Ask, Authority, BeginOnLine, Contested, FoundAt, Refused, SignedOn
 from onboard.authority.tables import Result, Standing, Table, disagrees
 
 
 def contested(state: Authority, event: Contested) -> Result:
     """The train is stopped: another claims, or may be in, what the unit holds."""
     return disagrees(state, f"contested: {', '.join(event.section_ids)}")
+
+
+def found_at(state: Authority, event: FoundAt) -> Result:
+    """It stands in a section that it does not hold: the train is stopped, and signs on again with where it is."""
+    where = ", ".join(section for section in event.section_ids if not state.holds(section))
+    claiming, actions = sign_on.begin(replace(state, on_line=False), BeginOnLine(event.section_ids))
+    stopped, more = disagrees(claiming, f"found in what it does not hold: {where}")
+    return stopped, (*actions, *more)
 
 
 def refused_on_line(state: Authority, event: Refused) -> Result:
@@ -56,6 +66,7 @@ TABLE: Final[Table] = MappingProxyType(
     {
         (Standing.SIGNING_ON, Contested): contested,
         (Standing.ON_LINE, Contested): contested,
+        (Standing.ON_LINE, FoundAt): found_at,
         (Standing.SIGNING_OFF, Contested): contested,
         (Standing.SIGNING_ON, Refused): refused_signing_on,
         (Standing.ON_LINE, Refused): refused_on_line,

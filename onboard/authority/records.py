@@ -72,6 +72,7 @@ class Authority(msgspec.Struct, frozen=True):
     `unsaid`: points not commanded any more, of which a proof still counts. `entering`: the sign-on is a wish for a
     portal, so until it is accepted nothing is held. `mismatch`: why register and unit contradict each other, if they
     do. `unswept`: sections held that must be passed on sight; `swept`: those that were, until that is confirmed.
+    `unsure`: it has booted, was perhaps on the line before, and its crew has not yet entered a train number.
     """
 
     held: tuple[str, ...] = ()
@@ -86,6 +87,7 @@ class Authority(msgspec.Struct, frozen=True):
     mismatch: str = ""
     unswept: tuple[str, ...] = ()
     swept: tuple[str, ...] = ()
+    unsure: bool = False
 
     def holds(self, section_id: str) -> bool:
         """Whether the unit holds a section."""
@@ -94,6 +96,12 @@ class Authority(msgspec.Struct, frozen=True):
     def open(self, ask: Ask) -> Request | None:
         """The open request of a kind."""
         return next((request for request in self.requests if request.ask is ask), None)
+
+    @property
+    def perhaps_on_line(self) -> bool:
+        """Whether it may stand on the line: it never says then, after a boot, that it holds nothing."""
+        claims = self.open(Ask.SIGN_ON) is not None and not self.entering
+        return self.unsure or self.on_line or self.leaving or claims
 
     @property
     def waits_for_radio(self) -> bool:
@@ -109,6 +117,12 @@ class BeginOnLine(msgspec.Struct, frozen=True, tag=True):
 
     section_ids: tuple[str, ...] | None
     enters: bool = False  # a wish for a portal, not a fact
+
+
+class FoundAt(msgspec.Struct, frozen=True, tag=True):
+    """Its position was found again: the train is, or may be, in these sections, not all of which it holds."""
+
+    section_ids: tuple[str, ...]
 
 
 class EndOnLine(msgspec.Struct, frozen=True, tag=True):
@@ -252,6 +266,7 @@ class PeerRestarted(msgspec.Struct, frozen=True, tag=True):
 
 Event = (
     BeginOnLine
+    | FoundAt
     | EndOnLine
     | TakenOff
     | AskRoute

@@ -54,6 +54,7 @@ def begin(state: Authority, event: BeginOnLine) -> Result:
         mismatch="",
         unswept=(),
         swept=(),
+        unsure=False,
     )
     begun, actions = opened(begun, Request(Ask.SIGN_ON, section_ids=event.section_ids))
     # Who has just been switched on does not know what it holds, which is not the same as nothing.
@@ -136,6 +137,11 @@ def queried(state: Authority, _event: Queried) -> Result:
     return state, (SendClaim(state.held), Write(notes.Claimed(section_ids=state.held, token=0)))
 
 
+def queried_off_line(state: Authority, event: Queried) -> Result:
+    """Answers at once: that it holds nothing, or after a boot, where it may be on the line, that it does not know."""
+    return (state, (SendClaim(None),)) if state.unsure else queried(state, event)
+
+
 def queried_signing_on(state: Authority, event: Queried) -> Result:
     """Answers at once: with all that it claims, with nothing while it waits to enter, or that it does not know."""
     request = state.open(Ask.SIGN_ON)
@@ -160,7 +166,7 @@ TABLE: Final[Table] = MappingProxyType(
         (Standing.ON_LINE, EndOnLine): end,
         (Standing.SIGNING_OFF, SignedOff): signed_off,
         (Standing.LEAVING, TakenOff): taken_off,
-        (Standing.OFF_LINE, Queried): queried,
+        (Standing.OFF_LINE, Queried): queried_off_line,
         (Standing.SIGNING_ON, Queried): queried_signing_on,
         (Standing.ON_LINE, Queried): queried,
         (Standing.SIGNING_OFF, Queried): queried,

@@ -292,6 +292,7 @@ def settle(turn: Turn) -> None:
     if phase is Phase.SIGNING_OFF and turn.state.authority.open(Ask.SIGN_OFF) is None:
         turn.authority(EndOnLine())  # once nothing but the portal is held
     if phase is Phase.ON_SIGHT and not on_sight.recovered(turn):
+        react(turn)
         return
     if turn.state.place.known and turn.state.phase in _BY_POSITION:
         clear_behind(turn)

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from network.model import SectionKind
 from onboard import notes
-from onboard.authority.records import Ask, BeginOnLine, CheckedByCrew, Throw, Withdrawn
+from onboard.authority.records import Ask, BeginOnLine, CheckedByCrew, FoundAt, Throw, Withdrawn
 from onboard.duty.records import (
     AtMark,
     EndOfHeld,
@@ -112,6 +112,9 @@ def recovered(turn: Turn) -> bool:
     if state.place.known and on_line and contradicts_register(turn):
         give_up_position(turn)
         return False
+    if state.place.known and on_line and (found := found_elsewhere(turn)):
+        turn.authority(FoundAt(found))
+        return False
     if state.place.known and on_line:
         resume(turn)
         return True
@@ -131,6 +134,15 @@ def contradicts_register(turn: Turn) -> bool:
     place = turn.state.place
     under = turn.plan.spans[place.clear : place.perhaps]
     return place.untold and not all(turn.state.authority.holds(span.section_id) for span in under)
+
+
+def found_elsewhere(turn: Turn) -> tuple[str, ...]:
+    """Where the train may be, if its front is surely in a section that it does not hold; else nothing."""
+    place, spans = turn.state.place, turn.plan.spans
+    surely = spans[place.sure - 1 : place.sure] if place.sure else ()
+    if all(turn.state.authority.holds(span.section_id) for span in surely):
+        return ()
+    return tuple(span.section_id for span in spans[place.clear : place.perhaps])
 
 
 def claim_place(turn: Turn) -> None:

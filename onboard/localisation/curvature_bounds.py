@@ -23,9 +23,6 @@ BLOCK_M: Final = 25  # what is judged by itself: a wave that the filter damps
 SURE_OF_BLOCK: Final = 4.0  # deviations of the root mean square of a block
 WHITE_PER_M: Final = 0.058  # variance that the filter leaves of white noise of 1 a metre
 CALIBRATES_M: Final = 300.0  # wheels are compared over no less
-VARIES_OVER_M: Final = (
-    1000.0  # what they count over longer ways differs from their mean by less, in proportion
-)
 WORSE: Final = (
     2.0  # what is left may be so many times the rails' stated variance, before the gyro counts as worse
 )
@@ -208,9 +205,8 @@ def calibrate(own: CurvatureRow, unit: UnitRow) -> None:
     if own.anchored != 0 and counted_m >= CALIBRATES_M:
         slid_m = unit.slid_ahead_m - own.anchor_slid_m
         slipped_m = unit.slipped_behind_m - own.anchor_slipped_m
-        varies = max(own.varies_share * min(VARIES_OVER_M / counted_m, 1.0), own.lasting_share)
-        low = max(own.scale_low, (low_m - own.anchor_high_m - slid_m) / counted_m - varies)
-        high = min(own.scale_high, (high_m - own.anchor_low_m + slipped_m) / counted_m + varies)
+        low = max(own.scale_low, (low_m - own.anchor_high_m - slid_m) / counted_m - own.varies_share)
+        high = min(own.scale_high, (high_m - own.anchor_low_m + slipped_m) / counted_m + own.varies_share)
         if low > high:  # something was false: nothing is known but what is stated
             low, high = 1.0 - own.worn_share, 1.0 + own.worn_share
             own.anchored = 0

@@ -36,9 +36,8 @@ class CurvatureRow(Protocol):
     mismatch_most_per_m: float
     sure_sigmas: float
     worn_share: Annotated[float, "most that wheels are worn by"]
-    varies_share: Annotated[float, "most that their count over a while differs from their mean"]
-    lasting_share: Annotated[
-        float, "what of it may go on for any way: a climb, a tread on curves to one side"
+    varies_share: Annotated[
+        float, "most that their count differs from their mean, on any way: a climb, curves to one side"
     ]
     doubtful_share: Annotated[float, "bounds that grow faster are those of a unit in doubt of its wheels"]
     gain_share: Annotated[float, "the gyro's gain may be wrong by this"]

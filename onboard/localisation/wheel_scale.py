@@ -69,7 +69,7 @@ class WheelScale:
     def __init__(self, row: UnitRow, parameters: UnitParameters) -> None:
         self._row: Final = row
         self._worn: Final = parameters.wheel_scale_limit
-        self._varies: Final = max(parameters.wheel_error_share - parameters.wheel_scale_limit, 0.0)
+        self._varies: Final = parameters.wheel_varies_share
         self._low, self._high = 1.0 - self._worn, 1.0 + self._worn
         self._places: deque[Held] = deque(maxlen=PLACES_KEPT)
         self._tag: Held | None = None  # the last that was read

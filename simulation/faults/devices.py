@@ -1,9 +1,10 @@
-"""Faults of devices and on-board units: without power, started again, frozen.
+"""Faults of devices and on-board units: without power, started again, without their durable state, frozen.
 
-Power is off while any `power_off` is in force; a person who switches the device on ends them. A frozen party does
-nothing, and finds later what has come to it meanwhile; what it last commanded stays. A train whose unit is frozen
-goes on with the last command: its compiled supervision holds it to the stop limit that it has. Losing its power a party
-loses what has piled up, and one that boots while it is frozen goes on only afterwards.
+Power is off while any of these is in force; a person who switches the device on ends them. A party that has lost its
+durable state does not start by itself when it has power again: people must commission it (`commission`). A frozen
+party does nothing, and finds later what has come to it meanwhile; what it last commanded stays. A train whose unit is
+frozen goes on with the last command: its compiled supervision holds it to the stop limit that it has. Losing its power
+a party loses what has piled up, and one that boots while it is frozen goes on only afterwards.
 """
 
 from __future__ import annotations
@@ -48,6 +49,17 @@ class PowerOff(PowerFault):
     """The device is off; on again after the duration, and without one never."""
 
     kind = "power_off"
+
+
+class LostStore(PowerFault):
+    """The device is off and has lost its durable state; after the duration it waits to be commissioned again."""
+
+    kind = "lost_store"
+
+    def put(self, world: World, on: bool) -> None:
+        super().put(world, on)
+        if not on:
+            world.lose_store(self.target)
 
 
 class Restart(PowerFault):

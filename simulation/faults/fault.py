@@ -55,6 +55,7 @@ class World:
     unit_freeze: Callable[[str, bool], None]  # stock id, frozen
     unit_clock: Callable[[str, Clock], None]  # stock id, its clock from now on
     unit_vehicle: Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
+    lose_store: Callable[[str], None]  # of a device or unit without power: its durable state is gone
     step: int = 0
     chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
 

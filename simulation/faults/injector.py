@@ -10,12 +10,15 @@ from radio.air import Delivery
 from radio.chance import generator
 from simulation.agenda import Agenda, Due
 from simulation.events import WORLD, Acted, Entry, FaultBegan, FaultOver
+from simulation.faults.commissioning import ServiceRecord
 from simulation.faults.devices import PowerFault
 from simulation.faults.fault import InForce, VehiclePart, World, fold
 from simulation.faults.links import LinkFault
 from simulation.faults.points import PointsFault
 from simulation.faults.script import Act, ActKind, Course, Failure, Script, Trigger, Watch
 from simulation.journal import Journal
+from simulation.pauses import Pauses
+from simulation.people import Pause
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world.clock import Clock
 from wayside.config import MANAGER_ID
@@ -38,10 +41,12 @@ if TYPE_CHECKING:
     from simulation.world.points import WaysideWorld
     from simulation.world.trains import Trains
 
+ACTS: Final = 1_000_000  # what people do is numbered from here on, faults from 0
 LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
+Commission = Callable[[str, int], None]  # stock id, for the so many-th time
 ShowVehicle = Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
 
 
@@ -62,8 +67,9 @@ class Injector:
         give_back: GiveBack,
         unit_clock: SetClock,
         unit_vehicle: ShowVehicle,
+        unit_commission: Commission,
     ) -> None:
-        self._script = script
+        self._faults = list(script.faults)
         self._acts = list(script.acts)  # and those added during the run
         self._seed = seed
         self._trains = trains
@@ -72,15 +78,21 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
-        self._world = World(trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle)
+        self._unit_commission = unit_commission
+        self._record = ServiceRecord(wayside.sections_of)
+        self._world = World(
+            trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle, self._lose_store
+        )
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}
         self._words: list[Input] = []  # what people are about to enter
+        self._pauses = Pauses(trains.setup)
         self._triggers = _triggers_of(script)
-        self._watch = Watch(self._triggers, self._come_due)
+        self._watch = Watch(self._triggers, self._seen)
         self._stage = Stage.DEFINED  # of the re-entry, as the controller's screen shows it
         journal.watch(self._watch.see)
         journal.watch(self._see)
+        journal.watch(self._record.see)
         wayside.disturb = self._disturb
 
     @property
@@ -96,12 +108,12 @@ class Injector:
                 self._come_due(key, trigger.at_s + trigger.after_s)
 
     def take_up(self, script: Script, step: int) -> None:
-        """A script that has times alone, from now on: ValueError if there is another, or one that waits for events."""
-        triggers = _triggers_of(script)
-        if self._triggers or any(trigger.at_s is None for trigger in triggers.values()):
-            raise ValueError("a script is taken up by time, where there is none")
-        self._script, self._triggers = script, triggers
-        self._acts = list(script.acts)
+        """A script that has times alone, from now on, behind what there is: ValueError if it waits for events."""
+        triggers = _triggers_of(script, len(self._faults), len(self._acts))
+        if any(trigger.at_s is None for trigger in triggers.values()):
+            raise ValueError("a script is taken up by time")
+        self._faults += script.faults
+        self._acts += script.acts
         self._world.step = step
         for key, trigger in triggers.items():
             at_step = max(step_not_before((trigger.at_s or 0.0) + trigger.after_s), step)
@@ -110,7 +122,14 @@ class Injector:
     def add(self, act: Act, at_s: float) -> None:
         """Somebody has made up their mind during the run; whatever its trigger, the act is due at `at_s`."""
         self._acts.append(act)
-        self._come_due(len(self._script.faults) + len(self._acts) - 1, at_s)
+        self._come_due(ACTS + len(self._acts) - 1, at_s)
+
+    def _seen(self, key: int, at_s: float) -> None:
+        """What a trigger waited for has come; a person who has said no time acts on it after one of their own."""
+        act = None if key < ACTS else self._acts[key - ACTS]
+        if act is not None and act.trigger.after_s == 0.0:
+            at_s += self._pauses.steps(Pause.WORD, act.person) / STEPS_PER_S
+        self._come_due(key, at_s)
 
     def _come_due(self, key: int, at_s: float) -> None:
         step = max(step_not_before(at_s), self._world.step)
@@ -127,10 +146,10 @@ class Injector:
             self._wayside.input(step, MANAGER_ID, self._words[key])
         elif what == "end":
             self._end(key)
-        elif key < len(self._script.faults):
-            self._begin(key, self._script.faults[key])
+        elif key < ACTS:
+            self._begin(key, self._faults[key])
         else:
-            act = self._acts[key - len(self._script.faults)]
+            act = self._acts[key - ACTS]
             self._courses[key] = Course(act, step / STEPS_PER_S)
             self._act(act)
 
@@ -151,7 +170,7 @@ class Injector:
         """A fault is over: its time has come, or a person has ended it before."""
         if key not in self._in_force:
             return
-        failure = self._script.faults[key]
+        failure = self._faults[key]
         self._courses[key].over_s = self._world.step / STEPS_PER_S
         if not failure.fault.momentary:
             self._write(FaultOver, failure)
@@ -161,6 +180,21 @@ class Injector:
         """A person ends all faults of one quantity of a target."""
         for key in self._in_force.at((changes, target)):
             self._end(key)
+
+    def _lose_store(self, party_id: str) -> None:
+        if party_id in self._trains.slot_of:
+            self._on_board.lose_store(self._trains.slot_of[party_id])
+        else:
+            self._wayside.lose_store(party_id)
+
+    def _commission(self, party_id: str) -> None:
+        """Staff put into service again what waits for it; anything else they leave alone."""
+        slot = self._trains.slot_of.get(party_id)
+        if slot is not None and slot in self._on_board.uncommissioned:
+            self._unit_commission(party_id, self._record.number(party_id))
+        elif party_id in self._wayside.uncommissioned:
+            number, vital = self._record.number(party_id), self._record.vital(party_id)
+            self._wayside.commission(self._world.step, party_id, number, vital)
 
     def _write(self, changed: type[FaultBegan | FaultOver], failure: Failure) -> None:
         fault = failure.fault
@@ -193,19 +227,22 @@ class Injector:
                 self._wayside.input(self._world.step, MANAGER_ID, entry)
             case ActKind.POWER_ON:
                 self._end_all(PowerFault.changes, act.target)
+            case ActKind.COMMISSION:
+                self._commission(act.target)
             case ActKind.REPAIR_POINTS:
                 self._end_all(PointsFault.changes, act.target)
                 self._wayside.repair(self._world.step, act.target, Position(act.position))
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
             case ActKind.ACCEPT_PICTURE:
-                self._enter([AcceptPicture(act.person)], act.pace_s)
+                self._enter(act, [AcceptPicture(act.person)])
             case ActKind.REENTER_ASSISTED:
                 self._accept_when_complete(act, self._acts.index(act))
             case ActKind.ENTER_SECTION:
-                for section_id in act.sections:
-                    word = EnterSection(section_id, act.target or None, act.person)
-                    self._wayside.input(self._world.step, MANAGER_ID, word)
+                unit_id = act.target or None
+                words = [EnterSection(section_id, unit_id, act.person) for section_id in act.sections]
+                self._wayside.input(self._world.step, MANAGER_ID, words[0])
+                self._enter(act, words[1:])
             case ActKind.REENTER_BY_HAND:
                 self._reenter(act)
 
@@ -225,7 +262,7 @@ class Injector:
             again = self._world.step + round(LOOKS_AGAIN_S * STEPS_PER_S)
             self._agenda.put(again, Due.SCRIPT, f"look {number}")
         else:
-            self._enter([AcceptPicture(act.person)], act.pace_s)
+            self._enter(act, [AcceptPicture(act.person)])
 
     def _reenter(self, act: Act) -> None:
         """Every section of the line by what the crews say they hold and stand in, then the whole picture (手動入力)."""
@@ -237,17 +274,21 @@ class Injector:
         }
         holder |= {s: stock_id for stock_id, under in self._trains.sections_under().items() for s in under}
         entries = [EnterSection(s, holder.get(s), act.person) for s in self._wayside.section_ids]
-        self._enter([*entries, AcceptPicture(act.person)], act.pace_s)
+        self._enter(act, [*entries, AcceptPicture(act.person)])
 
-    def _enter(self, words: Sequence[Input], pace_s: float) -> None:
-        """A person enters words one after the other, `pace_s` for each."""
-        for count, word in enumerate(words, 1):
-            step = self._world.step + round(count * pace_s * STEPS_PER_S)
+    def _enter(self, act: Act, words: Sequence[Input]) -> None:
+        """A person enters words one after the other, each after the pace of the act, or a time of their own."""
+        step = self._world.step
+        for word in words:
+            pace_s = act.pace_s
+            step += (
+                self._pauses.steps(Pause.WORD, act.person) if pace_s is None else round(pace_s * STEPS_PER_S)
+            )
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
 
 
-def _triggers_of(script: Script) -> dict[int, Trigger]:
-    """By number: the faults, then the acts."""
-    items: tuple[Failure | Act, ...] = (*script.faults, *script.acts)
-    return {i: item.trigger for i, item in enumerate(items)}
+def _triggers_of(script: Script, faults: int = 0, acts: int = 0) -> dict[int, Trigger]:
+    """By number, behind so many faults and acts."""
+    of_faults = {i: failure.trigger for i, failure in enumerate(script.faults, faults)}
+    return of_faults | {i: act.trigger for i, act in enumerate(script.acts, ACTS + acts)}

@@ -21,6 +21,7 @@ from simulation.events import (
     PointsLocked,
     PointsMoving,
     TagPassed,
+    Uncommissioned,
     unit_of,
     word_of,
 )
@@ -36,6 +37,7 @@ class ActKind(Enum):
     CONFIRM_HOLDING = "confirm_holding"  # controller: enters what a silent unit holds
     ACCEPT_PICTURE = "accept_picture"  # controller: the restored picture is complete and right
     POWER_ON = "power_on"  # crew or staff: switch a device on again
+    COMMISSION = "commission"  # staff: put a party into service again whose durable state is lost
     REPAIR_POINTS = "repair_points"  # staff: set by hand into a position, lock, remove faults
     ENTER_SECTION = (
         "enter_section"  # controller, after a restart: these sections are this unit's; no unit: free
@@ -117,7 +119,7 @@ class Act:
     position: str = ""
     hold_s: float = 300.0
     place: str = ""
-    pace_s: float = 0.0  # time for each input of a re-entry
+    pace_s: float | None = None  # time for each word of a re-entry; None: drawn from `[people]`
 
 
 class Property(Enum):
@@ -182,11 +184,16 @@ _WORDS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], dict[str, A
     ),
     (re.compile(r"points (\S+) move"), lambda m: {"events": (PointsMoving,), "data": {"points_id": m[1]}}),
     (re.compile(r"points (\S+) lock"), lambda m: {"events": (PointsLocked,), "data": {"points_id": m[1]}}),
+    (
+        re.compile(r"(\S+) waits to be commissioned"),
+        lambda m: {"events": (Uncommissioned,), "data": {"device_id": m[1]}},
+    ),
     (re.compile(r"(\S+) restarts"), lambda m: {"events": (UnitRestarted, Started), "who": m[1]}),
 )
 WORDS_HELP: Final = (
     "a time (HH:MM:SS), or words such as 'train 323M passes tag 4', 'train 323M departs OGN', 'train 323M arrives"
-    " OGN', 'train 323M enters', 'train 323M holds OGN.1', 'points OGN.11 move', 'points OGN.11 lock', 'V1 restarts'"
+    " OGN', 'train 323M enters', 'train 323M holds OGN.1', 'points OGN.11 move', 'points OGN.11 lock', 'V1 restarts',"
+    " 'V1 waits to be commissioned'"
 )
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from simulation.faults.cable import CutCable
 from simulation.faults.chargers import ChargerDead
 from simulation.faults.clocks import WrongClock
-from simulation.faults.devices import Frozen, PowerOff, Restart
+from simulation.faults.devices import Frozen, LostStore, PowerOff, Restart
 from simulation.faults.fault import Fault
 from simulation.faults.links import Cut, DeadZone, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
@@ -23,6 +23,7 @@ from simulation.sensors.yaw_gyro import GyroBias, GyroDead, GyroNoise, GyroStuck
 
 KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     PowerOff,
+    LostStore,
     Restart,
     Frozen,
     WrongClock,

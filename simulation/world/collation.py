@@ -13,6 +13,7 @@ from network.path import Path
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
 from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
 from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, sections
+from onboard.unit_records import UnitParameters
 from simulation.sensor_settings import Curvature, Filter
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
 from simulation.setup import STEP_S, Setup
@@ -78,7 +79,7 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     ):
         setattr(own, name, getattr(given, name))
     own.mismatch_most_per_m = given.mismatch_per_m
-    _state_wheels(own, setup, stock_id)
+    _state_wheels(own, setup.unit)
     own.doubtful_share = setup.unit.wheel_error_share + 1e-9
     own.scale_low, own.scale_high = 1.0 - own.worn_share, 1.0 + own.worn_share
     own.gain_share = CUT_SIGMAS * given.gain_sigma
@@ -93,15 +94,13 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     _state_rails(own, given, mounting, measured=setup.curvature_map is not None)
 
 
-def _state_wheels(own: CurvatureRow, setup: Setup, stock_id: str) -> None:
-    """What wheels may be worn by, and what they vary by: as stated of the reader, and no less than [sensors] has it."""
-    unit = setup.unit
-    diameter_m = float(setup.trains[stock_id].row[0]["wheel_diameter_m"])
-    # of the way counted by worn wheels, which may be the larger ones
-    own.lasting_share = min(
-        setup.sensors.wheel_varies_share(diameter_m) * (1.0 + unit.wheel_error_share), unit.wheel_error_share
-    )
-    own.varies_share = max(min(setup.curvature.wheels_vary_share, unit.wheel_error_share), own.lasting_share)
+def _state_wheels(own: CurvatureRow, unit: UnitParameters) -> None:
+    """What wheels may be worn by, and what they vary by on the way: as stated of units, whatever the world has drawn.
+
+    The latter is of the way counted by worn wheels, which may be the larger ones.
+    """
+    varies = unit.wheel_varies_share * (1.0 + unit.wheel_error_share)
+    own.varies_share = min(varies, unit.wheel_error_share)
     own.worn_share = unit.wheel_error_share - own.varies_share
 
 

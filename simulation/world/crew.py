@@ -118,19 +118,27 @@ class Crew:
         front_m = float(self._trains.truths[slot].position_m)
         return self._trains.train_ahead_m(slot) - front_m < WATCHES_M
 
+    def has_to_look(self, slot: int) -> bool:
+        """Whether a train stands, and its crew has to look where or before what."""
+        shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
+        stands = self._trains.plants[slot].speed_mps == 0.0
+        return stands and (on_sight or shown.confirm or self._at_end(slot))
+
+    def _at_end(self, slot: int) -> bool:
+        """Whether the track ends before a train that has a stop to run to."""
+        truth = self._trains.truths[slot]
+        ends = bool(truth.track_end_m - truth.position_m < STOPS_SHORT_M)
+        return self._on_board.shown(slot).target is not None and ends
+
     def stand(self, slot: int, now_s: float) -> list[Person]:
         """A train on sight stands: what the crew finds, and enters. It looks again every `LOOKS_AGAIN_S`."""
         plan, duty = self._on_board.plan(slot), self._trains.duties[slot]
         shown, on_sight = self._on_board.shown(slot), self._on_board.drives_on_sight(slot)
-        truth = self._trains.truths[slot]
-        front_m = float(truth.position_m)
-        at_end = shown.target is not None and truth.track_end_m - front_m < STOPS_SHORT_M
-        stands = self._trains.plants[slot].speed_mps == 0.0 and (on_sight or shown.confirm or at_end)
-        if not stands or plan is None or duty is None:
+        front_m = float(self._trains.truths[slot].position_m)
+        if not self.has_to_look(slot) or plan is None or duty is None:
             return []
-        if (
-            at_end and not on_sight and shown.target is not None
-        ):  # the unit would go on to a mark that it has passed
+        if self._at_end(slot) and not on_sight and shown.target is not None:
+            # the unit would go on to a mark that it has passed
             return [self._at_mark(slot, shown.target)]
         if not on_sight:
             there = front_m >= duty.mission.targets[shown.at].mark_m - ARRIVED_ON_SIGHT_WITHIN_M
@@ -211,10 +219,13 @@ class Crew:
         near = start_m - float(self._trains.truths[slot].position_m) <= SEES_M
         return (start_m, needed) if near and needed.section_id in shown.held else None
 
+    def keys_over(self, slot: int) -> list[str]:
+        """Points of which the crew has the key, and that the train has wholly passed, or will not pass any more."""
+        return [p for p, passage in self._passages.items() if passage.slot == slot and self._over(passage)]
+
     def give_keys_back(self, slot: int, now_s: float) -> None:
-        """Points that the train has wholly passed, or will not pass any more, are free again."""
-        over = [p for p, passage in self._passages.items() if passage.slot == slot and self._over(passage)]
-        for points_id in over:
+        """Points of which the crew has no more use for the key are free again."""
+        for points_id in self.keys_over(slot):
             del self._passages[points_id]
             step = round(now_s * STEPS_PER_S)
             self._hand_locks.give_key_back(step, points_id, self._trains.stock_ids[slot])

@@ -11,6 +11,7 @@ from typing import Final
 
 import msgspec
 
+from host.store import NotCommissioned
 from host.units import Units
 from network.path import Path
 from onboard.driving.stop_keeper import StopKeeper, believed_dead_time_s, fill_design
@@ -67,6 +68,8 @@ class OnBoard:
 
     def __init__(self, setup: Setup, trains: Trains, units: Units) -> None:
         self.unpowered: Final[set[int]] = set()
+        self.uncommissioned: Final[set[int]] = set()  # of these, those that have power and lost their state
+        self.numberless: Final[set[int]] = set()  # slots whose unit has power, and no train number yet
         self.charging: Charging | None = None
         self.clocks: Final = [Clock()] * len(trains.stock_ids)
         self._setup: Final = setup
@@ -115,9 +118,19 @@ class OnBoard:
             answer = msgspec.structs.replace(answer, wake_at_s=clock.true_s(answer.wake_at_s))
         return answer, [*motion.taken_notes(), *answer.notes]
 
+    def await_number(self, slot: int) -> None:
+        """Until its crew has entered a train number the outputs of a unit stay on the safe side."""
+        self.numberless.add(slot)
+        self._trains.truths[slot].powered = 0
+
+    def _has_number(self, slot: int) -> None:
+        self.numberless.discard(slot)
+        self._trains.truths[slot].powered = 1
+
     def enter_number(self, slot: int, duty: Duty, *, comes_on_line: bool, turned: bool) -> list[Person]:
         """The crew enters a train number, after changing ends if it `turned`; what the unit is told of it."""
         motion, mission = self._motions[slot], duty.mission
+        self._has_number(slot)
         path = self._path(slot, mission)
         begin = Begin(self._plan(slot, mission), comes_on_line)
         if comes_on_line:
@@ -131,11 +144,15 @@ class OnBoard:
 
     def tag_read(self, slot: int, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag."""
-        return [] if slot in self.unpowered else self._motions[slot].tag_read(tag_id, odometer_m)
+        return [] if self._deaf(slot) else self._motions[slot].tag_read(tag_id, odometer_m)
 
     def ticked(self, slot: int, bits: int) -> list[Sensed]:
         """The compiled tick reported."""
-        return [] if slot in self.unpowered else self._motions[slot].events(bits)
+        return [] if self._deaf(slot) else self._motions[slot].events(bits)
+
+    def _deaf(self, slot: int) -> bool:
+        """Whether sensors tell the unit nothing: it is off, or knows of no path on which to look for anything."""
+        return slot in self.unpowered or slot in self.numberless
 
     def ails(self, slot: int) -> bool:
         """Whether something of the vehicle is not in order, as its inputs show it."""
@@ -156,18 +173,36 @@ class OnBoard:
     def power_off(self, slot: int) -> None:
         """The unit dies: its outputs fall to the safe side, so the emergency brake applies itself."""
         self.unpowered.add(slot)
+        self.numberless.discard(slot)
+        self.uncommissioned.discard(slot)
         self._units.kill(self._trains.stock_ids[slot])
         self._trains.truths[slot].powered = 0
 
-    def power_on(self, slot: int) -> None:
-        """The unit boots."""
+    def lose_store(self, slot: int) -> None:
+        """The durable state of a unit that is off is gone."""
+        self._units.lose(self._trains.stock_ids[slot])
+
+    def commission(self, slot: int, number: int) -> None:
+        """People put a unit into service again that waits for it; it has yet to boot."""
+        self.uncommissioned.discard(slot)
+        self._units.commission(self._trains.stock_ids[slot], number)
+
+    def power_on(self, slot: int) -> bool:
+        """The unit boots, and knows nothing before its crew enters a train number; False: it has lost its durable
+        state, and stays off.
+        """
+        try:
+            self._units.restart(self._trains.stock_ids[slot])
+        except NotCommissioned:
+            self.uncommissioned.add(slot)
+            return False
         self.unpowered.discard(slot)
-        self._units.restart(self._trains.stock_ids[slot])
-        self._trains.truths[slot].powered = 1
+        self.await_number(slot)
         before = self._motions[slot]
         self._motions[slot] = new_motion(self._trains, slot, self._keepers[slot])
         self._motions[slot].load_share = before.load_share
         self._motions[slot].vehicle = before.vehicle
+        return True
 
     def switch_on(
         self, slot: int, duty: Duty, stands_at: int | None, beyond_m: float = 0.0
@@ -176,6 +211,7 @@ class OnBoard:
 
         It says how far beyond the mark by its eye, which a unit without a reader of tags takes for a fix.
         """
+        self._has_number(slot)
         sensed = self._trains.stock["sensed"][slot]
         self._motions[slot].switch_on(
             duty.mission,

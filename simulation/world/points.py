@@ -8,6 +8,7 @@ from typing import Final
 
 from host.devices import DeviceAdvance, Devices
 from host.parties import Parties
+from host.store import NotCommissioned
 from network.model import Line, Position
 from radio.air import Air, Delivery
 from radio.envelope import header_of, kind_of
@@ -15,6 +16,7 @@ from radio.noted import Lost, LostWhere, Sent
 from simulation.agenda import Agenda, Due
 from simulation.events import (
     WORLD,
+    Commissioned,
     PointsForced,
     PointsKeyBack,
     PointsLocked,
@@ -24,6 +26,7 @@ from simulation.events import (
     PointsUnlocked,
     PowerOff,
     PowerOn,
+    Uncommissioned,
 )
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
@@ -56,6 +59,7 @@ class WaysideWorld:
         }
         self.telegrams: dict[tuple[str, str, str], Counter[str]] = defaultdict(Counter)
         self.section_ids: Final = tuple(line.sections)
+        self.sections_of: Final = _sections_with_points(line)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self._device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
         self._parties = parties
@@ -69,6 +73,9 @@ class WaysideWorld:
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
         self._down: set[str] = set()
+        self.uncommissioned: Final[set[str]] = (
+            set()
+        )  # of these, those that have power and lost their durable state
         self._frozen: dict[str, list[bytes]] = {}
         self._clocks: dict[str, Clock] = {}
         self.disturb: Disturb = lambda _step, _source, _destination, deliveries: deliveries
@@ -236,6 +243,7 @@ class WaysideWorld:
     def power_off(self, step: int, device_id: str) -> None:
         """A device loses its power; with Zenoh its process is killed."""
         if device_id in self._down:
+            self.uncommissioned.discard(device_id)
             return
         self._parties.kill(device_id)
         self._down.add(device_id)
@@ -245,16 +253,33 @@ class WaysideWorld:
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
 
     def power_on(self, step: int, device_id: str) -> None:
-        """A device boots: a new epoch; terminals are shown their points."""
+        """A device boots: a new epoch; terminals are shown their points. It stays down if it lost its durable state."""
         if device_id not in self._down:
             return
-        self._parties.restart(device_id)
+        try:
+            self._parties.restart(device_id)
+        except NotCommissioned:
+            self.uncommissioned.add(device_id)
+            self._journal.write(step / STEPS_PER_S, WORLD, Uncommissioned(device_id=device_id))
+            return
         self._down.discard(device_id)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=device_id))
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))
         self._agenda.put(step, Due.TO_DEVICE, device_id)
+
+    def lose_store(self, device_id: str) -> None:
+        """The durable state of a device that is down is gone."""
+        self._parties.lose(device_id)
+
+    def commission(self, step: int, device_id: str, number: int, vital: bytes) -> None:
+        """People put a device into service again that waits for it: it boots."""
+        self.uncommissioned.discard(device_id)
+        self._parties.commission(device_id, number, vital)
+        commissioned = Commissioned(device_id=device_id, number=number)
+        self._journal.write(step / STEPS_PER_S, WORLD, commissioned)
+        self.power_on(step, device_id)
 
     def set_clock(self, step: int, device_id: str, clock: Clock) -> None:
         """The clock of a device shows another time from now on; its timers may have run out by it."""
@@ -269,3 +294,11 @@ class WaysideWorld:
         for data in self._frozen.pop(device_id, []):
             self._agenda.put(step, Due.TO_DEVICE, device_id, data)
         self._agenda.put(step, Due.TO_DEVICE, device_id)
+
+
+def _sections_with_points(line: Line) -> dict[str, tuple[str, ...]]:
+    """By terminal."""
+    sections: dict[str, dict[str, None]] = defaultdict(dict)
+    for points in line.points.values():
+        sections[points.terminal_id][points.section_id] = None
+    return {terminal_id: tuple(mine) for terminal_id, mine in sections.items()}

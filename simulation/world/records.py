@@ -28,7 +28,7 @@ class TruthRow(Protocol):
     """Where a train really is."""
 
     active: int
-    powered: Annotated[int, "0: its unit is dead, and the emergency brake applied"]
+    powered: Annotated[int, "0: its unit is dead, or has no train number yet; the emergency brake is applied"]
     position_m: Annotated[float, "path coordinate of the front, from the carrier"]
     offset_m: Annotated[float, "position_m - plant.travelled_m"]
     profile_offset: int

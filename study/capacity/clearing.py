@@ -40,8 +40,7 @@ class Clearing:
     @property
     def growth(self) -> float:
         """By how much bounds grow, m a metre."""
-        changes = max(self.unit.wheel_error_share - self.unit.wheel_scale_limit, 0.0)
-        return min(2.0 * changes, self.unit.wheel_error_share)
+        return min(2.0 * self.unit.wheel_varies_share, self.unit.wheel_error_share)
 
     def bound_m(self, journey: Journey, front_m: float) -> float:
         """By how much the front may be off at a path coordinate, m either way."""

@@ -136,7 +136,15 @@ def _key(one: Occupation) -> tuple[str, str, str]:
 
 
 _TELEGRAMS: Final = (Part.REQUEST, Part.AIR, Part.GRANT, Part.PROOF, Part.RELEASE)
-_STANDS: Final = (Part.READY, Part.DWELL, Part.HELD, Part.LAYOVER, Part.CHANGE_ENDS, Part.CHARGING)
+_STANDS: Final = (
+    Part.READY,
+    Part.DWELL,
+    Part.HELD,
+    Part.LAYOVER,
+    Part.CHANGE_ENDS,
+    Part.CHARGING,
+    Part.START,
+)
 
 
 def _why(pair: Pair, part: Part, waited_s: float) -> str:

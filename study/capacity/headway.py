@@ -1,7 +1,9 @@
 """Headway (運転時隔): how soon a train can come behind another one, from occupations moved against each other.
 
 Two trains, an event of each at one station: the second's event can be no sooner after the first's than that every
-section which both need is free again. The kinds have the names that Japanese timetables use (docs/capacity.md):
+section which both need is free again. Where the second starts from a place that the first has held, it has yet to come
+there: its way in counts too, with the shortest stand. The kinds have the names that Japanese timetables use
+(docs/capacity.md):
 
 - following (続行): same direction from the same track, departure to departure;
 - the way open (開通): same direction from another track, departure (or passing) to departure;
@@ -19,8 +21,17 @@ from enum import StrEnum
 from typing import Any, Final
 
 from network.model import Direction, Line
-from study.capacity.legs import Leg, costs_between, legs_of, places_of, slack_of, stand_of
-from study.capacity.occupation import TOUCH_S, Cost, Occupation
+from study.capacity.legs import (
+    Leg,
+    costs_between,
+    joined_legs,
+    legs_of,
+    places_of,
+    slack_of,
+    stand_of,
+    stands_in,
+)
+from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation
 
 
 class HeadwayKind(StrEnum):
@@ -51,6 +62,7 @@ _ENGLISH: Final[Mapping[HeadwayKind, str]] = {
     HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
 }
 NEAR: Final = 8  # trains: who is further from another is not held up by it
+WAY_IN_COUNTS = True  # off: a train that starts from where another one was may have been there all the time
 _BETWEEN: Mapping[HeadwayKind, str] = {
     HeadwayKind.FOLLOWING: "departure to departure",
     HeadwayKind.OPEN: "departure to departure",
@@ -62,10 +74,15 @@ _BETWEEN: Mapping[HeadwayKind, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A train arrives at a place, or departs from it: the leg into it, or out of it."""
+    """A train arrives at a place, or departs from it: the leg into it, or out of it.
+
+    `before`: by which legs its set came to where that leg starts, the last one first; `after`: by which it goes on.
+    """
 
     leg: Leg
     arrival: bool
+    before: tuple[Leg, ...] = ()
+    after: tuple[Leg, ...] = ()
 
     @property
     def time_s(self) -> float:
@@ -108,12 +125,18 @@ class Headway:
 
 
 @dataclass(frozen=True, slots=True)
-class _Hold:
-    """What the first train holds of a section after its event, s, and the slack that it would not need there."""
+class _Claim:
+    """A section of one of the two trains, and what the time between its event and the section's end, or begin, goes
+    into: for the first from the event until the section is free, for the second from its need of it to the event.
+    """
 
     occupation: Occupation
-    after_s: float
-    slack_s: Mapping[Cost, float]
+    costs_s: Mapping[Cost, float]
+
+    @property
+    def time_s(self) -> float:
+        """The whole of that time, s."""
+        return math.fsum(self.costs_s.values())
 
 
 def least_between(
@@ -122,64 +145,139 @@ def least_between(
     """The headway of two events; None where the two share nothing.
 
     `held` is all that the first train holds around its event, without what it stands there beyond the least; the
-    second's leg says what that one needs. Of sections that free at once the first on the second's way counts.
+    second's leg says what that one needs, and so does the one before where it comes after the first. Of
+    sections that free at once the first on the second's way counts.
     """
-    holds = {one.section_id: _hold(one, first, dwell_min_s) for one in held}
-    critical: tuple[float, _Hold, Occupation] | None = None
-    for other in second.leg.occupations:
-        hold = holds.get(other.section_id)
-        if hold is None or not (math.isfinite(hold.after_s) and math.isfinite(other.begin_s)):
-            continue
-        least_s = hold.after_s + (second.time_s - other.begin_s)
+    holds = {o.section_id: _hold(o, first, dwell_min_s) for o in held if math.isfinite(o.end_s)}
+    critical: tuple[float, _Claim, _Claim] | None = None
+    for hold, need in _needs(first, second, holds, dwell_min_s):
+        least_s = hold.time_s + need.time_s
         if critical is None or least_s > critical[0] + TOUCH_S:
-            critical = (least_s, hold, other)
+            critical = (least_s, hold, need)
     if critical is None:
         return None
-    least_s, hold, other = critical
-    before = costs_between(hold.occupation, first.time_s, hold.occupation.end_s)
-    after = _needed(other, second)
-    costs_s = {cost: before[cost] - hold.slack_s[cost] + after[cost] for cost in Cost}
+    least_s, hold, need = critical
+    costs_s = _sum(hold.costs_s, need.costs_s)
     return Headway(
-        kind, first, second, other.section_id, least_s, hold.after_s, least_s - hold.after_s, costs_s
+        kind, first, second, need.occupation.section_id, least_s, hold.time_s, need.time_s, costs_s
     )
 
 
-def _needed(one: Occupation, second: Event) -> dict[Cost, float]:
-    """What the second train's time from its need of a section to its event goes into, s.
+def _hold(one: Occupation, first: Event, dwell_min_s: float) -> _Claim:
+    """What the first train holds; a stand that comes after the event is as short as it can be."""
+    spent_s = costs_between(one, first.time_s, one.end_s)
+    if stand_of(one).arrives_s >= first.time_s - TOUCH_S:
+        slack_s = slack_of(one, dwell_min_s)
+        spent_s = {cost: spent_s[cost] - slack_s[cost] for cost in Cost}
+    return _Claim(one, spent_s)
 
-    Once its front is out of the section it drives on to its event, however long its rear holds the section.
+
+def _onward(first: Event, dwell_min_s: float) -> tuple[str, list[_Claim]]:
+    """To which place the first train departs, and what it holds as it goes on from there after the shortest stand."""
+    place, onward = first.leg.end, next(iter(first.after), None)
+    if first.arrival or place is None or onward is None:
+        return "", []
+    sooner_s = _sum(_run_s(Event(first.leg, arrival=True)), _stood_s(place, dwell_min_s))
+    departs = Event(onward, arrival=False)
+    holds = [_hold(one, departs, dwell_min_s) for one in onward.occupations if math.isfinite(one.end_s)]
+    return place.section_id, [_Claim(hold.occupation, _sum(sooner_s, hold.costs_s)) for hold in holds]
+
+
+def _needs(
+    first: Event, second: Event, holds: dict[str, _Claim], dwell_min_s: float
+) -> Iterator[tuple[_Claim, _Claim]]:
+    """Each section that the second train needs and the first one holds: the one's claim and the other's.
+
+    Who leaves a place that the first train held came there after it: by the leg before, or it signed on there. It came
+    also after what the first holds as it goes on, if that is the place to which the first departs.
     """
-    until_s = min(second.time_s, max(one.leaves_s, one.begin_s))
-    found = costs_between(one, one.begin_s, until_s, second.leg.occupations)
-    found[Cost.DRIVING] += second.time_s - until_s
+    needs = [_need(one, second, {}) for one in second.leg.occupations if math.isfinite(one.begin_s)]
+    start = second.leg.start
+    if WAY_IN_COUNTS and start is not None and start.section_id in holds:
+        place_id, onward = _onward(first, dwell_min_s)
+        if place_id == start.section_id:
+            holds = {hold.occupation.section_id: hold for hold in onward} | holds
+        later_s = _sum(_run_s(second), _stood_s(start, dwell_min_s))
+        if second.before:
+            came = Event(second.before[0], arrival=True)
+            own = (one for one in came.leg.occupations if math.isfinite(one.begin_s))
+            needs[:0] = [_need(one, came, later_s) for one in own]
+        elif math.isfinite(start.enters_s):
+            signs_on_s = costs_between(start, start.begin_s, stand_of(start).arrives_s)
+            needs.insert(0, _Claim(start, _sum(later_s, signs_on_s)))
+    for need in needs:
+        hold = holds.get(need.occupation.section_id)
+        if hold is not None:
+            yield hold, need
+
+
+def _need(one: Occupation, event: Event, later_s: Mapping[Cost, float]) -> _Claim:
+    """A section of the leg of an event, and what comes after that.
+
+    Once its front is out of the section the train drives on to its event, however long its rear holds the section.
+    """
+    until_s = min(event.time_s, max(one.leaves_s, one.begin_s))
+    found = costs_between(one, one.begin_s, until_s, event.leg.occupations)
+    found[Cost.DRIVING] += event.time_s - until_s
+    return _Claim(one, _sum(found, later_s))
+
+
+def _run_s(event: Event) -> dict[Cost, float]:
+    """What the time from a leg's departure to its event goes into, s."""
+    found = dict.fromkeys(Cost, 0.0)
+    if event.arrival:
+        leg = event.leg
+        for stand in (s for one in leg.occupations[:-1] for s in stands_in(one)):
+            found[COST_OF[stand.part]] += stand.length_s
+        found[Cost.DRIVING] += leg.arrives_s - leg.departs_s - math.fsum(found.values())
     return found
 
 
-def _hold(one: Occupation, first: Event, dwell_min_s: float) -> _Hold:
-    """A stand that comes after the event is as short as it can be."""
-    comes = stand_of(one).arrives_s >= first.time_s - TOUCH_S
-    slack_s = slack_of(one, dwell_min_s) if comes else dict.fromkeys(Cost, 0.0)
-    return _Hold(one, one.end_s - first.time_s - math.fsum(slack_s.values()), slack_s)
+def _stood_s(place: Occupation, dwell_min_s: float) -> dict[Cost, float]:
+    """What the shortest stand in a place goes into, s; infinite parts of one that has no end are left out."""
+    stand = stand_of(place)
+    if not (math.isfinite(stand.arrives_s) and math.isfinite(stand.departs_s)):
+        return dict.fromkeys(Cost, 0.0)
+    stood_s, slack_s = (
+        costs_between(place, stand.arrives_s, stand.departs_s),
+        slack_of(place, dwell_min_s),
+    )
+    return {cost: stood_s[cost] - slack_s[cost] for cost in Cost}
+
+
+def _sum(*costs_s: Mapping[Cost, float]) -> dict[Cost, float]:
+    return {cost: math.fsum(one.get(cost, 0.0) for one in costs_s) for cost in Cost}
 
 
 @dataclass(frozen=True, slots=True)
 class Visit:
-    """A train at one station: how it comes, if it does, and how it leaves."""
+    """A train at one station: how it comes, if it does, and how it leaves.
+
+    `before` and `after` are the legs of its set before and after these, the nearest first.
+    """
 
     number: str
     stock_id: str
     comes: Leg | None
     leaves: Leg | None
+    before: tuple[Leg, ...] = ()
+    after: tuple[Leg, ...] = ()
 
     @property
     def arrival(self) -> Event | None:
         """Its arrival."""
-        return None if self.comes is None else Event(self.comes, arrival=True)
+        if self.comes is None:
+            return None
+        after = self.after if self.leaves is None else (self.leaves, *self.after)
+        return Event(self.comes, arrival=True, before=self.before, after=after)
 
     @property
     def departure(self) -> Event | None:
         """Its departure."""
-        return None if self.leaves is None else Event(self.leaves, arrival=False)
+        if self.leaves is None:
+            return None
+        before = self.before if self.comes is None else (self.comes, *self.before)
+        return Event(self.leaves, arrival=False, before=before, after=self.after)
 
     @property
     def direction(self) -> Direction:
@@ -201,20 +299,23 @@ class Visit:
         place = self.comes.end if self.comes is not None else None
         return place is not None and self.leaves is not None and stand_of(place).passes
 
-    def held(self) -> Iterator[Occupation]:
-        """All that it holds on its way in and out."""
-        for leg in (self.comes, self.leaves):
-            if leg is not None:
-                yield from leg.held
+    def held(self, event: Event) -> Iterator[Occupation]:
+        """All that it holds around an event: before it departs from a stand, no more of its way in than the track.
+
+        How long it stood before it departs is its own affair: of what it freed on its way in it frees none later.
+        """
+        if self.comes is not None and (event.arrival or self.passes):
+            yield from self.comes.held
+        if self.leaves is not None:
+            yield from self.leaves.held
 
 
 def headways_of(first: Visit, second: Visit, dwell_min_s: float = math.inf) -> Iterator[Headway]:
     """Every headway between two trains at a station, the first before the second; none between trains of one set."""
     if first.stock_id == second.stock_id:
         return
-    held = tuple({id(one): one for one in first.held()}.values())
     for kind, one, other in _events(first, second):
-        found = least_between(kind, one, other, held, dwell_min_s)
+        found = least_between(kind, one, other, first.held(one), dwell_min_s)
         if found is not None:
             yield found
 
@@ -239,14 +340,22 @@ def visits_at(legs: Sequence[Leg], track_ids: frozenset[str]) -> tuple[Visit, ..
     """Every train at a station of these tracks, in order of time; a set that turns back is two trains."""
     comes = {leg.number: leg for leg in legs if leg.end is not None and leg.end.section_id in track_ids}
     leaves = {leg.number: leg for leg in legs if leg.start is not None and leg.start.section_id in track_ids}
-    numbers = dict.fromkeys((*comes, *leaves))
-    visits = [_visit(number, comes.get(number), leaves.get(number)) for number in numbers]
-    return tuple(sorted(visits, key=lambda visit: (visit.time_s, visit.number)))
+    joined = joined_legs(legs)
+    before = {id(later): leg for leg, later in joined}
+    after = {id(leg): later for leg, later in joined}
+    found: list[Visit] = []
+    for number in dict.fromkeys((*comes, *leaves)):
+        first, last = comes.get(number) or leaves[number], leaves.get(number) or comes[number]
+        ways = tuple(_chain(first, before)), tuple(_chain(last, after))
+        found.append(Visit(number, first.stock_id, comes.get(number), leaves.get(number), *ways))
+    return tuple(sorted(found, key=lambda visit: (visit.time_s, visit.number)))
 
 
-def _visit(number: str, comes: Leg | None, leaves: Leg | None) -> Visit:
-    leg = comes or leaves
-    return Visit(number, "" if leg is None else leg.stock_id, comes, leaves)
+def _chain(leg: Leg, following: Mapping[int, Leg]) -> Iterator[Leg]:
+    """The legs that follow one, each as long as there is another."""
+    while (found := following.get(id(leg))) is not None:
+        yield found
+        leg = found
 
 
 @dataclass(frozen=True, slots=True)

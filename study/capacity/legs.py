@@ -17,9 +17,6 @@ from typing import Final
 from network.model import Direction, Line, SectionKind
 from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation, Part, Slice
 
-STANDS: Final = frozenset(
-    {Part.READY, Part.DWELL, Part.HELD, Part.CHANGE_ENDS, Part.LAYOVER, Part.CHARGING}
-)  # what a train does on a track while it stands there
 SLACK: Final = frozenset(
     {Part.READY, Part.HELD, Part.LAYOVER}
 )  # a stand is no longer than needed without these
@@ -90,9 +87,15 @@ class Leg:
         return self.occupations if self.start is None else (self.start, *self.occupations)
 
 
+def stands_in(occupation: Occupation) -> tuple[Slice, ...]:
+    """What a train does in a section while its front is in it and does not move."""
+    enters_s, leaves_s = occupation.enters_s - TOUCH_S, occupation.leaves_s - TOUCH_S
+    return tuple(s for s in occupation.slices if enters_s <= s.begin_s < leaves_s and s.part is not Part.RUN)
+
+
 def stand_of(occupation: Occupation, dwell_min_s: float = math.inf) -> Stand:
     """How a train stands in a section; as if it passed where it does not. A dwell longer than the least is slack."""
-    stands = [s for s in occupation.slices if s.part in STANDS and s.begin_s >= occupation.enters_s - TOUCH_S]
+    stands = stands_in(occupation)
     if not stands:
         at_s = occupation.enters_s if math.isfinite(occupation.enters_s) else occupation.begin_s
         return Stand(occupation.section_id, at_s, at_s, passes=True, least_s=0.0)
@@ -107,9 +110,7 @@ def slack_of(occupation: Occupation, dwell_min_s: float = math.inf) -> dict[Cost
     """What of a stand need not be, by cost, s: waiting for its time or its way, a dwell over the least."""
     found = dict.fromkeys(Cost, 0.0)
     dwells_s = 0.0
-    for one in occupation.slices:
-        if one.begin_s < occupation.enters_s - TOUCH_S or one.part not in STANDS:
-            continue
+    for one in stands_in(occupation):
         if one.part is Part.DWELL:
             dwells_s += one.length_s
         elif one.part in SLACK:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -21,7 +21,7 @@ from simulation.events import MANAGER, Entry, Left
 from simulation.result import BatteryEvent, Phase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from study.capacity.occupation import Occupation, Part
-from study.capacity.passage import Passage, Standing, Throwing, occupation_of
+from study.capacity.passage import Passage, Standing, Throwing, occupation_of, setting_out
 from study.capacity.visits import Visit, visits_of
 from wayside import said
 
@@ -44,7 +44,7 @@ def observed(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
         register.take(entry)
     lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
     visits = visits_of(result, setup.line, lengths_m)
-    standing = _standing(result, setup)
+    standing = _standing(result, setup, register.holds)
     ends_s = result.end_step / STEPS_PER_S
     portals = {section.id for section in setup.line.sections.values() if section.kind is SectionKind.PORTAL}
     found: list[Occupation] = []
@@ -81,6 +81,11 @@ class _Hold:
     arrived_s: float = math.inf  # stood in it at its last stop and then left the line
     freed_s: float = math.inf
     throwing: list[_Throw] = field(default_factory=list["_Throw"])
+
+    @property
+    def thrown(self) -> tuple[Throwing, ...]:
+        """Its points, as they were set."""
+        return tuple(Throwing(t.sent_s, t.taken_s, t.locked_s, t.proven_s) for t in self.throwing)
 
     def throw_of(self, points_id: str) -> _Throw | None:
         """The last time that points were set for it."""
@@ -289,13 +294,13 @@ def _passage(
         rear_s,
         reported_s,
         hold.freed_s,
-        tuple(Throwing(t.sent_s, t.taken_s, t.locked_s, t.proven_s) for t in hold.throwing),
+        hold.thrown,
         tuple(s for s in standing if s.end_s > wanted_s and s.begin_s < hold.freed_s),
         hold.waited_s,
     )
 
 
-def _standing(result: RunResult, setup: Setup) -> dict[str, tuple[Standing, ...]]:
+def _standing(result: RunResult, setup: Setup, holds: Sequence[_Hold]) -> dict[str, tuple[Standing, ...]]:
     """What each stock stood for, by the truth; of what went on at once the last one told counts."""
     found: dict[str, list[Standing]] = defaultdict(list)
     for record in result.energy:
@@ -304,6 +309,10 @@ def _standing(result: RunResult, setup: Setup) -> dict[str, tuple[Standing, ...]
     stood = {unit: tuple(own) for unit, own in found.items()}
     for unit, charged in _charging(result, setup):
         found[unit] += [both for both in (_both(charged, s) for s in stood.get(unit, ())) if both is not None]
+    for unit, start in _starts(result.journal.entries):
+        found[unit] += [both for both in (_both(start, s) for s in stood.get(unit, ())) if both is not None]
+    for unit, setting in _settings_out(result.journal.entries, holds):
+        found[unit].append(setting)
     for unit, change in _changes(result.journal.entries):
         found[unit].append(change)
     return {stock_id: tuple(found[stock_id]) for stock_id in result.stock_ids}
@@ -331,16 +340,53 @@ def _charging(result: RunResult, setup: Setup) -> Iterator[tuple[str, Standing]]
         yield unit, Standing(Part.CHARGING, from_s, result.end_step / STEPS_PER_S)
 
 
+def _starts(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
+    """From the word to leave until the train moves."""
+    told_s: dict[str, float] = {}
+    for entry in entries:
+        match entry.event:
+            case notes.Departs():
+                told_s[entry.who] = entry.t_s
+            case notes.Moving() if entry.who in told_s:
+                yield entry.who, Standing(Part.START, told_s.pop(entry.who), entry.t_s)
+            case _:
+                pass
+
+
+def _settings_out(entries: Iterable[Entry], holds: Sequence[_Hold]) -> Iterator[tuple[str, Standing]]:
+    """While the first way of a train is set, for which its unit could not ask before it took up its number."""
+    begun_s: dict[str, float] = {}
+    for entry in entries:
+        unit, until_s = entry.who, entry.t_s
+        match entry.event:
+            case notes.MissionBegun():
+                begun_s[unit] = until_s
+            case notes.Departs() if unit in begun_s:
+                from_s = begun_s.pop(unit)
+                for hold in holds:
+                    if hold.unit == unit and hold.route_id and from_s <= hold.sent_s <= until_s:
+                        held_s = hold.heard_s if hold.held_s is None else hold.held_s
+                        ways = hold.sent_s, hold.heard_s, held_s, hold.thrown
+                        yield from ((unit, one) for one in setting_out(*ways, until_s))
+            case _:
+                pass
+
+
 def _changes(entries: Iterable[Entry]) -> Iterator[tuple[str, Standing]]:
-    """From the end of a train until the unit takes up the next one where it stands."""
+    """From the end of a train until the unit takes up the next one where it stands, and what it gives back before."""
+    arrived_s: dict[str, float] = {}
     done_s: dict[str, float] = {}
     for entry in entries:
         match entry.event:
+            case notes.Arrived():
+                arrived_s[entry.who] = entry.t_s
             case notes.MissionDone():
                 done_s[entry.who] = entry.t_s
             case Left(unit_id=unit):
                 done_s.pop(unit, None)
             case notes.MissionBegun() if entry.who in done_s:
-                yield entry.who, Standing(Part.CHANGE_ENDS, done_s.pop(entry.who), entry.t_s)
+                ended_s = done_s.pop(entry.who)
+                yield entry.who, Standing(Part.RELEASE, arrived_s.get(entry.who, ended_s), ended_s)
+                yield entry.who, Standing(Part.CHANGE_ENDS, ended_s, entry.t_s)
             case _:
                 pass

@@ -47,6 +47,7 @@ class Part(StrEnum):
     CHANGE_ENDS = "change of ends"
     LAYOVER = "layover"  # it stands where one train ends and the next begins
     CHARGING = "charging"
+    START = "start"  # it may leave: until its brakes have let go and it moves
     LENGTH = "length"  # front out: until the true rear is out
     BOUND = "bound"  # until the safe rear is out, or the tag is read that proves it
     RELEASE = "release"  # until the register has freed it
@@ -67,6 +68,7 @@ COST_OF: Final[Mapping[Part, Cost]] = MappingProxyType(
         Part.CHANGE_ENDS: Cost.PEOPLE,
         Part.LAYOVER: Cost.PEOPLE,
         Part.CHARGING: Cost.CHARGING,
+        Part.START: Cost.DRIVING,
         Part.LENGTH: Cost.DRIVING,
         Part.BOUND: Cost.LOCALISATION,
         Part.RELEASE: Cost.RADIO,

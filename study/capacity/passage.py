@@ -36,6 +36,19 @@ class Standing:
     end_s: float
 
 
+def setting_out(
+    sent_s: float, heard_s: float, held_s: float, throwing: Iterable[Throwing], departs_s: float
+) -> Iterator[Standing]:
+    """What a train stands for while its first way is set: request, grant, and points that are proven as it departs."""
+    yield Standing(Part.AIR, sent_s, heard_s)
+    yield Standing(Part.GRANT, heard_s, held_s)
+    for each in throwing:
+        if each.proven_s <= departs_s + TOUCH_S:
+            yield Standing(Part.AIR, each.sent_s, each.taken_s)
+            yield Standing(Part.THROW, each.taken_s, each.locked_s)
+            yield Standing(Part.PROOF, each.locked_s, each.proven_s)
+
+
 @dataclass(frozen=True, slots=True)
 class Passage:
     """The moments of one section, s; infinite where one does not come, minus infinity where it lies before the day.
@@ -89,12 +102,15 @@ def occupation_of(passage: Passage, ends_s: float = math.inf) -> Occupation:
         times.append(min(max(moment_s, times[-1] if times else moment_s), end_s))
     stretches = [Slice(part, *ends) for part, ends in zip(_COMING, pairwise(times), strict=True)]
     slices = [piece for stretch in stretches for piece in _painted(stretch, passage)]
+    joined = list(_joined(slices)) or [Slice(Part.RUN, end_s, end_s)]
+    if passage.enters_s <= end_s < passage.leaves_s:  # who comes to a stand as the day ends does not pass
+        joined += [Slice(s.part, end_s, end_s) for s in passage.standing if abs(s.begin_s - end_s) <= TOUCH_S]
     return Occupation(
         passage.section_id,
         passage.stock_id,
         passage.number,
         passage.direction,
-        _joined(slices) or (Slice(Part.RUN, end_s, end_s),),
+        tuple(joined),
         passage.enters_s,
         passage.leaves_s if passage.leaves_s <= end_s else math.inf,
         passage.route_id,

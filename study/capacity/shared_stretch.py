@@ -16,7 +16,7 @@ import numpy as np
 
 from network.model import Direction
 from radio.chance import generator
-from study.capacity.headway import Headway, HeadwayKind, headways_of, least_between, visits_at
+from study.capacity.headway import HeadwayKind, least_between, visits_at
 from study.capacity.legs import Leg
 
 TRAINS: Final = 5_000
@@ -68,21 +68,18 @@ def _leg(legs: Sequence[Leg], start: frozenset[str], end: frozenset[str], direct
     raise ValueError(f"no train runs {direction.name.lower()} there")
 
 
-def _between(
-    legs: Sequence[Leg],
-    copies: Sequence[Leg],
-    tracks: frozenset[str],
-    directions: tuple[Direction, Direction],
-) -> list[Headway]:
-    first, second = directions
-    ahead = [v for v in visits_at(legs, tracks) if v.direction is first]
-    behind = [v for v in visits_at(copies, tracks) if v.direction is second]
-    return [one for a in ahead for b in behind for one in headways_of(a, b)]
-
-
 def _least(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], way: Direction) -> float:
-    kinds = {HeadwayKind.FOLLOWING, HeadwayKind.OPEN}
-    return max(one.least_s for one in _between(legs, copies, tracks, (way, way)) if one.kind in kinds)
+    """From departure to departure in a direction; the station has a track for whoever waits there."""
+    found: list[float] = []
+    for first in (v for v in visits_at(legs, tracks) if v.direction is way):
+        for second in (v for v in visits_at(copies, tracks) if v.direction is way):
+            one, other = first.departure, second.departure
+            if one is None or other is None:
+                continue
+            held = [hold for hold in first.held(one) if hold.section_id not in tracks]
+            least = least_between(HeadwayKind.FOLLOWING, one, other, held)
+            found += [] if least is None else [least.least_s]
+    return max(found)
 
 
 def _meets(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], way: Direction) -> float:

@@ -27,7 +27,7 @@ from study.capacity.driven import Driving, driving_of
 from study.capacity.journey import Journey
 from study.capacity.links import Links
 from study.capacity.occupation import Occupation, Part
-from study.capacity.passage import Passage, Standing, occupation_of
+from study.capacity.passage import Passage, Standing, occupation_of, setting_out
 from study.capacity.rules import AS_UNITS, Rules
 from study.capacity.setting import Setting, SetUp
 from study.feasibility.planned import PlannedDay, planned_day
@@ -93,11 +93,13 @@ class Theory:
     ) -> tuple[Passage, ...]:
         """The moments of every section that the journeys of one stock take, in order; see `of_journeys`."""
         setting = self.setting(stock_id, lie_right)
-        standing = tuple(self._standing(stock_id, journeys))
+        set_ups = [setting.set_ups(journey) for journey in journeys]
+        standing = tuple(self._standing(stock_id, journeys, set_ups))
         found: list[Passage] = []
-        for journey in journeys:
+        for journey, own in zip(journeys, set_ups, strict=True):
             goes_on = bool(found) and not journey.enters
-            made = list(self._moments(journey, setting, found.pop() if goes_on else None))
+            reported_s = setting.clearing.reported_s(journey)
+            made = list(self._moments(journey, own, reported_s, found.pop() if goes_on else None))
             found += [replace(p, standing=_within(standing, p)) for p in made]
         return tuple(found)
 
@@ -136,10 +138,14 @@ class Theory:
 
     # the moments of one journey ---------------------------------------------------------------------------------------
 
-    def _moments(self, journey: Journey, setting: Setting, before: Passage | None) -> Iterator[Passage]:
+    def _moments(
+        self,
+        journey: Journey,
+        set_ups: Mapping[int, SetUp],
+        reported_s: Sequence[float],
+        before: Passage | None,
+    ) -> Iterator[Passage]:
         """The sections of a journey; `before`: where it begins, as its stock has it since the train before."""
-        set_ups = setting.set_ups(journey)
-        reported_s = setting.clearing.reported_s(journey)
         spans = journey.mission.spans
         for index, span in enumerate(spans):
             passage = before if index == 0 else self._set(journey, index, set_ups[index])
@@ -203,7 +209,9 @@ class Theory:
 
     # what it stands for -----------------------------------------------------------------------------------------------
 
-    def _standing(self, stock_id: str, journeys: Sequence[Journey]) -> Iterator[Standing]:
+    def _standing(
+        self, stock_id: str, journeys: Sequence[Journey], set_ups: Sequence[Mapping[int, SetUp]]
+    ) -> Iterator[Standing]:
         """All stands of a stock, until it moves; of what goes on at once the last one told counts."""
         change_s, moves_s = self.setup.operation.change_ends_s, self._driving[stock_id].start.moves_s
         for at, journey in enumerate(journeys):
@@ -217,9 +225,14 @@ class Theory:
                 leaves_s = math.inf if follows is None else follows.stays[0].departs_s
                 stands.append((Part.LAYOVER, last.target, last.arrives_s, leaves_s))
             for part, target, from_s, to_s in stands:
-                yield Standing(part, from_s, to_s + moves_s)
+                yield Standing(part, from_s, to_s)
                 yield from self._charging(stock_id, journey, target, from_s, to_s)
+                yield Standing(Part.START, to_s, to_s + moves_s)
+            if journey.enters:
+                yield from _setting_out(set_ups[at], first.departs_s)
             if follows is not None:
+                yield from _setting_out(set_ups[at + 1], follows.stays[0].departs_s)
+                yield Standing(Part.RELEASE, last.arrives_s, journey.ends_s)
                 yield Standing(Part.CHANGE_ENDS, journey.ends_s, journey.ends_s + change_s)
 
     def _charging(
@@ -233,6 +246,15 @@ class Theory:
         down_s = to_s - READY_S
         if from_s + charger.connect_s + WORTH_S <= down_s - charger.disconnect_s:
             yield Standing(Part.CHARGING, from_s, down_s)
+
+
+def _setting_out(set_ups: Mapping[int, SetUp], departs_s: float) -> Iterator[Standing]:
+    """What a train that has just taken up its number stands for until its way is set: it could not ask sooner."""
+    first = set_ups.get(1)
+    if first is None:
+        return
+    throwing = [t for one in set_ups.values() if one.route_id == first.route_id for t in one.throwing]
+    yield from setting_out(first.sent_s, first.heard_s, first.held_s, throwing, departs_s)
 
 
 def _within(standing: Sequence[Standing], passage: Passage) -> tuple[Standing, ...]:

@@ -13,6 +13,7 @@ from study.compare.meets import meets_of
 from study.compare.side import Side
 from study.compare.times import What
 from study.measures.driving import driven
+from study.measures.missing import planned_times
 from study.report.data import place_name
 from study.run.driving import read_hops
 from study.run.summary import ENERGIES, TELEGRAM_COUNTS, arrived_trains, energy_summary
@@ -109,10 +110,13 @@ def figures_of(side: Side) -> Iterator[Figure]:
 
 
 def _punctuality(side: Side, what: What) -> Iterator[Figure]:
-    """What share of the planned was late by at most so much. What did not come was not; passings are departures."""
-    stops, late = side.run.tables.stops, pl.col(f"late_{what.value}_s")
-    planned = stops.filter(pl.col(f"planned_{what.value}_s").is_not_null())
-    came = planned.filter(late.is_not_null())
+    """What share of the planned was late by at most so much; passings are departures.
+
+    What never came was not on time, and is as late as `study.measures.missing` has it.
+    """
+    times = planned_times(side.run.tables.stops, side.run.timetable, side.summary.get("latest_end_s"))
+    planned = times.filter(pl.col("what") == what.value)
+    came, late = planned.filter("came"), pl.col("late_s")
     group = f"{what.value}s"
     yield Figure(group, "planned", "", 0, float(planned.height))
     for most_s in WITHIN_S:
@@ -120,10 +124,11 @@ def _punctuality(side: Side, what: What) -> Iterator[Figure]:
         most = f"{most_s} s" if most_s < 60 else f"{most_s // 60} min"
         name = f"at most {most} late" if most_s else "not late"
         yield Figure(group, name, "%", 1, 100.0 * kept / planned.height if planned.height else None)
-    yield Figure(group, "mean lateness", "s", 1, _number(came[f"late_{what.value}_s"].mean()))
-    worst = came.sort(late, descending=True, maintain_order=True).head(1)
+    yield Figure(group, "never came", "", 0, float(planned.height - came.height))
+    yield Figure(group, "mean lateness", "s", 1, _number(planned["late_s"].mean()))
+    worst = planned.sort(late, descending=True, maintain_order=True).head(1)
     where = _at_station(side, worst)
-    yield Figure(group, "worst lateness", "s", 1, _number(came[f"late_{what.value}_s"].max()), where)
+    yield Figure(group, "worst lateness", "s", 1, _number(planned["late_s"].max()), where)
 
 
 def _margins(side: Side) -> Iterator[Figure]:

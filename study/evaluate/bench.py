@@ -271,6 +271,14 @@ class Metered:
         """Pass on."""
         self.inner.restart(party_id)
 
+    def lose(self, party_id: str) -> None:
+        """Pass on."""
+        self.inner.lose(party_id)
+
+    def commission(self, party_id: str, number: int, vital: bytes) -> None:
+        """Pass on."""
+        self.inner.commission(party_id, number, vital)
+
 
 class Memory:
     """Resident memory of this process and its children, sampled; the recording is read before it counts."""

@@ -56,7 +56,7 @@ def fixes_on(setup: Setup, stock_id: str, mission: Mission) -> tuple[Fixed, ...]
 
 def measured_growth(unit: UnitParameters) -> float:
     """Growth of the bounds once tags have measured the wheels: what varies on the way, there and where they did."""
-    return min(2.0 * (unit.wheel_error_share - unit.wheel_scale_limit), unit.wheel_error_share)
+    return min(2.0 * unit.wheel_varies_share, unit.wheel_error_share)
 
 
 def _tags(setup: Setup, mission: Mission) -> Iterator[Fixed]:

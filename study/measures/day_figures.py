@@ -1,8 +1,9 @@
 """A day in a few figures, from its stops and its journal: what sweeps compare, and reports give in one line.
 
-Lateness is always against the plan, s; what never came counts as not on time, and by itself. One pass over stops and
-journal and no tables: a day of a sweep takes seconds. Whose fault lateness was is in `study.measures.delays`, when it
-was over in `study.measures.recovery`.
+Lateness is always against the plan, s. What never came is never on time, and counts as if it had come when the run ends
+whatever happens: no figure is better for trains that do not come. One pass over stops and journal and no tables: a day
+of a sweep takes seconds. Whose fault lateness was is in `study.measures.delays`, when it was over in
+`study.measures.recovery`.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from network.timetable import Timetable
 from simulation.events import EventType
 from simulation.late.day import counts_of, late_day
 from simulation.result import RunResult, StopRecord
-from simulation.setup import Setup
+from simulation.setup import Setup, latest_end_s
 from study.measures import deadlock, delays
 from study.measures.recovery import LATE_S, late_stretches, recoveries_s
 
@@ -35,7 +36,8 @@ class DayFigures(msgspec.Struct, frozen=True):
     """Figures of one day. Lateness of arrivals of trains with passengers, s; None where no arrival was planned.
 
     `within`: share of the planned arrivals later than plan by less than each of LIMITS_S. `lost_train_minutes`: by how
-    much trains came late to their last stop, together; trains that never came there, or never ran, are `missing`.
+    much trains came late to their last stop, together; trains that never came there, or never ran, are `missing`. What
+    never came is in all of these, as late as `simulation.setup.latest_end_s` makes it.
 
     `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited for
     another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which spare
@@ -72,9 +74,9 @@ class DayFigures(msgspec.Struct, frozen=True):
 
 def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     """The figures of a day that was run."""
-    figures = figures_of_stops(result.stops, setup.timetable)
+    figures = figures_of_stops(result.stops, setup.timetable, setup.latest_end_s)
     grown = delays.delays_of(result, setup)
-    stretches = late_stretches(result, setup.timetable)
+    stretches = late_stretches(result, setup.timetable, setup.latest_end_s)
     begun_s = [one.at_s for one in grown if one.primary_s >= LATE_S]
     recoveries = recoveries_s(begun_s, stretches)
     lengths_s = [stretch.length_s for stretch in stretches]
@@ -93,8 +95,14 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     )
 
 
-def figures_of_stops(stops: Iterable[StopRecord], timetable: Timetable) -> DayFigures:
-    """Punctuality of a day's stops against the plan; what needs more than them is left as on a punctual day."""
+def figures_of_stops(
+    stops: Iterable[StopRecord], timetable: Timetable, end_s: float | None = None
+) -> DayFigures:
+    """Punctuality of a day's stops against the plan; what needs more than them is left as on a punctual day.
+
+    `end_s`: when the run ends whatever happens; None: as without a limit of its own.
+    """
+    end_s = latest_end_s(timetable) if end_s is None else end_s
     came_s = {(stop.number, stop.station_id): stop.arrival_s for stop in stops if stop.arrival_s is not None}
     trains = [train for train in timetable.trains.values() if train.revenue]
     missing = [t.number for t in trains if (t.number, t.calls[-1].station_id) not in came_s]
@@ -104,7 +112,7 @@ def figures_of_stops(stops: Iterable[StopRecord], timetable: Timetable) -> DayFi
         for call in train.calls[1:]
         if call.stops and call.arrival_s is not None
     }
-    late = {stop: came_s[stop] - planned_s for stop, planned_s in planned.items() if stop in came_s}
+    late = {stop: min(came_s.get(stop, end_s), end_s) - planned_s for stop, planned_s in planned.items()}
     late_s = np.array(list(late.values()))
     worst = max(late, key=lambda stop: late[stop], default=None)
     ends_s = [late.get((train.number, train.calls[-1].station_id), 0.0) for train in trains]
@@ -113,8 +121,11 @@ def figures_of_stops(stops: Iterable[StopRecord], timetable: Timetable) -> DayFi
         arrived_trains=len(trains) - len(missing),
         missing=tuple(sorted(missing)),
         planned_arrivals=len(planned),
-        arrivals=len(late),
-        within=tuple(sum(s < limit_s for s in late.values()) / max(len(planned), 1) for limit_s in LIMITS_S),
+        arrivals=len(planned.keys() & came_s.keys()),
+        within=tuple(
+            sum(s < limit_s for stop, s in late.items() if stop in came_s) / max(len(planned), 1)
+            for limit_s in LIMITS_S
+        ),
         mean_late_s=_rounded(float(late_s.mean())) if late else None,
         median_late_s=_rounded(float(np.median(late_s))) if late else None,
         p95_late_s=_rounded(float(np.quantile(late_s, 0.95))) if late else None,

@@ -4,13 +4,14 @@ Growth between an arrival or departure and the next is put down, in this order, 
 the portal, passengers, doors), to waiting for what another train had (secondary, knock-on delay), and to what failed of
 the train, until it runs in the system again, or beside the track meanwhile (primary, too). What is left is driving, and
 a plan of whole minutes. Of a set that turns back late the next train grows no later by that: it was late before. Spare
-time takes growth back, so that the sum of all is more than what trains are late in the end.
+time takes growth back, so that the sum of all is more than what trains are late in the end. A train that never comes to
+its end counts as coming when the run ends whatever happens; of that, what was not spent waiting for others is primary.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -116,6 +117,7 @@ class _Moment:
     """A planned time as it came: an arrival or a departure, s. `drawn_s`: what was drawn for the stop or the entry.
 
     `ready_s`: from when on waiting for others counts; `comes_s`: when a train that enters stood before its portal.
+    `never`: it never came; the time is when the run ends whatever happens.
     """
 
     stop: StopRecord
@@ -124,11 +126,12 @@ class _Moment:
     drawn_s: float
     ready_s: float
     comes_s: float | None = None
+    never: bool = False
 
 
 def delays_of(result: RunResult, setup: Setup) -> tuple[Delay, ...]:
     """Every growth of lateness of a run, by stock and time."""
-    seen, end_s = _Seen(frozenset(result.stock_ids)), result.end_step / STEPS_PER_S
+    seen, end_s = _Seen(frozenset(result.stock_ids)), max(setup.latest_end_s, result.end_step / STEPS_PER_S)
     for entry in result.journal.entries:
         seen.take(entry)
     for course in result.courses:
@@ -139,13 +142,17 @@ def delays_of(result: RunResult, setup: Setup) -> tuple[Delay, ...]:
     by_stock: dict[str, list[StopRecord]] = defaultdict(list)
     for stop in result.stops:
         by_stock[stop.stock_id].append(stop)
-    return tuple(delay for stops in by_stock.values() for delay in _of_stock(stops, seen, setup))
+    for diagram in setup.timetable.diagrams:
+        by_stock.setdefault(diagram.stock_id, [])
+    return tuple(
+        delay for stock_id, stops in by_stock.items() for delay in _of_stock(stock_id, stops, seen, setup)
+    )
 
 
-def _of_stock(stops: Iterable[StopRecord], seen: _Seen, setup: Setup) -> Iterator[Delay]:
+def _of_stock(stock_id: str, stops: Sequence[StopRecord], seen: _Seen, setup: Setup) -> Iterator[Delay]:
     """Walks through a set's day; lateness goes on from train to train, and ends where the set leaves the line."""
     late_s = since_s = 0.0
-    for moment in _moments(stops, seen, setup):
+    for moment in (*_moments(stops, seen, setup), *_never_came(stock_id, stops, seen, setup)):
         if moment.comes_s is not None:
             late_s, since_s = 0.0, moment.comes_s
         grown_s = moment.late_s - max(late_s, 0.0)
@@ -158,10 +165,7 @@ def _moments(stops: Iterable[StopRecord], seen: _Seen, setup: Setup) -> Iterator
     number = ""
     for stop in stops:
         begins, number = stop.number != number, stop.number
-        train, comes_s, entry_s = setup.timetable.trains[number], None, 0.0
-        if begins and isinstance(train.begins, AtPortal):
-            entry_s = seen.came_late_s.get(number, 0.0)
-            comes_s = train.calls[0].first_s - setup.operation.portal_lead_s + entry_s
+        comes_s, entry_s = _enters(number, seen, setup) if begins else (None, 0.0)
         if stop.arrival_s is not None and stop.planned_arrival_s is not None:
             arrived_late_s = stop.arrival_s - stop.planned_arrival_s
             yield _Moment(stop, stop.arrival_s, arrived_late_s, entry_s, 0.0, comes_s)
@@ -172,6 +176,34 @@ def _moments(stops: Iterable[StopRecord], seen: _Seen, setup: Setup) -> Iterator
             ready_s = 0.0 if comes_s is not None else _ready_s(stop, held, setup)
             left_late_s = stop.departure_s - stop.planned_departure_s
             yield _Moment(stop, stop.departure_s, left_late_s, drawn_s, ready_s, comes_s)
+
+
+def _enters(number: str, seen: _Seen, setup: Setup) -> tuple[float | None, float]:
+    """When a train that enters over a portal stands before it, s, and how late that was drawn; else None."""
+    train = setup.timetable.trains[number]
+    if not isinstance(train.begins, AtPortal):
+        return None, 0.0
+    entry_s = seen.came_late_s.get(number, 0.0)
+    return train.calls[0].first_s - setup.operation.portal_lead_s + entry_s, entry_s
+
+
+def _never_came(stock_id: str, stops: Sequence[StopRecord], seen: _Seen, setup: Setup) -> Iterator[_Moment]:
+    """Of each train of a set that did not come to its end, the first arrival from where on it never came."""
+    ran = {stop.number for stop in stops}
+    came = {(stop.number, stop.station_id) for stop in stops if stop.arrival_s is not None}
+    numbers = (d.train_numbers for d in setup.timetable.diagrams if d.stock_id == stock_id)
+    for number in (number for each in numbers for number in each):
+        train = setup.timetable.trains[number]
+        if (number, train.calls[-1].station_id) in came:
+            continue
+        reached = max(
+            (k for k, call in enumerate(train.calls) if (number, call.station_id) in came), default=0
+        )
+        call = next(c for c in train.calls[reached + 1 :] if c.stops and c.arrival_s is not None)
+        planned_s, end_s = float(call.first_s), setup.latest_end_s
+        stop = StopRecord(stock_id, number, train.revenue, call.station_id, call.track or "", planned_s, None)
+        comes_s, entry_s = (None, 0.0) if number in ran else _enters(number, seen, setup)
+        yield _Moment(stop, end_s, end_s - planned_s, entry_s, 0.0, comes_s, never=True)
 
 
 def _ready_s(stop: StopRecord, held: DoorsHeld | None, setup: Setup) -> float:
@@ -191,7 +223,7 @@ def _split(moment: _Moment, grown_s: float, since_s: float, seen: _Seen) -> Dela
         waited_s += max(outside_s, 0.0)
     # Of a train that failed all is its failure's; of points or radio, for as long as they did.
     own = _overlap_s(seen.failed[stop.stock_id], since_s, moment.at_s) > 0.0
-    failed_s = grown_s if own else _overlap_s(seen.beside, from_s, moment.at_s)
+    failed_s = grown_s if own or moment.never else _overlap_s(seen.beside, from_s, moment.at_s)
     primary_s = min(grown_s, moment.drawn_s)
     secondary_s = min(grown_s - primary_s, waited_s)
     primary_s += min(grown_s - primary_s - secondary_s, failed_s)

@@ -16,7 +16,7 @@ PUNCTUALITY: Final[Mapping[str, type[pl.DataType] | pl.DataType]] = {
     "station": pl.String,  # ALL_STATIONS: the whole line
     "what": pl.String,  # "arrival" or "departure"
     "planned": pl.Int64,  # times that were planned
-    "came": pl.Int64,  # of these, those that came: what follows is of them
+    "came": pl.Int64,  # of these, those that came; the others are in all that follows: see `study.measures.missing`
     "on_time_share": pl.Float64,  # less than ON_TIME_S late, of what was planned: what did not come is not on time
     "mean_s": pl.Float64,
     "sigma_s": pl.Float64,  # of the sample, n - 1; null for fewer than two
@@ -27,24 +27,13 @@ PUNCTUALITY: Final[Mapping[str, type[pl.DataType] | pl.DataType]] = {
 }
 
 
-def punctuality(stops: pl.DataFrame, line: Line) -> pl.DataFrame:
+def punctuality(times: pl.DataFrame, line: Line) -> pl.DataFrame:
     """PUNCTUALITY: one row a station (along the line, then all) and what; only what has planned times.
 
-    Lateness in s, below 0 is early. Passings are left out, and trains that carry no passengers count. `stops` is the
-    table of a run.
+    Lateness in s, below 0 is early. Passings are left out, and trains that carry no passengers count. `times` are of
+    `study.measures.missing.planned_times`.
     """
-    calls = stops.filter(pl.col("kind") != CallKind.PASS.value)
-    parts = [
-        calls.filter(pl.col(f"planned_{what}_s").is_not_null()).select(
-            "station",
-            "train",
-            pl.lit(what).alias("what"),
-            pl.col(f"planned_{what}_s").alias("planned_s"),
-            pl.col(f"late_{what}_s").alias("late_s"),
-        )
-        for what in ("arrival", "departure")
-    ]
-    times = pl.concat(parts)
+    times = times.filter(pl.col("kind") != CallKind.PASS.value)
     whole = times.with_columns(pl.lit(ALL_STATIONS).alias("station"))
     at_m = {station.id: station.position_m for station in line.stations.values()}
     rows = pl.concat([times, whole]).group_by("station", "what", maintain_order=True).agg(*_figures())
@@ -55,20 +44,15 @@ def punctuality(stops: pl.DataFrame, line: Line) -> pl.DataFrame:
 
 
 def _figures() -> tuple[pl.Expr, ...]:
-    late_s = pl.col("late_s")
-    came = late_s.drop_nulls()
+    late_s, came = pl.col("late_s"), pl.col("came")
     return (
         pl.len().alias("planned"),
-        came.len().alias("came"),
-        ((late_s < ON_TIME_S).fill_null(value=False).sum() / pl.len()).alias("on_time_share"),
-        came.mean().alias("mean_s"),
-        came.std().alias("sigma_s"),
-        came.sort().get((came.len() * 0.95).ceil().cast(pl.Int64) - 1, null_on_oob=True).alias("p95_s"),
-        came.max().alias("worst_s"),
-        pl.col("train")
-        .filter(late_s.is_not_null())
-        .sort_by(came, descending=True)
-        .first()
-        .alias("worst_train"),
+        came.sum().alias("came"),
+        (((late_s < ON_TIME_S) & came).sum() / pl.len()).alias("on_time_share"),
+        late_s.mean().alias("mean_s"),
+        late_s.std().alias("sigma_s"),
+        late_s.sort().get((pl.len() * 0.95).ceil().cast(pl.Int64) - 1).alias("p95_s"),
+        late_s.max().alias("worst_s"),
+        pl.col("train").sort_by(late_s, descending=True).first().alias("worst_train"),
         (pl.col("planned_s") % 60.0 == 0.0).all().alias("whole_minutes"),
     )

@@ -1,7 +1,8 @@
 """When a line was late, and how long until no train was any more (遅延の回復).
 
 A train is late from LATE_S after a departure that it should have made, until it leaves a stop less late than that or
-has come to its last. Stretches of such times, of all trains together, are cut where for a moment no train is late.
+has come to its last; one that never comes there is late until the run ends whatever happens. Stretches of such
+times, of all trains together, are cut where for a moment no train is late.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Final
 
 from network.timetable import Timetable
 from simulation.result import RunResult, StopRecord
-from simulation.setup import STEPS_PER_S
+from simulation.setup import latest_end_s
 
 LATE_S: Final = 60.0  # a departure that much after plan is late, as `study.run.scores` has it
 
@@ -33,20 +34,23 @@ class LateStretch:
         return self.to_s - self.from_s
 
 
-def late_stretches(result: RunResult, timetable: Timetable) -> tuple[LateStretch, ...]:
-    """All of a run's, in order, without overlap."""
+def late_stretches(
+    result: RunResult, timetable: Timetable, end_s: float | None = None
+) -> tuple[LateStretch, ...]:
+    """All of a run's, in order, without overlap. `end_s`: when it ends whatever happens; None: by the usual limit."""
+    end_s = latest_end_s(timetable) if end_s is None else end_s
     by_train: dict[str, list[StopRecord]] = defaultdict(list)
     for stop in result.stops:
         by_train[stop.number].append(stop)
-    end_s = result.end_step / STEPS_PER_S
     found = [
         one
         for number, stops in by_train.items()
         for one in _of_train(stops, timetable.trains[number].calls[-1].station_id, end_s)
     ]
     for number, train in timetable.trains.items():
-        from_s = train.calls[0].last_s + LATE_S
-        if number not in by_train and from_s < end_s:
+        came = {stop.station_id for stop in by_train.get(number, ()) if stop.arrival_s is not None}
+        from_s = (train.calls[-1] if number in by_train else train.calls[0]).last_s + LATE_S
+        if train.calls[-1].station_id not in came and from_s < end_s:
             found.append(LateStretch(from_s, end_s, over=False))
     return joined(found)
 

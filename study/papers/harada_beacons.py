@@ -18,12 +18,12 @@ from onboard import notes
 from simulation.sensor_settings import Beacons, BeaconTrust
 from simulation.settings import Carried
 from simulation.world.trains import Trains
-from study.papers.harada_bench import Ride, Trip, worst_m
+from study.papers.harada_bench import Ride, Trip, turning, worst_m
 from study.papers.harada_chart import write_beacons
 from study.papers.mountain_line import ASSUMED, FIGURE_1_M, X_BEFORE_B_M, MountainLine, mountain_line
 from study.papers.parameter_sets import LINE
 from study.papers.position_run import Moment
-from study.papers.reproduction import Options, Parameter, Reproduction, Row
+from study.papers.reproduction import NullMethod, Options, Parameter, Reproduction, Row
 
 STATIONS: Final = 3
 RAIL: Final = 0.12  # of the dry rail's adhesion, from behind A on
@@ -31,6 +31,8 @@ SLIPPERY_M: Final = 160.0
 AFTER_A_M: Final = 10.0
 BESIDE_M: Final = 15.0
 WITHIN_M: Final = 2.0
+BY_CURVATURE: Final = "by curvature, on the same run"
+NULL: Final = NullMethod("beacons without ids, as in section 2", (BY_CURVATURE,))
 NAMES: Final = tuple(FIGURE_1_M)
 
 
@@ -131,7 +133,7 @@ def rows_of(paper: Method, dry: Method, bounded: Method, curve: Method) -> tuple
             "the paper's method puts the truth out of its bounds, this one never",
         ),
         Row(
-            "by curvature, on the same run",
+            BY_CURVATURE,
             "is not misled",
             {
                 "wheels counted too long_m": round(over_m(curve.ride), 1),
@@ -181,8 +183,10 @@ def reproduce(options: Options) -> Reproduction:
             ),
             Parameter("for", SLIPPERY_M, "m", "chosen so that the wheels count some 50 m too much"),
             *ASSUMED,
+            *turning(),
             *LINE.parameters(),
         ),
-        rows_of(paper, dry, bounded, curve),
+        (*rows_of(paper, dry, bounded, curve), *NULL.rows(rows_of(paper, dry, bounded, paper))),
         tuple(remarks),
+        null=NULL,
     )

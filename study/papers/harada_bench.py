@@ -24,9 +24,12 @@ from simulation.setup import Setup
 from study.papers.mountain_line import STOCK_ID, MountainLine
 from study.papers.parameter_sets import LINE
 from study.papers.position_run import SLOT, CheckPoint, Moment, PositionResult, PositionRun
+from study.papers.reproduction import Parameter
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 TRAIN: Final = "br642"
+CREEP_SHARE: Final = 0.003
+TREAD_CONICITY: Final = 0.05
 Floats = NDArray[np.float64]
 # Section 2.1: the way is what the wheels count, also while they slide or slip.
 WHEELS: Final = LINE.unit.model_copy(update={"believes_wheels": True})
@@ -52,6 +55,8 @@ class Trip:
     told: Timetable | None = None
     unit: UnitParameters = WHEELS
     locks: bool = False  # the train has no slide protection
+    creep_share: float = CREEP_SHARE
+    tread_conicity: float = TREAD_CONICITY
     wheels: tuple[float, float] | None = (
         None  # what they are worth, as learned before; None: as stated of any
     )
@@ -69,7 +74,9 @@ class Trip:
             day=self.day,
             unit=self.unit,
             driving=Driving(driving_margin_mps=driving),
-            sensors=Sensors(carries=self.carries),
+            sensors=Sensors(
+                carries=self.carries, creep_share=self.creep_share, tread_conicity=self.tread_conicity
+            ),
             curvature=self.curvature,
             curvature_map=self.curvature_map,
             beacons=self.beacons,
@@ -136,3 +143,27 @@ def train(*, locks: bool = False) -> TrainType:
 def worst_m(errors_m: Floats) -> float:
     """The greatest error either way, m."""
     return float(np.abs(errors_m).max())
+
+
+def turning() -> tuple[Parameter, ...]:
+    """What a turn of the wheels is worth, as the experiments print it: units do not read it, but have an allowance."""
+    return (
+        Parameter(
+            "creep of wheels, at full adhesion",
+            CREEP_SHARE,
+            "share",
+            "2.1 names it; assumed: Kalker's linear theory has 0.001 at an adhesion of 0.25, with the bend thrice that",
+        ),
+        Parameter(
+            "slope of the treads",
+            TREAD_CONICITY,
+            "",
+            "2.1 names it; assumed: a new cone of 1 in 20, leading axle",
+        ),
+        Parameter(
+            "what units allow for both",
+            round(WHEELS.wheel_varies_share, 4),
+            "share",
+            "unit.wheel_error_share less unit.wheel_scale_limit",
+        ),
+    )

@@ -17,16 +17,20 @@ from network.model import Line
 from onboard import notes
 from onboard.localisation.fix import FOREIGN, TAKEN
 from simulation.sensor_settings import Curvature
-from study.papers.harada_bench import Ride, Trip
+from study.papers.harada_bench import Ride, Trip, turning
 from study.papers.harada_chart import write_watched
 from study.papers.harada_watch import Watch
 from study.papers.mountain_line import ASSUMED, MountainLine, mountain_line
 from study.papers.parameter_sets import LINE
-from study.papers.reproduction import Options, Parameter, Reproduction, Row
+from study.papers.reproduction import NullMethod, Options, Parameter, Reproduction, Row
 
 STATIONS: Final = 4
 AT: Final = 2  # the third station
 SLOW_KMH: Final = 45.0
+NULL: Final = NullMethod(
+    "no threshold on the mismatch (equation 3)", ("entering the loop is noticed", "fixes on the loop")
+)
+NO_THRESHOLD_PER_M: Final = 0.01  # the greatest that a file may say: no track bends so
 AROUND_M: Final = 250.0
 BEFORE_M: Final = 700.0
 AFTER_M: Final = 3500.0
@@ -166,6 +170,8 @@ def reproduce(options: Options) -> Reproduction:
     """Both runs; draws figure 4 below `options.out`."""
     place = mountain_line(stations=STATIONS)
     loop, straight = run_loop(place, options.seed), run_loop(place, options.seed, sent=False)
+    no_threshold = Curvature().model_copy(update={"mismatch_per_m": NO_THRESHOLD_PER_M})
+    blind = run_loop(place, options.seed, no_threshold)
     remarks = [
         "The path of the unit, and so its map, has the main track; the loop is as long, 4 m beside it."
     ]
@@ -184,8 +190,10 @@ def reproduce(options: Options) -> Reproduction:
                 "mismatch that counts", Curvature().mismatch_per_m, "1/m (root mean square)", "[curvature]"
             ),
             *ASSUMED,
+            *turning(),
             *LINE.parameters(),
         ),
-        rows_of(loop, straight),
+        (*rows_of(loop, straight), *NULL.rows(rows_of(blind, straight))),
         tuple(remarks),
+        null=NULL,
     )

@@ -16,7 +16,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, KEPT_S, SPEED, Used, passage, read_window_m
+from onboard.localisation.lidar_points import (
+    CYCLE_S,
+    FARTHEST_M,
+    KEPT_S,
+    NEAREST_M,
+    SPEED,
+    Used,
+    detect,
+    passage,
+    read_window_m,
+)
 from onboard.localisation.marker_patterns import PATTERNS, ROW_M, ROWS
 from radio.chance import generator
 from simulation.sensors.lidar_scan import (
@@ -97,6 +107,17 @@ class Passage:
             self.speeds_mps,
             self._numbers(cycles),
         )
+
+    def seen_perfectly(self) -> Seen:
+        """The same with a sensor that has the true distance of the markers' middle in every cycle; it reads nothing."""
+        run_m = self.motion.speed_mps * self.times_s + 0.5 * self.motion.acceleration_mps2 * self.times_s**2
+        middle_m = self.motion.from_m + 0.5 * (ROWS - 1) * self.spacing_m - run_m
+        mean_m: Floats = np.where((middle_m >= NEAREST_M) & (middle_m <= FARTHEST_M), middle_m, -1.0)
+        own, speeds_mps = np.zeros(1, SPEED).view(np.recarray)[0], np.zeros(self.cycles)
+        for cycle, away_m in enumerate(mean_m):
+            detect(own, away_m)
+            speeds_mps[cycle] = own.speed_mps
+        return Seen(mean_m, speeds_mps, self.speeds_mps, Readings(0, 0, 0))
 
     def _numbers(self, cycles: Floats) -> Readings:
         numbers = cycles[cycles[:, 3] >= 0.0, 3]

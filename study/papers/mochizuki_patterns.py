@@ -16,7 +16,7 @@ from scipy.stats import binomtest, fisher_exact
 
 from study.papers.marker_passages import KMH, USES, Readings, Use, parameters, pass_markers
 from study.papers.mochizuki_charts import write_patterns, write_spacing
-from study.papers.reproduction import Options, Parameter, Reproduction, Row
+from study.papers.reproduction import NullMethod, Options, Parameter, Reproduction, Row
 from study.papers.tag_trials import clopper_pearson
 
 RUNS: Final = 1000
@@ -33,6 +33,9 @@ SPACED_KMH_QUICK: Final = (20.0, 40.0)
 MOVED: Final = "as the paper"
 RAW: Final = "not corrected"
 OWN_TIME: Final = "every point's own time"
+NULL: Final = NullMethod(
+    "points as they were taken, equation 2 left out", tuple(f"{kmh:g} km/h: corrected" for kmh in TOLD_KMH)
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,6 +232,7 @@ def reproduce(options: Options) -> Reproduction:
         "mochizuki-patterns",
         "Patterns of markers from a running train (Mochizuki, Kudo, Yamaguchi, 5.3)",
         (*parameters(), Parameter("passages a speed", runs, "", "assumed: enough to tell 99 % from less")),
-        (*share_rows(found), *spaced_rows),
+        (*share_rows(found), *spaced_rows, *NULL.rows(share_rows(found, RAW))),
         tuple(remarks),
+        null=NULL,
     )

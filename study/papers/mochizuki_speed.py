@@ -1,25 +1,29 @@
 """`branchline reproduce mochizuki-speed`: speed by a LiDAR from markers, sections 3, 5.1 and 5.2 of the paper.
 
 Mochizuki, Kudo and Yamaguchi. Four passages with the speeds of tables 1 and 3, each run many times with other phases of
-the scan and other noise: how far the train runs until the speed has settled, and by how much it is wrong afterwards.
+the scan and other noise: how far the train runs until the speed has settled, what it shows then against the train's own
+(table 3's two speeds), and by how much it is wrong afterwards. The distance follows from two means of 25 cycles alone,
+as does the error behind it: a perfect sensor, beside, meets both. What table 3 says of the LiDAR is the speed it shows.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from onboard.localisation.lidar_points import FARTHEST_M, MEANS
+from onboard.localisation.lidar_points import CYCLE_S, FARTHEST_M, MEANS
 from study.papers.marker_passages import KMH, USES, Floats, Passage, Seen, Use, parameters, pass_markers
 from study.papers.mochizuki_charts import write_speed
-from study.papers.reproduction import Options, Parameter, Reproduction, Row
+from study.papers.reproduction import NullMethod, Options, Parameter, Reproduction, Row
 
 RUNS: Final = 200
 RUNS_QUICK: Final = 24
+QUICK_PERFECT: Final = 24  # phases of the cycle are all that differs
 SETTLES_WITHIN: Final = 0.25
+ROUNDING_MPS: Final = 1e-9
 JUDGED_FROM_M: Final = 20.0  # 5.2; to 5 m
 PAPER_KMH: Final = 3.0
 AIM_KMH: Final = 2.0
@@ -28,12 +32,21 @@ OF_PASSAGES: Final = 0.95  # share that must keep within
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A passage of tables 1 and 3: speeds by GNSS when settled and at the markers, km/h, and the distance, m."""
+    """A passage of tables 1 and 3: speeds by GNSS when settled and at the markers, km/h, the distance, m.
+
+    `shown_kmh`: what the LiDAR's method shows when settled.
+    """
 
     name: str
     settled_kmh: float
     markers_kmh: float
     settles_m: float
+    shown_kmh: float
+
+    @property
+    def over_kmh(self) -> float:
+        """By how much more is shown than GNSS has, km/h."""
+        return round(self.shown_kmh - self.settled_kmh, 1)
 
     @property
     def settled_at_m(self) -> float:
@@ -53,28 +66,48 @@ class Case:
 
 
 CASES: Final = (
-    Case("pattern 1, first", 36.2, 36.6, 10.3),
-    Case("pattern 1, second", 12.8, 9.6, 3.86),
-    Case("pattern 2", 35.0, 36.1, 10.2),
-    Case("pattern 3", 25.3, 25.3, 8.12),
+    Case("pattern 1, first", 36.2, 36.6, 10.3, 37.6),
+    Case("pattern 1, second", 12.8, 9.6, 3.86, 13.1),
+    Case("pattern 2", 35.0, 36.1, 10.2, 36.3),
+    Case("pattern 3", 25.3, 25.3, 8.12, 28.0),
 )
-CONSTANT: Final = Case("constant 9.6 km/h", 9.6, 9.6, 3.86)
+CONSTANT: Final = Case("constant 9.6 km/h", 9.6, 9.6, 3.86, 9.6)
+OVER: Final = "{}: shown when settled less GNSS, km/h"
+NULL: Final = NullMethod(
+    "a perfect speed sensor behind the two means", tuple(OVER.format(case.name) for case in CASES)
+)
 
 
-def settles_m(seen: Seen) -> float:
-    """The way from where detection begins to where the speed gains no more (5.1), m; nan: it never does.
+def settled_at(seen: Seen) -> int | None:
+    """The cycle in which the speed gains no more than the train itself does (5.1); None: it never does.
 
     While the first mean still fills, noise of single cycles may stop the gain: it counts from a mean's length on.
     """
     within = np.flatnonzero(seen.mean_m > 0.0)
     if within.size == 0:
-        return float("nan")
+        return None
     begin = int(within[0])
     gains = np.diff(seen.speed_mps)
+    own = np.maximum(np.diff(seen.true_mps), 0.0) + ROUNDING_MPS
     for cycle in range(begin + MEANS, gains.size):
-        if gains[cycle] <= 0.0 < seen.mean_m[cycle + 1]:
-            return float(seen.mean_m[begin] - seen.mean_m[cycle + 1])
-    return float("nan")
+        if gains[cycle] <= own[cycle] and seen.mean_m[cycle + 1] > 0.0:
+            return cycle + 1
+    return None
+
+
+def settles_m(seen: Seen) -> float:
+    """The way from where detection begins to where the speed has settled, m; nan: it never has."""
+    cycle = settled_at(seen)
+    if cycle is None:
+        return float("nan")
+    begin = int(np.flatnonzero(seen.mean_m > 0.0)[0])
+    return float(seen.mean_m[begin] - seen.mean_m[cycle])
+
+
+def over_kmh(seen: Seen) -> float:
+    """By how much more than the train's own speed is shown when it has settled, km/h; nan: it never has."""
+    cycle = settled_at(seen)
+    return float("nan") if cycle is None else float(seen.speed_mps[cycle] - seen.true_mps[cycle]) * KMH
 
 
 def errors_kmh(seen: Seen) -> Floats:
@@ -85,10 +118,14 @@ def errors_kmh(seen: Seen) -> Floats:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """What came of a case: distances until settled (m), errors of all cycles and the largest of each passage (km/h)."""
+    """What came of a case: distances until settled (m), errors of all cycles and the largest of each passage (km/h).
+
+    `over_kmh`: what is shown when settled beyond the train's own speed.
+    """
 
     case: Case
     settles_m: Floats
+    over_kmh: Floats
     errors_kmh: Floats
     largest_kmh: Floats
     shown: Seen  # the first passage
@@ -100,13 +137,15 @@ class Found:
         return float(np.median(known)) if known.size else float("nan")
 
 
-def find(case: Case, runs: int, seed: int, use: Use) -> Found:
-    """All runs of a case."""
-    seen = [case.run(number, seed).seen(use) for number in range(runs)]
+def find(case: Case, runs: int, seed: int, use: Use | None) -> Found:
+    """All runs of a case; without a use of points the sensor is perfect."""
+    passages = (case.run(number, seed) for number in range(runs))
+    seen = [each.seen_perfectly() if use is None else each.seen(use) for each in passages]
     errors = [errors_kmh(each) for each in seen]
     return Found(
         case,
         np.array([settles_m(each) for each in seen]),
+        np.array([over_kmh(each) for each in seen]),
         np.concatenate(errors),
         np.array([each.max() if each.size else np.inf for each in errors]),
         seen[0],
@@ -130,8 +169,9 @@ def rows_of(found: Found) -> list[Row]:
             case.settles_m,
             ours,
             bool(off <= SETTLES_WITHIN),
-            f"median within {SETTLES_WITHIN:.0%}; 5 % and 95 % beside it",
-        )
+            f"median within {SETTLES_WITHIN:.0%}; 5 % and 95 % beside it; by arithmetic of the two means alone",
+        ),
+        over_row(found),
     ]
     quantiles = np.quantile(found.errors_kmh, (0.5, 0.95, 0.99))
     for limit, whose in ((PAPER_KMH, "as the paper"), (AIM_KMH, "our aim")):
@@ -155,7 +195,20 @@ def rows_of(found: Found) -> list[Row]:
     return rows
 
 
-def cases_of(runs: int, seed: int, use: Use) -> tuple[list[Row], list[Found]]:
+def over_row(found: Found) -> Row:
+    """Table 3's two speeds: the paper's one passage must be one of ours, but for a tenth of them."""
+    over = found.over_kmh[np.isfinite(found.over_kmh)]
+    low, middle, high = np.quantile(over, (0.05, 0.5, 0.95)) if over.size else (np.nan,) * 3
+    paper = found.case.over_kmh
+    ours = {"median": round(float(middle), 2), "from": round(float(low), 2), "to": round(float(high), 2)}
+    held = bool(low <= paper <= high)
+    criterion = "the paper's between 5 % and 95 % of ours"
+    if not held:
+        criterion += f"; missed by {min(abs(paper - low), abs(paper - high)):.2f} km/h"
+    return Row(OVER.format(found.case.name), paper, ours, held, criterion)
+
+
+def cases_of(runs: int, seed: int, use: Use | None) -> tuple[list[Row], list[Found]]:
     """All rows, for one use of the points, and what they stand on."""
     found = [find(case, runs, seed, use) for case in CASES]
     rows = [row for each in found for row in rows_of(each)]
@@ -176,10 +229,19 @@ def reproduce(options: Options) -> Reproduction:
     """The four passages; `options.out` takes the distributions as a figure."""
     runs = RUNS_QUICK if options.quick else RUNS
     rows, found = cases_of(runs, options.seed, USES["as the paper"])
+    perfect, _ = cases_of(QUICK_PERFECT, options.seed, None)
+    rows = [replace(row, beside=other.ours) for row, other in zip(rows, perfect, strict=True)]
     remarks = [
         "Table 1 says 9.6 km/h and table 3 12.8 for one passage: the tram slows, by "
         f"{-CASES[1].acceleration_mps2:.3f} m/s2 if it does so evenly from where the speed has settled to the markers; "
         f"pattern 2 gains {CASES[2].acceleration_mps2:.3f} m/s2. Both decelerations are assumed so.",
+        "Distances until settled and errors behind it follow from the two means: a perfect sensor meets these rows"
+        " too. Of the LiDAR speaks what is shown when settled. The paper's is above GNSS in all four, by 2 to 11 %;"
+        " ours lies about the truth. The paper does not say why. A surplus at the top of both means takes a centroid"
+        " that comes nearer by so much more than the train runs: at least "
+        + ", ".join(f"{case.over_kmh / KMH * MEANS * CYCLE_S:.2f}" for case in CASES)
+        + " m, of groups about a metre long: rows that come into sight one after another could do it, as could cycles"
+        " longer than 20 ms. Here all rows are in sight at 30 m and cycles are even; neither was fitted.",
         "The paper has one passage of each; ours are distributions over phases of the scan and noise.",
         "Where no point hits a marker for a tenth of a second, equation 3 gives 0 and the way is lost: the rare "
         "passages with errors of several km/h.",
@@ -194,6 +256,8 @@ def reproduce(options: Options) -> Reproduction:
         "mochizuki-speed",
         "Speed by a LiDAR from markers between the rails (Mochizuki, Kudo, Yamaguchi, 3, 5.1, 5.2)",
         (*parameters(), runs_used),
-        tuple(rows),
+        (*rows, *NULL.rows(perfect)),
         tuple(remarks),
+        beside="perfect sensor",
+        null=NULL,
     )

@@ -20,8 +20,8 @@ from onboard.driving.tasc import Verdict
 from onboard.localisation.vision import frame_rate_error_m
 from simulation.setup import STEP_S
 from study.papers.parameter_sets import CUMULATIVE_ERROR, SECTION_3_2
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
-from study.papers.single_stop import STEPS_MAX, StopResult
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
+from study.papers.single_stop import STEPS_MAX, Rows, StopResult
 from study.papers.table4_parts import ablation_rows
 from study.papers.table4_stops import (
     ACCURACY_M,
@@ -117,6 +117,17 @@ def parameters(gain_per_s: float) -> tuple[Parameter, ...]:
     )
 
 
+AGREE: Final = "cells that agree"
+NULL: Final = NullMethod("wheels alone, no beacon and no sign", (AGREE,))
+
+
+def unseen_cells() -> Rows:
+    """The same stops of a train that has neither a receiver nor a camera."""
+    stops = cells_of_table4()
+    stops["beacons"] = stops["signs"] = 0
+    return stops
+
+
 def cell_rows(errors: list[float], papers: list[float]) -> tuple[Row, ...]:
     """The 22 cells, and how the two that fail stand to each other; `papers`: by the paper's own controller, m."""
     rows = [
@@ -130,7 +141,7 @@ def cell_rows(errors: list[float], papers: list[float]) -> tuple[Row, ...]:
     by_law = sum(passes(case, error) for case, error in zip(CASES, errors, strict=True))
     rows.append(
         Row(
-            "cells that agree",
+            AGREE,
             len(CASES),
             by_law,
             by_law == agree == len(CASES),
@@ -279,6 +290,7 @@ def reproduce(options: Options) -> Reproduction:
         gain_row(gain),
         *ablation_rows(gain),
         *impossible_rows(gain),
+        *NULL.rows(cell_rows(errors_m(controller(gain), unseen_cells()), papers)),
     )
     figures = () if options.quick else (*beacon_figures(gain), papers_gain_figure(), wheel_figure(gain))
     remarks = (
@@ -302,4 +314,5 @@ def reproduce(options: Options) -> Reproduction:
         remarks,
         figures,
         "paper's own controller",
+        null=NULL,
     )

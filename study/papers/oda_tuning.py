@@ -31,13 +31,16 @@ from onboard.driving.tuning import (
 )
 from radio.chance import generator
 from study.papers.parameter_sets import LINE, coasting
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.papers.single_stop import Rows, new_stops
 from study.papers.single_train import Bench
 from study.papers.table4_stops import BEACONS_M, START_M, oda_train
 from study.papers.tag_trials import clopper_pearson
 from vehicle.train_file import TrainType
 
+SIGMA: Final = "sigma of held-out stops, m"
+AWAY: Final = "root mean square distance of held-out stops from the mark, m"
+NULL: Final = NullMethod("nothing is learned", (SIGMA, AWAY))
 TRAINS: Final = 100
 TRAINS_QUICK: Final = 12
 RUNS: Final = 160
@@ -384,14 +387,14 @@ def stop_rows(tuned: list[Tuned]) -> tuple[Row, ...]:
     within = {t.value: round(float(np.mean(np.abs(found) <= NEAR_M)), 4) for t, found in errors.items()}
     return (
         Row(
-            "sigma of held-out stops, m",
+            SIGMA,
             "less scatter (figure 27)",
             sigma,
             sigma[Tuning.MODE.value] < sigma[Tuning.NONE.value],
             "smaller tuned than untuned",
         ),
         Row(
-            "root mean square distance of held-out stops from the mark, m",
+            AWAY,
             None,
             {tuning.value: round(value, 3) for tuning, value in rms.items()},
             rms[Tuning.MODE] < min(value for tuning, value in rms.items() if tuning is not Tuning.MODE),
@@ -405,6 +408,11 @@ def stop_rows(tuned: list[Tuned]) -> tuple[Row, ...]:
             "more tuned than untuned",
         ),
     )
+
+
+def untuned(train: Tuned) -> Tuned:
+    """The train as if what it learned were what it was delivered with."""
+    return replace(train, held_out_m={**train.held_out_m, Tuning.MODE: train.held_out_m[Tuning.NONE]})
 
 
 def figures_of(tuned: list[Tuned]) -> tuple[Figure, ...]:
@@ -445,7 +453,12 @@ def reproduce(options: Options) -> Reproduction:
         "oda-tuning",
         "Self-tuning of dead time and deceleration offset (Oda, chapter 4)",
         parameters(count),
-        (*learning_rows(tuned), *stop_rows(tuned)),
+        (
+            *learning_rows(tuned),
+            *stop_rows(tuned),
+            *NULL.rows(stop_rows([untuned(train) for train in tuned])),
+        ),
         tuple(remarks),
         figures_of(tuned),
+        null=NULL,
     )

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Final
 
@@ -36,7 +36,7 @@ from study.papers.position_sets import (
     concern,
     run_with,
 )
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 
 TITLE: Final = (
     "One run of 21 km with every sensor set: error and bound over distance, and what faults do to them"
@@ -52,6 +52,9 @@ LEAST_MPS: Final = 8.0  # slower passages of an outage end at a stop, and say no
 GNSS_LOST_M: Final = 10.0
 LIDAR_RMSE_M: Final = 5.0
 ACTS_M: Final = 1e-3
+CLAIMED_M: Final = 5.0  # as published accuracies have it: a figure that holds nearly always
+HELD: Final = "runs inside the model in which the truth leaves the bounds"
+NULL: Final = NullMethod(f"an accuracy of {CLAIMED_M:g} m claimed in place of bounds", (HELD,))
 Floats = NDArray[np.float64]
 
 
@@ -150,6 +153,12 @@ def row_of(measures: Measures) -> Row:
         holds,
         "the truth inside in every step",
     )
+
+
+def held_row(found: Sequence[Measures]) -> Row:
+    """Whether bounds hold in all runs whose faults are inside the model."""
+    broken = sum(each.nearest_to_outside_m > 0.0 for each in found if each.inside_the_model)
+    return Row(HELD, None, broken, broken == 0, "none")
 
 
 def acting_row(runs: Sequence[Ran]) -> Row:
@@ -274,10 +283,8 @@ def reproduce(options: Options) -> Reproduction:
     rows = (*(row_of(each) for each in found), acting_row(runs))
     if not options.quick:
         rows = (*rows, *published_rows(runs, options.seed))
-    broken = sum(each.nearest_to_outside_m > 0.0 for each in found if each.inside_the_model)
     figures = (
         Figure("runs", len(runs), f"of {len(sets)} sets, {len(TROUBLES)} faults"),
-        Figure("runs with a broken bound inside the model", broken, "0 is the criterion"),
         *(
             Figure(
                 f"outside, {each.carried}: {each.case}, m",
@@ -288,6 +295,8 @@ def reproduce(options: Options) -> Reproduction:
             if not each.inside_the_model
         ),
     )
+    assumed = [replace(each, nearest_to_outside_m=each.error_most_m - CLAIMED_M) for each in found]
+    rows = (*rows, held_row(found), *NULL.rows([held_row(assumed)]))
     return Reproduction(
-        "position-compare", TITLE, parameters(), rows, remarks=tuple(remarks), figures=figures
+        "position-compare", TITLE, parameters(), rows, remarks=tuple(remarks), figures=figures, null=NULL
     )

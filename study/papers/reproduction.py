@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any, Final
 
 from network.errors import InputError
 
-# name -> module below study with `reproduce(options) -> Reproduction`; imported only when asked for
+# name -> module below study with `reproduce(options) -> Reproduction` and its `NULL`; imported only when asked for
 REPRODUCTIONS: Final[Mapping[str, str]] = {
     "journeys": "study.papers.journeys",
     "line-driving": "study.papers.line_driving",
@@ -63,6 +63,35 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
+class NullMethod:
+    """The same experiment without the idea, in a few words, and how cases end whose criterion it must not meet.
+
+    A criterion that is met without the idea says nothing of it. The null method is run beside, judged by the same
+    functions, and its rows say the opposite: they pass where it fails.
+    """
+
+    name: str
+    fails: tuple[str, ...]
+
+    def rows(self, judged: Iterable[Row]) -> tuple[Row, ...]:
+        """The rows to print, of those of its own run, judged as the method is."""
+        return tuple(
+            replace(
+                row,
+                case=self.case(row.case),
+                passed=not row.passed,
+                criterion=f"must not be met: {row.criterion}",
+            )
+            for row in judged
+            if row.case.endswith(self.fails)
+        )
+
+    def case(self, case: str) -> str:
+        """What the row of a case is called."""
+        return f"null method, {self.name}: {case}"
+
+
+@dataclass(frozen=True, slots=True)
 class Figure:
     """A figure that is told and not judged, and what it says."""
 
@@ -73,7 +102,10 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Reproduction:
-    """The result of `branchline reproduce NAME`; `beside` heads the rows' second column, empty: there is none."""
+    """The result of `branchline reproduce NAME`; `beside` heads the rows' second column, empty: there is none.
+
+    `rows` have those of the null method among them, else ValueError.
+    """
 
     name: str
     title: str
@@ -82,6 +114,15 @@ class Reproduction:
     remarks: tuple[str, ...] = ()
     figures: tuple[Figure, ...] = ()
     beside: str = ""
+    null: NullMethod = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        cases = [row.case for row in self.rows if row.case.startswith(self.null.case(""))]
+        absent = [end for end in self.null.fails if not any(case.endswith(end) for case in cases)]
+        if absent or not self.null.fails:
+            raise ValueError(
+                f"{self.name}: the null method, {self.null.name}, has no row of {absent or 'any case'}"
+            )
 
     @property
     def passed(self) -> bool:
@@ -94,6 +135,7 @@ class Reproduction:
             "name": self.name,
             "title": self.title,
             "passed": self.passed,
+            "null_method": self.null.name,
             "parameters": [
                 {"name": p.name, "value": p.value, "unit": p.unit, "origin": p.origin}
                 for p in self.parameters

@@ -18,7 +18,7 @@ from scipy.stats import norm, qmc
 from network.errors import InputError
 from radio.chance import generator
 from study.papers.parameter_sets import LINE, coasting
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.papers.single_stop import Rows, new_stops
 from study.papers.single_train import Bench
 from study.papers.table4_stops import START_M, oda_train
@@ -29,6 +29,7 @@ LIMITS_M: Final = (0.35, 0.5, ASKED_M)
 ASKED_SHARE: Final = 0.9973
 CONFIDENCE: Final = 0.95
 APART_MAX: Final = 0.05  # of shares of the variance; assumed: a curved effect, and bins
+NULL: Final = NullMethod("no beacon before the mark", (f"stops within {ASKED_M:g} m",))
 STOPS: Final = 100_000
 STOPS_QUICK: Final = 4_000
 BINS: Final = 40
@@ -91,7 +92,7 @@ def drawn(n: int, seed: int, factors: Mapping[str, Factor]) -> Mapping[str, NDAr
     return values
 
 
-def stops_of(values: Mapping[str, NDArray[np.float64]], lag_s: float) -> Rows:
+def stops_of(values: Mapping[str, NDArray[np.float64]], lag_s: float, beacons: int = 3) -> Rows:
     """STOP rows of the drawn values, shape (n,); beacons at 400 and 100 m and the last one where drawn.
 
     `lag_s` is the brake's lag that the controller believes in.
@@ -105,7 +106,7 @@ def stops_of(values: Mapping[str, NDArray[np.float64]], lag_s: float) -> Rows:
     rows["brake_lag_off_s"] = values["brake_lag"] - lag_s
     rows["wheel_error"] = values["wheel"]
     rows["gradient_permille"] = values["gradient"]
-    rows["beacons"] = 3
+    rows["beacons"] = beacons
     rows["beacon_m"][:, 0] = 400.0
     rows["beacon_m"][:, 1] = 100.0
     rows["beacon_m"][:, 2] = values["last_beacon"]
@@ -136,7 +137,9 @@ def first_order_share(values: NDArray[np.float64], errors_m: NDArray[np.float64]
     return max(0.0, (between / total - noise) / (1.0 - noise))
 
 
-def stop_statistics(n: int, seed: int, factors: Mapping[str, Factor] = FACTORS) -> StopStatistics:
+def stop_statistics(
+    n: int, seed: int, factors: Mapping[str, Factor] = FACTORS, beacons: int = 3
+) -> StopStatistics:
     """Run `n` stops (at least 10 a bin) under `factors`; those left out keep their usual scatter.
 
     InputError for a factor that does not exist or too few stops.
@@ -148,7 +151,7 @@ def stop_statistics(n: int, seed: int, factors: Mapping[str, Factor] = FACTORS) 
         raise InputError("stop-statistics", "factors", unknown[0], "one of " + ", ".join(FACTORS))
     values = drawn(n, seed, {**FACTORS, **factors})
     lag_s = {**FACTORS, **factors}["brake_lag"].mean
-    outcomes, _ = statistics_bench(lag_s).run(stops_of(values, lag_s))
+    outcomes, _ = statistics_bench(lag_s).run(stops_of(values, lag_s, beacons))
     errors = np.array(outcomes["error_m"], dtype=np.float64)
     return StopStatistics(
         errors,
@@ -252,6 +255,7 @@ def reproduce(options: Options) -> Reproduction:
     n = STOPS_QUICK if options.quick else STOPS
     result = stop_statistics(n, options.seed)
     judged, told = within_rows(result)
+    unseen, _ = within_rows(stop_statistics(STOPS_QUICK, options.seed, beacons=0))
     parameters = (
         Parameter("stops", n, "", "issue: at scale"),
         Parameter("train", "oda_train", "", "Oda, 3.2.3"),
@@ -272,7 +276,8 @@ def reproduce(options: Options) -> Reproduction:
         "stop-statistics",
         "Where stops end, and why",
         parameters,
-        (*judged, *share_rows(result)),
+        (*judged, *share_rows(result), *NULL.rows(unseen)),
         tuple(remarks),
         (*told, *spread_figures(result), slippery_figure(max(n // 5, STOPS_QUICK), options.seed)),
+        null=NULL,
     )

@@ -5,6 +5,7 @@ What is proven, what is computed on a grid and what is assumed stands in `stop_s
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from radio.chance import generator
 from study.papers.parameter_sets import LINE
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.papers.single_stop import STEPS_MAX
 from study.papers.stop_set import (
     BEYOND_M,
@@ -54,6 +55,9 @@ MISSED_LEAST: Final = 0.02
 COASTED: Final = 20
 COASTED_STEPS: Final = 10
 ROUNDING_M: Final = 1e-6
+ENDS_WITHIN: Final = f"random stops from the set that end within {WINDOW_M:g} m"
+NULL: Final = NullMethod("a set that reaches nearer by four tenths of the way", (ENDS_WITHIN,))
+NEARER_SHARE: Final = 0.4
 
 
 def inside_rows(found: StopSet, seed: int, n: int) -> tuple[Row, ...]:
@@ -67,7 +71,7 @@ def inside_rows(found: StopSet, seed: int, n: int) -> tuple[Row, ...]:
     searched_m = searched_worst_m(found, rng, (shares[worst], speeds[worst], brakes[worst], adhesions[worst]))
     return (
         Row(
-            f"random stops from the set that end within {WINDOW_M:g} m",
+            ENDS_WITHIN,
             None,
             f"{held:,} of {n:,}",
             held == n,
@@ -259,6 +263,7 @@ def reproduce(options: Options) -> Reproduction:
         ),
         *exact_rows(found, options.seed),
     )
+    nearer = replace(found, lowest=np.maximum(found.lowest - NEARER_SHARE, 0.0))
     remarks = [
         "Proven: adhesion has no part where nothing slides at the least; the dead times are all there are in whole "
         "steps; a start further back is a later moment of its coasting; what no law can hold. Computed: the rest, on "
@@ -275,9 +280,10 @@ def reproduce(options: Options) -> Reproduction:
         "stop-window",
         TITLE,
         parameters(grid, stops),
-        rows,
+        (*rows, *NULL.rows(inside_rows(nearer, options.seed, STOPS_QUICK))),
         tuple(remarks),
         edge_figures(found),
+        null=NULL,
     )
 
 
@@ -296,7 +302,9 @@ def what_ends_it(found: StopSet) -> str:
 
 def _empty(found: StopSet, grid: Grid, stops: int) -> Reproduction:
     why = "Empty: from nowhere does every brake of the range stop inside the window; there is nothing to try."
-    return Reproduction("stop-window", TITLE, parameters(grid, stops), (top_row(found),), (why,))
+    nothing = Row(ENDS_WITHIN, None, "nothing to try", passed=False)
+    rows = (top_row(found), *NULL.rows([nothing]))
+    return Reproduction("stop-window", TITLE, parameters(grid, stops), rows, (why,), null=NULL)
 
 
 def edge_figures(found: StopSet) -> tuple[Figure, ...]:

@@ -14,7 +14,7 @@ from scipy.optimize import root_scalar
 from onboard.localisation.reader import CRC_OFFSET, CRC_POLYNOMIAL, Rule
 from radio.chance import generator
 from simulation.sensors.tag_air import BIT_ERROR_RATES, Channel
-from study.papers.reproduction import Options, Parameter, Reproduction, Row
+from study.papers.reproduction import NullMethod, Options, Parameter, Reproduction, Row
 from study.papers.tag_scheme import (
     UNREADABLE,
     Failure,
@@ -37,6 +37,10 @@ TRIALS: Final = 1_000_000
 WEIGHTED_TRIALS: Final = 3_000_000
 
 PAPER: Final = Scheme("two tags, two ids a telegram, 3 of 8")
+PROTOTYPE: Final = Scheme(
+    "the prototype: one tag, one id, no vote", tags=1, ids_per_telegram=1, rule=Rule(1, 1, 1)
+)
+NULL: Final = NullMethod(PROTOTYPE.name, (f"{CLAIMED_KMH} km/h",))
 FIRST_ITEM: Final = replace(
     PAPER, name="no vote: the first telegram with a sound item is believed", rule=Rule(2, 1, 2)
 )
@@ -46,7 +50,7 @@ OTHERS: Final = (
     replace(PAPER, name="2 of 8", rule=Rule(8, 2, 2)),
     replace(PAPER, name="4 of 8", rule=Rule(8, 4, 2)),
     FIRST_ITEM,
-    Scheme("the prototype: one tag, one id, no vote", tags=1, ids_per_telegram=1, rule=Rule(1, 1, 1)),
+    PROTOTYPE,
     replace(PAPER, name="3 of 8 without check strings", check_strings=False),
     replace(PAPER, name="2 of 8 without check strings", check_strings=False, rule=Rule(8, 2, 2)),
     replace(PAPER, name="3 of 8, plain CRC, without check strings", check_strings=False, crc_offset=0),
@@ -71,11 +75,11 @@ def _figures(rates: Failure) -> dict[str, float]:
     }
 
 
-def _speed_rows() -> list[Row]:
-    """The paper's scheme at each speed of table 7."""
+def _speed_rows(scheme: Scheme = PAPER) -> list[Row]:
+    """A scheme, if not told the paper's, at each speed of table 7."""
     rows: list[Row] = []
     for speed_kmh, bit_error_rates in BIT_ERROR_RATES.items():
-        rates = _rates(PAPER, Channel(bit_error_rates))
+        rates = _rates(scheme, Channel(bit_error_rates))
         figures: dict[str, object] = {**_figures(rates), "meets": _met(rates)}
         if speed_kmh <= CLAIMED_KMH:
             claim = "claimed" if speed_kmh == CLAIMED_KMH else "below the paper's highest assumed speed"
@@ -256,6 +260,7 @@ def reproduce(options: Options) -> Reproduction:
         *_scheme_rows(channel),
         *_sensitivity_rows(channel),
         *_monte_carlo_rows(channel, options.seed, 0.1 if options.quick else 1.0),
+        *NULL.rows(_speed_rows(PROTOTYPE)),
     ]
     return Reproduction(
         "sugiyama-tags",
@@ -263,4 +268,5 @@ def reproduce(options: Options) -> Reproduction:
         _parameters(channel),
         tuple(rows),
         _remarks(options.quick),
+        null=NULL,
     )

@@ -25,7 +25,7 @@ from study.capacity.shared_stretch import Stretch, mean_wait_s, stretch_of, traf
 from study.capacity.standard import alone, standard_paths
 from study.capacity.theory import occupations
 from study.capacity.virtual_blocks import with_virtual_blocks
-from study.papers.reproduction import Figure, Options, Parameter, Reproduction, Row
+from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.scenario.scenario import load_scenario
 
 SCENARIOS: Final = ("karasuyama_weekday", "busy_line")
@@ -35,6 +35,8 @@ TODAY_SHARE: Final = 0.6  # of the most trains with fixed blocks: UIC 406's limi
 LATER_S: Final = 10_800.0  # copies of the trains are laid out so much later: headways do not depend on it
 PAPER_GAIN_PERCENT: Final = 40.0
 PAPER_BLOCKS: Final = 5
+MORE: Final = ": more trains at the same mean speed with moving blocks, %"
+NULL: Final = NullMethod("fixed blocks", (MORE,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +65,8 @@ class Curve:
 
     def share_percent(self, blocks: int) -> float:
         """What of the gain of the most blocks that many give, %."""
-        return 100.0 * self.gain_percent(blocks) / self.gain_percent(self.points[-1].blocks)
+        whole = self.gain_percent(self.points[-1].blocks)
+        return 100.0 * self.gain_percent(blocks) / whole if whole else 0.0
 
 
 def reproduce(options: Options) -> Reproduction:
@@ -79,9 +82,13 @@ def reproduce(options: Options) -> Reproduction:
         "virtual-blocks",
         "Virtual blocks on a branch line",
         _parameters(counts),
-        tuple(row for curve in curves for row in rows_of(curve)),
+        (
+            *(row for curve in curves for row in rows_of(curve)),
+            *NULL.rows(row for curve in curves for row in rows_of(fixed(curve))),
+        ),
         (*_REMARKS, *((f"quick: {SCENARIOS[0]} alone, {counts} blocks",) if options.quick else ())),
         tuple(figure for curve in curves for figure in _figures(curve)),
+        null=NULL,
     )
 
 
@@ -99,6 +106,12 @@ def curves_of(name: str, counts: Sequence[int], seed: int) -> tuple[Curve, ...]:
     points = tuple(point(blocks, VIRTUAL_BLOCKS) for blocks in counts)
     where = f"{setup.line.name}, {low.name} - {high.name}"
     return (Curve(name, where, wait_s, points, point(1, MINIMAL)),)
+
+
+def fixed(curve: Curve) -> Curve:
+    """The curve as if every number of blocks were one."""
+    one = curve.points[0]
+    return replace(curve, points=tuple(replace(one, blocks=point.blocks) for point in curve.points))
 
 
 def _longest(line: Line) -> tuple[Station, Station]:
@@ -147,7 +160,7 @@ def rows_of(curve: Curve) -> tuple[Row, ...]:
     gain, share = curve.gain_percent(last), curve.share_percent(PAPER_BLOCKS)
     return (
         Row(
-            f"{curve.name}: more trains at the same mean speed with moving blocks, %",
+            f"{curve.name}{MORE}",
             PAPER_GAIN_PERCENT,
             round(gain, 1),
             gain >= PAPER_GAIN_PERCENT,

@@ -26,10 +26,21 @@ def paper_bench(
     law: str,
     law_settings: Record | None = None,
     drawn: Callable[[str, str], float] = lambda _law, _field: 0.0,
+    deceleration_mps2: float = TABLE_1.driving.stop_deceleration_mps2,
+    train: TrainType | None = None,
 ) -> Bench:
-    """That train under a law, driven by the one set of parameters of all experiments on it."""
-    driving = TABLE_1.driving.model_copy(update={"law": law})
-    return Bench(paper_train(), driving, TABLE_1.unit, law_settings=law_settings, drawn=drawn)
+    """That train under a law, driven by the one set of parameters of all experiments on it.
+
+    What the paper leaves open can be tried otherwise: the stop's `deceleration_mps2`, a `train` of other power.
+    """
+    driving = TABLE_1.driving.model_copy(update={"law": law, "stop_deceleration_mps2": deceleration_mps2})
+    return Bench(
+        paper_train() if train is None else train,
+        driving,
+        TABLE_1.unit,
+        law_settings=law_settings,
+        drawn=drawn,
+    )
 
 
 def paper_hops(

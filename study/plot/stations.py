@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from network.model import Direction, Station
+from study.measures.missing import planned_times
 from study.measures.punctuality import ALL_STATIONS, punctuality
 from study.measures.station_papers import station_timetable, track_occupation
 from study.plot.choice import Seen
@@ -231,12 +232,10 @@ def _short(name: str) -> str:
 
 def punctuality_table(run: Seen) -> pl.DataFrame:
     """Punctuality by station, of the choice."""
-    stops = run.within(
-        run.tables.stops, "planned_arrival_s", "planned_departure_s", "arrival_s", "departure_s"
-    )
+    times = run.within(planned_times(run.tables.stops, run.timetable), "planned_s")
     if run.choice.train is not None:
-        stops = stops.filter(pl.col("train") == run.choice.train)
-    found = punctuality(stops, run.line)
+        times = times.filter(pl.col("train") == run.choice.train)
+    found = punctuality(times, run.line)
     return found if run.choice.station is None else found.filter(pl.col("station") == run.choice.station)
 
 

@@ -105,6 +105,7 @@ JAPANESE: Final[Mapping[str, str]] = {
     "dwell": "停車",
     "change of ends": "エンド交換",
     "charging": "充電",
+    "start": "起動",
     "length": "列車長",
     "bound": "位置の幅",
     "release": "解放",

@@ -12,10 +12,10 @@ from study.report.data import Run, place_name
 from study.report.drill import DrillShown
 from study.report.parts import Fact, signed
 from study.report.style import clock
-from study.run.summary import TELEGRAM_COUNTS
+from study.run.summary import NEVER_CAME, TELEGRAM_COUNTS
 from vehicle.train_file import Receiver
 
-_WHAT_JA: Final[Mapping[str, str]] = {"arrival": "着", "departure": "発"}
+_WHAT_JA: Final[Mapping[str, str]] = {"arrival": "着", "departure": "発", NEVER_CAME: "未着"}
 _COUNTS_JA: Final[Mapping[str, str]] = {
     "sent": "送信",
     "delivered": "到達",
@@ -91,8 +91,8 @@ def _lateness(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
         at = facts.get("late_at")
         text = f"{late_s:.0f} s{where(at)}" if late_s > 0.0 else "none late"
         text_ja = f"{late_s:.0f} 秒{where_ja(at)}" if late_s > 0.0 else "遅延なし"
-        more = f" of what ran; {missing} train{'s' if missing > 1 else ''} did not arrive" if missing else ""
-        more_ja = f"（走行分のみ、{missing} 本未着）" if missing else ""
+        more = f"; {missing} train{'s' if missing > 1 else ''} did not arrive" if missing else ""
+        more_ja = f"（{missing} 本未着）" if missing else ""
         latest = Fact("Worst lateness", text + more, missing > 0, "最大遅延", text_ja + more_ja)
     at = facts.get("early_at")
     before = f"{early_s:.0f} s before plan{where(at)}" if early_s else "none before plan"

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import polars as pl
 
+from study.measures.missing import planned_times
 from study.measures.punctuality import punctuality
 from study.measures.station_papers import track_occupation
 from study.report.battery import battery_tables
@@ -67,7 +68,7 @@ def _occupation(run: Run) -> Table:
 
 def _punctuality(run: Run) -> Table:
     """Arrivals and departures of each station against the plan."""
-    rows = punctuality(run.tables.stops, run.line).with_columns(
+    rows = punctuality(planned_times(run.tables.stops, run.timetable), run.line).with_columns(
         (100.0 * pl.col("on_time_share")).alias("on_time_percent"),
         ("what_" + pl.col("what")).alias("what"),
         pl.when("whole_minutes").then(pl.lit("minutes")).otherwise(pl.lit("seconds_too")).alias("plan_in"),

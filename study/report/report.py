@@ -27,10 +27,10 @@ from study.report.parts import Part
 from study.report.payload import Shows, courses_of, payload_of
 from study.report.tasc import Tuned
 from study.report.template import rendered
+from study.run.directory import REPORT_FILE
 from study.run.summary import summarise
 from study.run.tables import RunTables
 
-REPORT_FILE: Final = "report.html"
 BYTES_AIMED: Final = 1_000_000
 
 

@@ -43,6 +43,7 @@ COLOUR_OF: Final[Mapping[Part, str]] = {
     Part.LAYOVER: "#e8d28f",
     Part.CHANGE_ENDS: "#a6801d",
     Part.CHARGING: "#d36ba6",
+    Part.START: "#238b45",
     Part.BOUND: "#cbbfe0",
 }
 

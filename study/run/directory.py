@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 import tempfile
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
@@ -25,6 +26,7 @@ SHOWN_FILE: Final = "shown.json"  # `study.run.shown`
 COMPARE_FILE: Final = "compare.json"  # only of a run that was compared with another
 SUMMARY_FILE: Final = "summary.json"
 JOURNAL_FILE: Final = "journal.jsonl"
+REPORT_FILE: Final = "report.html"
 CRASH_FILE: Final = "crash.txt"  # only of a run that a bug has ended
 INCOMPLETE_FILE: Final = "incomplete.txt"  # only of a run that is under way or was cut short
 TABLE_FILES: Final = frozenset(f"{name}.parquet" for name in SCHEMAS)
@@ -37,10 +39,11 @@ RUN_FILES: Final = TABLE_FILES | {
     JOURNAL_FILE,
     CRASH_FILE,
     INCOMPLETE_FILE,
-    "report.html",
+    REPORT_FILE,
 }
 INCOMPLETE: Final = "-incomplete"  # ends the name of the directory of a run that was cut short
-ROOM_BYTES: Final = 1 << 18  # where not even so much can be written no run begins: the shortest takes more
+ROOM_BYTES: Final = 1 << 18  # where not even so much can be written nothing begins: the shortest takes more
+END_ROOM_BYTES: Final = 1_500_000  # what the shortest run writes at its end: a report and small tables
 _FULL: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 _UNDER_WAY: Final = "This is no whole run: it is under way, or it was killed.\n"
 
@@ -48,6 +51,13 @@ _UNDER_WAY: Final = "This is no whole run: it is under way, or it was killed.\n"
 def digests_of_tables(folder: Path) -> dict[str, str]:
     """SHA-256 of each table's file, by name."""
     return {name: sha256((folder / name).read_bytes()).hexdigest() for name in sorted(TABLE_FILES)}
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file aside, then give it its name: it is whole or not there."""
+    aside = path.with_name(f".{path.name}.part")
+    aside.write_bytes(data)
+    aside.replace(path)
 
 
 def check_out(out: Path, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run") -> None:
@@ -91,8 +101,28 @@ class Reserved:
         self.folder: Final = aside / "new"
         self.journal: Final = self.folder / JOURNAL_FILE
         self._aside: Final = aside
+        self._held: list[Path] = []
         self.folder.mkdir()
         self._say(_UNDER_WAY)
+
+    def hold_room(self, size_bytes: int) -> None:
+        """Keep room on the disk for a file, or several, of the run's end, until then: a full disk is found before the
+        run. OSError where there is none.
+        """
+        room = self._aside / f"room-{len(self._held)}"
+        try:
+            with room.open("wb", buffering=0) as stream:
+                self._held.append(room)
+                os.posix_fallocate(stream.fileno(), 0, size_bytes)
+        except OSError as error:
+            self.free_room()
+            why = f"{error.strerror}; a run writes {size_bytes / 1e6:.1f} MB and more at its end"
+            raise OSError(error.errno, why, str(self.out.parent)) from error
+
+    def free_room(self) -> None:
+        """The end has come: what was held is there for its files."""
+        while self._held:
+            self._held.pop().unlink(missing_ok=True)
 
     def put(self) -> None:
         """The run is whole: it takes its place."""
@@ -100,16 +130,25 @@ class Reserved:
         _put(self._aside, self.out)
 
     def keep(self, why: str) -> Path | None:
-        """The run was cut short: journal and whole tables stay, under a name of their own. None if it had not begun."""
+        """The run was cut short: journal and whole tables stay, under a name of their own. None if it had not begun.
+
+        Where its report alone could not be written, all else stays, and the report can be made of it.
+        """
+        self.free_room()
         until_s = last_time_s(self.journal)
         if until_s is None:
             return None
+        over = (self.folder / SHOWN_FILE).exists()  # the last file before the report
+        whole = RUN_FILES - {REPORT_FILE} if over else TABLE_FILES | {JOURNAL_FILE, INCOMPLETE_FILE}
         for path in self.folder.iterdir():
-            if path.name not in TABLE_FILES | {JOURNAL_FILE, INCOMPLETE_FILE}:
+            if path.name not in whole:
                 path.unlink()
-        self._say(
-            f"This is no whole run: it was cut short.\nwhy: {why}\njournal until: {clock(int(until_s))}\n"
+        what = (
+            "This run is whole but for its report, which `branchline report` makes of this directory."
+            if over
+            else "This is no whole run: it was cut short."
         )
+        self._say(f"{what}\nwhy: {why}\njournal until: {clock(int(until_s))}\n")
         kept = self.out.with_name(self.out.name + INCOMPLETE)
         try:
             check_out(kept)
@@ -130,12 +169,15 @@ class Reserved:
 def reserved(out: Path) -> Generator[Reserved]:
     """The directory of a run, reserved until the context ends; then it was `put`, or nothing of it is left.
 
+    With it goes room for the end of a short run; who knows that the run is long holds more.
+
     What cuts the run short and is no bug leaves what was run so far, and becomes a CutShortError that says where.
     Raises InputError as `check_out` does, and when the directory cannot be written; OSError where there is no room.
     """
     check_out(out)
     with _parents_of(out), _beside(out) as aside:
         place = Reserved(out, aside)
+        place.hold_room(END_ROOM_BYTES)
         try:
             yield place
         except Exception as error:

@@ -87,8 +87,10 @@ def run_drill(
     progress: Progress | None = None,
     units: UnitsAt = UnitsAt.SIMULATOR,
     journal: Path | None = None,
+    *,
+    failing: bool = True,
 ) -> Drill:
-    """Run a drill; its journal grows in a file, if there is one.
+    """Run a drill; its journal grows in a file, if there is one. With `failing` off nothing of it fails.
 
     InputError for a file that is no drill: nothing fails, nobody acts, it expects nothing.
     """
@@ -98,6 +100,9 @@ def run_drill(
         raise InputError(
             scenario.file, "fault", None, "at least one [[fault]], [[act]] or [[expect]] to make it a drill"
         )
+    if not failing:
+        calm = replace(script, faults=())
+        scenario = replace(scenario, setup=replace(scenario.setup, script=calm))
     run = execute(scenario, link, units=units, progress=progress, journal=journal)
     verdicts = judge(script.expectations, run.result, run.tables)
     scores = score(

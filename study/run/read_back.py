@@ -123,10 +123,16 @@ def parsed(inputs: Inputs, file: str) -> tuple[Line, Timetable, dict[str, TrainT
 
 
 def report_again(run: RunRead, folder: Path) -> Path:
-    """Write the report of a run that was read back; the same as the first one. Returns its path."""
+    """Write the report of a run that was read back; the same as the first one but for the courses of a run that it was
+    compared with. In the run's own directory it makes that whole. Returns the report's path.
+    """
     facts = run.shown.facts(run.summary, run.inputs)
     tuned = run.shown.tuned(run.learned)
-    return write_report(folder, run.line, run.timetable, run.tables, facts, tuned, run.shown.drill)
+    report = write_report(
+        folder, run.line, run.timetable, run.tables, facts, tuned, run.shown.drill, run.shown.parts
+    )
+    (folder / INCOMPLETE_FILE).unlink(missing_ok=True)
+    return report
 
 
 def _check_finished(directory: Path) -> None:
@@ -138,7 +144,9 @@ def _check_finished(directory: Path) -> None:
         why = error.strerror if isinstance(error, OSError) else error
         raise InputError(place, "", None, f"{A_RUN} ({why})") from error
     for name, why in ((INCOMPLETE_FILE, "this one was cut short"), (CRASH_FILE, "a bug has ended this one")):
-        if name in names:
+        if name in names and not (
+            name == INCOMPLETE_FILE and SHOWN_FILE in names
+        ):  # only the report is missing
             raise InputError(place, "", None, f"{A_RUN}; {why}, see {name}")
     if SUMMARY_FILE not in names:
         raise InputError(place, "", None, f"{A_RUN}; it has no {SUMMARY_FILE}")

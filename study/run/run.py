@@ -46,11 +46,13 @@ from study.run.directory import (
     INPUTS_FILE,
     JOURNAL_FILE,
     LEARNED_FILE,
+    REPORT_FILE,
     SHOWN_FILE,
     SUMMARY_FILE,
     Reserved,
     digests_of_tables,
     reserved,
+    write_whole,
 )
 from study.run.driving import driving_table
 from study.run.energy import Make
@@ -70,6 +72,7 @@ from sumo_cfg.truth_map import NetMap, read_net
 from wayside.config import manager_config, terminal_configs
 
 TEMPORARY: Final = "branchline-"
+TRAJECTORY_ROOM_BPS: Final = 50  # bytes of the trajectory a second; 41 on the weekday of the Karasuyama line
 SCENERY_FILE: Final = "scenery.add.xml"
 
 
@@ -218,7 +221,8 @@ def execute(
         "carrier": carrier.value,
         "digest": result.digest,
         "motion_digest": result.motion_digest,
-        **summarise(tables, setup.timetable),
+        **summarise(tables, setup.timetable, setup.latest_end_s),
+        "latest_end_s": setup.latest_end_s,
         "battery": battery_summary(tables.battery, setup),
         "localisation": localisation_summary(tables, result.fixes),
         "late": late_summary(result, setup),
@@ -231,6 +235,7 @@ def execute(
         "ended_because": result.ended_because.value,
         "outside_design": list(outside_design(result)),
         "unfinished": list(unfinished(result)),
+        "uncommissioned": list(result.uncommissioned),
         "broken": list(broken),
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,
         "wall_s": round(wall_s, 3),
@@ -270,6 +275,14 @@ class More:
 NO_MORE: Final = More()
 
 
+def end_room_bytes(setup: Setup) -> int:
+    """What the largest file of a day's end takes, by its trains' planned time on the way; see `Reserved.hold_room`."""
+    on_the_way_s = sum(
+        train.calls[-1].last_s - train.calls[0].first_s for train in setup.timetable.trains.values()
+    )
+    return TRAJECTORY_ROOM_BPS * on_the_way_s
+
+
 def write_run(run: Run, out: Path, drill: DrillShown | None = None) -> Path:
     """Write the run directory: all of it or nothing. Returns the path of the report.
 
@@ -285,31 +298,36 @@ def fill_run(run: Run, place: Reserved, drill: DrillShown | None = None, more: M
     place.put()
     if run.result.journal.file == place.journal:
         run.result.journal.moved(place.out / JOURNAL_FILE)
-    return place.out / "report.html"
+    return place.out / REPORT_FILE
 
 
 def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More) -> None:
     """All files of a run. The journal may be there already; what is worth most comes first."""
     folder, out, journal = place.folder, place.out, run.result.journal
     setup = run.scenario.setup
+    place.free_room()
     if journal.file == place.journal:
         journal.spill()
     else:
         place.journal.write_bytes(journal.to_bytes())
     run.tables.write(folder)
     if run.result.learned:
-        (folder / LEARNED_FILE).write_text(learned_json(run.result.learned), "utf-8")
+        write_whole(folder / LEARNED_FILE, learned_json(run.result.learned).encode())
     summary = run.summary | {"out": str(out)}
     inputs = run.scenario.inputs
-    (folder / SUMMARY_FILE).write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    (folder / INPUTS_FILE).write_text(inputs.as_json(), "utf-8")
-    shown = shown_of(run.result, run.broken, terminals_of(setup.line), drill, digests_of_tables(folder))
-    (folder / SHOWN_FILE).write_bytes(shown.as_json())
-    facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
+    summary_text = json.dumps(summary, indent=2, ensure_ascii=False) + "\n"
+    write_whole(folder / SUMMARY_FILE, summary_text.encode())
+    write_whole(folder / INPUTS_FILE, inputs.as_json().encode())
+    for name, text in more.files.items():
+        write_whole(folder / name, text.encode())
     drawn = late_part(setup)
     parts = more.parts if drawn is None else (*more.parts, drawn)
-    for name, text in more.files.items():
-        (folder / name).write_text(text, "utf-8")
+    shown = replace(
+        shown_of(run.result, run.broken, terminals_of(setup.line), drill, digests_of_tables(folder)),
+        parts=parts,
+    )
+    write_whole(folder / SHOWN_FILE, shown.as_json())  # last: with it the report can be made again
+    facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
     write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, parts, more.beside)
 
 

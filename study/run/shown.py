@@ -15,6 +15,7 @@ from onboard.driving.tuning import Learned, StopRecord
 from simulation.judge.checkers import Checker
 from simulation.result import RunResult
 from study.report.drill import DrillShown
+from study.report.parts import Part
 from study.report.tasc import Tuned
 from study.scenario.inputs import Inputs
 
@@ -40,7 +41,8 @@ class Waves:
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """Parties by name, rules broken, what else failed (texts), last stops of trains that learn by unit, the drill.
+    """Parties by name, rules broken, what else failed (texts), last stops of trains that learn by unit, the drill,
+    and the `parts` that come before all others.
 
     `tables` are the digests of the tables' files: a damaged one must not come before a decoder that trusts it.
     """
@@ -51,6 +53,7 @@ class Shown:
     waves: dict[str, Waves] = field(default_factory=dict[str, Waves])
     drill: DrillShown | None = None
     tables: dict[str, str] = field(default_factory=dict[str, str])
+    parts: tuple[Part, ...] = ()
 
     def as_json(self) -> bytes:
         """The file's text."""

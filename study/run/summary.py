@@ -7,20 +7,23 @@ from typing import Any, Final, cast
 import polars as pl
 
 from network.timetable import CallKind, Timetable
+from study.measures.missing import planned_times
 from study.run.driving import driving_summary
 from study.run.margins import smallest
 from study.run.tables import PARTS_KWH, RunTables
 
+NEVER_CAME: Final = "missing arrival"
 TELEGRAM_COUNTS: Final = ("sent", "delivered", "lost", "dropped")
 ENERGIES: Final = ("traction", "regenerated", "auxiliary")
 
 
-def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
+def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = None) -> dict[str, Any]:
     """Figures of a run for `summary.json`; None where there is nothing to compute one from.
 
     - trains_planned, trains_arrived: revenue trains of the timetable, and those at their last call.
-    - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late; late_at is where. None
-      when trains were planned and none arrived: how late they are nobody knows.
+    - late_s_max: most seconds after plan of any arrival or departure, 0 when none was late; late_at is where. What
+      never came of a train with passengers is as late as `study.measures.missing` has it; None when trains were planned
+      and none arrived.
     - late_passing_s_max: seconds after plan of the latest passing, negative when all were early; late_passing_at is
       where. None when no train passed anything at a time planned.
     - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
@@ -35,7 +38,7 @@ def summarise(tables: RunTables, timetable: Timetable) -> dict[str, Any]:
     telegrams = tables.telegrams
     planned = sum(train.revenue for train in timetable.trains.values())
     arrived = len(arrived_trains(stops, timetable))
-    late, early, passed = worst_late(stops), worst_early(stops), worst_passing(stops)
+    late, early, passed = worst_late(stops, timetable, end_s), worst_early(stops), worst_passing(stops)
     none_came = planned > 0 and arrived == 0
     return {
         "trains_planned": planned,
@@ -111,11 +114,15 @@ def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:
     return {number for number, station in reached if (number, station) in last_calls}
 
 
-def worst_late(stops: pl.DataFrame) -> dict[str, Any] | None:
+def worst_late(
+    stops: pl.DataFrame, timetable: Timetable, end_s: float | None = None
+) -> dict[str, Any] | None:
     """The latest arrival or departure of all, if after plan: train, station, what it was, late_s. None: none was."""
-    told = (
-        _lateness(stops).filter(pl.col("late_s") > 0.0).sort("late_s", descending=True, maintain_order=True)
-    )
+    times = planned_times(stops, timetable, end_s, revenue_only=True)
+    arrival = pl.col("what") == "arrival"
+    never = times.filter(~pl.col("came") & arrival).with_columns(pl.lit(NEVER_CAME).alias("what"))
+    told = pl.concat([_lateness(stops), never.select("train", "station", "what", "late_s")])
+    told = told.filter(pl.col("late_s") > 0.0).sort("late_s", descending=True, maintain_order=True)
     return None if told.is_empty() else told.row(0, named=True)
 
 

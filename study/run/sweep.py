@@ -24,6 +24,7 @@ from study.run.forks import Died, Forks
 from study.run.outcome_class import SweptRun, swept_run_of, swept_run_of_death
 from study.run.run import simulated
 
+NOTHING: Final = Script()
 LEAD_S: Final = 10.0  # a sweep begins this long before the first train of interest
 Progress = Callable[[int, int], None]  # runs done, runs to do
 
@@ -120,8 +121,12 @@ def sweep(
     window: Window,
     jobs: int,
     progress: Progress | None = None,
+    beside: Script = NOTHING,
 ) -> Swept:
-    """Run every variation at every instant of its window. InputError on a day on which something fails by itself."""
+    """Run every variation at every instant of its window. InputError on a day on which something fails by itself.
+
+    What is varied happens where nothing else does, or beside a script of its own.
+    """
     if late_day(setup).failures:
         expected = "no failures and dead zones: a sweep puts faults where there are none"
         raise InputError(setup.name, "late", None, expected)
@@ -139,7 +144,7 @@ def sweep(
         len(steps if variation.instants is None else variation.instants)
         for variation, steps in zip(variations, planned, strict=True)
     )
-    with simulated(replace(setup, script=Script())) as simulation, Forks(SweptRun, jobs) as copies:
+    with simulated(replace(setup, script=beside)) as simulation, Forks(SweptRun, jobs) as copies:
         simulation.begin()
         while any(course.open for course in courses) and not simulation.settle():
             for course in courses:

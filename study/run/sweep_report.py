@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,8 +116,15 @@ def figures_of(scenario: Scenario, swept: Swept, left_out: Sequence[str]) -> dic
         "runs": sum(len(runs) for runs in swept.outcomes.values()),
         "bad": swept.bad,
         "left_out": list(left_out),
+        "by_kind": table_of(swept),
         "classes": [found.as_dict() for found in classes_of(swept)],
     }
+
+
+def table_of(swept: Swept) -> dict[str, int]:
+    """How many runs ended in each kind of outcome, of those that there are."""
+    kinds = Counter(outcome.kind for runs in swept.outcomes.values() for outcome in runs.values())
+    return {kind.value: kinds[kind] for kind in Kind if kinds[kind]}
 
 
 def write_sweep(
@@ -125,8 +133,10 @@ def write_sweep(
     variations: Sequence[Variation],
     figures: Mapping[str, Any],
     folder: Path,
+    *,
+    beside: bool = False,
 ) -> None:
-    """Write tables and drills into a new folder."""
+    """Write tables and drills into a new folder; `beside`: what is swept happens beside the scenario's own script."""
     by_name = {variation.name: variation for variation in variations}
     folder.mkdir()
     (folder / JSON_FILE).write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n", "utf-8")
@@ -142,12 +152,15 @@ def write_sweep(
         if found.bad:
             script = by_name[found.variation].at(found.steps[0])
             title = f"{found.variation} at {_clock(found.steps[0])}: {found.label}"
-            text = replay_of(scenario, script, found.replay.removesuffix(".toml"), title)
+            text = replay_of(scenario, script, found.replay.removesuffix(".toml"), title, beside=beside)
             (folder / found.replay).write_text(text, "utf-8")
 
 
-def replay_of(scenario: Scenario, script: Script, own_id: str, title: str) -> str:
-    """The drill that has this script in a scenario: a file that `branchline drill` runs to the same journal."""
+def replay_of(scenario: Scenario, script: Script, own_id: str, title: str, *, beside: bool = False) -> str:
+    """The drill that has this script in a scenario: a file that `branchline drill` runs to the same journal.
+
+    `beside`: behind the scenario's own faults and acts, not in their place.
+    """
     nothing: list[str] = []
     head: dict[str, object] = {
         "extends": str(Path(scenario.file).resolve()),
@@ -155,14 +168,19 @@ def replay_of(scenario: Scenario, script: Script, own_id: str, title: str) -> st
         "name": title_of(title),
         "seed": scenario.setup.seed,
         # Without these lists, those of the file that it extends would hold.
-        **{key: nothing for key, items in (("fault", script.faults), ("act", script.acts)) if not items},
+        **{
+            key: nothing
+            for key, items in (("fault", script.faults), ("act", script.acts))
+            if not items and not beside
+        },
         "expect": nothing,
     }
     tables = [("fault", _fault(failure)) for failure in script.faults]
     tables += [("act", _act(act)) for act in script.acts]
     lines = [f"{key} = {value_text(value)}" for key, value in head.items()]
     for key, table in tables:
-        lines += ["", f"[[{key}]]", *(f"{name} = {value_text(value)}" for name, value in table.items())]
+        heading = f"patch.{key}.add" if beside else key
+        lines += ["", f"[[{heading}]]", *(f"{name} = {value_text(value)}" for name, value in table.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -185,7 +203,8 @@ def _act(act: Act) -> dict[str, object]:
         "position": act.position,
     }
     table |= {key: value for key, value in own.items() if value}
-    return table | {"hold_s": act.hold_s, "pace_s": act.pace_s}
+    table |= {} if act.pace_s is None else {"pace_s": act.pace_s}
+    return table | {"hold_s": act.hold_s}
 
 
 def _start(item: Failure | Act) -> str:

@@ -122,7 +122,7 @@ def check_grip(file: str, driving: Driving, trains: Mapping[str, TrainType], lin
 
 def check_wheels(file: str, sensors: Sensors, unit: UnitParameters, trains: Mapping[str, TrainType]) -> None:
     """What a turn of the wheel is worth changes by no more than units allow for, or InputError."""
-    left = max(unit.wheel_error_share - unit.wheel_scale_limit, 0.0)
+    left = unit.wheel_varies_share
     for stock_id, train in trains.items():
         varies = sensors.wheel_varies_share(float(train.row[0]["wheel_diameter_m"]))
         if sensors.wheels_vary and varies > left:

@@ -141,6 +141,7 @@ def load_scenario(name: str, seed: int | None = None) -> Scenario:
         operation=model.operation,
         dispatch=model.dispatch,
         battery=model.battery,
+        people=model.people,
         late=model.late,
     )
     check_late(str(path), setup)

@@ -20,6 +20,7 @@ from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
 from simulation.late.settings import NO_LATE, Late
+from simulation.people import People
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import (
     NO_TUNING,
@@ -90,6 +91,7 @@ class PatchTable(Record):
     operation: Annotated[TableWords | None, about("on [operation]")] = None
     dispatch: Annotated[TableWords | None, about("on [dispatch]")] = None
     battery: Annotated[TableWords | None, about("on [battery]")] = None
+    people: Annotated[TableWords | None, about("on [people]")] = None
     late: Annotated[TableWords | None, about("on [late]")] = None
     fault: Annotated[ListWords | None, about("on [[fault]]")] = None
     act: Annotated[ListWords | None, about("on [[act]]")] = None
@@ -135,6 +137,7 @@ class ScenarioFile(Record):
     battery: Annotated[
         BatterySettings | None, about("trains that have a battery run on it; left out: all run from a wire")
     ] = None
+    people: People = Field(default_factory=People)
     late: Late = NO_LATE
     belief: Annotated[BeliefTable | None, about("what units go by where it is not what is so")] = None
     patch: Annotated[PatchTable, about("what differs from the files named: a what-if")] = Field(

@@ -61,7 +61,7 @@ class ActTable(Record):
     position: str = ""
     place: str = ""
     hold_s: DrillTime = 300.0
-    pace_s: Pace = 0.0
+    pace_s: Pace | None = None
 
 
 class ExpectTable(Record):
@@ -133,6 +133,7 @@ _ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.CONFIRM_HOLDING: frozenset({"target", "sections"}),
     ActKind.ACCEPT_PICTURE: frozenset({"pace_s"}),
     ActKind.POWER_ON: frozenset({"target"}),
+    ActKind.COMMISSION: frozenset({"target"}),
     ActKind.REPAIR_POINTS: frozenset({"target", "position"}),
     ActKind.ENTER_SECTION: frozenset({"target", "sections"}),
     ActKind.REENTER_BY_HAND: frozenset({"pace_s"}),
@@ -153,6 +154,7 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.BAR_UNIT: names.units,
         ActKind.UNBAR_UNIT: names.units,
         ActKind.POWER_ON: (*names.units, *names.devices),
+        ActKind.COMMISSION: (*names.units, *names.devices),
         ActKind.REPAIR_POINTS: names.points,
         ActKind.ENTER_SECTION: ("", *names.units),
         ActKind.GIVE_BACK: names.units,

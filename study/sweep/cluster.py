@@ -13,7 +13,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
@@ -50,22 +50,27 @@ class ClusterPump:
         self._out: Final = out
         self._token: Final = token
         self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
+        self._workers: frozenset[str] = frozenset()
 
     def run(self, tasks: Iterator[Task]) -> Generator[Done]:
-        """See `study.sweep.local.Pump`."""
+        """See `study.sweep.local.Pump`. Workers that join on the way have days from the next look on."""
         with ExitStack() as stack:
             client = _client(self._address)
             stack.callback(_close, client)
-            room = AHEAD * self._check(client)
+            self._begin(client)
             at_hand: dict[str, Task] = {}
+            ended = 0
             while True:
+                room = AHEAD * max(len(self._workers), 1)
                 while len(at_hand) < room and (task := next(tasks, None)) is not None:
                     at_hand[self._submit(client, task)] = task
                 if not at_hand:
                     return
                 future = self._next(client)
-                task = at_hand.pop(future.key, None)
-                if task is not None:
+                if future is None or (ended := ended + 1) % room == 0:
+                    self._look(client)
+                task = None if future is None else at_hand.pop(future.key, None)
+                if future is not None and task is not None:
                     yield self._done(future, task)
 
     def _submit(self, client: Client, task: Task) -> str:
@@ -80,15 +85,15 @@ class ClusterPump:
         future.add_done_callback(self._ended.put)
         return future.key
 
-    def _next(self, client: Client) -> Future:
-        """The next day that has ended. Raises GivenUpError when the scheduler is gone."""
-        while True:
-            with suppress(queue.Empty):
-                future = self._ended.get(timeout=LOOK_S)
-                if future.status != "cancelled":
-                    return future
-            if client.status != "running":
-                raise self._gone()
+    def _next(self, client: Client) -> Future | None:
+        """The next day that has ended; None: none for a while. Raises GivenUpError when the scheduler is gone."""
+        with suppress(queue.Empty):
+            while (future := self._ended.get(timeout=LOOK_S)).status == "cancelled":
+                pass
+            return future
+        if client.status != "running":
+            raise self._gone()
+        return None
 
     def _done(self, future: Future, task: Task) -> Done:
         """What came of a day; one that has failed as often as it may is filed as crashed."""
@@ -110,26 +115,36 @@ class ClusterPump:
     def _gone(self) -> GivenUpError:
         return GivenUpError(f"the scheduler at {self._address} is gone")
 
-    def _check(self, client: Client) -> int:
-        """How many days can run at a time. InputError for workers that cannot run them."""
+    def _begin(self, client: Client) -> None:
+        """The first workers. InputError for those that cannot run days."""
         try:
             client.wait_for_workers(1, timeout=WORKERS_S)
         except TimeoutError as error:
             raise InputError("command line", OPTION, self._address, "a scheduler that has workers") from error
-        workers: dict[str, dict[str, Any]] = client.scheduler_info(n_workers=-1)["workers"]
-        for name, info in sorted(workers.items()):
-            if info["nthreads"] != 1:
-                expected = (
-                    f"workers of one thread, since a process has one SUMO; {name} has {info['nthreads']}"
+        try:
+            self._look(client)
+        except GivenUpError as error:
+            raise InputError("command line", OPTION, self._address, str(error)) from error
+
+    def _look(self, client: Client) -> None:
+        """Which workers there are now. Raises GivenUpError for a new one that cannot run days."""
+        try:
+            threads: dict[str, int] = client.nthreads()
+            new = sorted(threads.keys() - self._workers)
+            said = (
+                client.run(sees, str(self._out), self._token, workers=new, on_error="return") if new else {}
+            )
+        except (OSError, CancelledError) as error:
+            raise self._gone() from error
+        for name in new:
+            if threads[name] != 1:
+                raise GivenUpError(
+                    f"workers of one thread, since a process has one SUMO; {name} has {threads[name]}"
                 )
-                raise InputError("command line", OPTION, self._address, expected)
-        said = client.run(sees, str(self._out), self._token, on_error="return")
         for name, text in sorted(said.items()):
-            if text != "":
-                raise InputError(
-                    "command line", OPTION, self._address, f"a worker that can run days; {name}: {text}"
-                )
-        return len(workers)
+            if isinstance(text, str) and text:
+                raise GivenUpError(f"a worker that can run days; {name}: {text}")
+        self._workers = frozenset(threads)
 
 
 def run_there(packed: bytes) -> bytes:

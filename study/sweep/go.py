@@ -34,11 +34,30 @@ class _Course:
         self.days = plan.days  # that count; the stop rule makes it fewer
         self._plan = plan
         self._complete = 0
+        self._ahead: set[int] = set()  # days that are there before one that comes first
         self._running = {name: Running() for name in _watched(plan)}
+        self._looks = frozenset(plan.looks)
+
+    def take(self, index: int, name: str, records: Mapping[str, DayRecord]) -> None:
+        """A day that has come, and those that now follow on those before it."""
+        if self.names[index] == name and self._complete <= index < self.days:
+            self._ahead.add(index)
+            self.advance(records)
+
+    def find(self, records: Mapping[str, DayRecord]) -> None:
+        """The days that there are already."""
+        self._ahead = {index for index, name in enumerate(self.names) if name in records}
+        self.advance(records)
+
+    @property
+    def there(self) -> int:
+        """Days that count and are there."""
+        return self._complete + len(self._ahead)
 
     def advance(self, records: Mapping[str, DayRecord]) -> None:
         """Take the days that now follow on those before."""
         while self._complete < self.days and (record := records.get(self.names[self._complete])) is not None:
+            self._ahead.discard(self._complete)
             self._complete += 1
             for name, running in self._running.items():
                 value = None if record.figures is None else FIGURES[name].of(record.figures)
@@ -46,10 +65,11 @@ class _Course:
                     running.add(value)
             if self._enough():
                 self.days = self._complete
+                self._ahead.clear()
 
     def estimate(self, name: str) -> Estimate:
         """Of a watched figure, so far."""
-        return self._running[name].estimate(self._plan.table.confidence)
+        return self._running[name].estimate(self._plan.confidence)
 
     @property
     def done(self) -> bool:
@@ -58,7 +78,7 @@ class _Course:
 
     def _enough(self) -> bool:
         stop = self._plan.stop
-        if stop is None or self._complete < stop.least_days:
+        if stop is None or self._complete not in self._looks:
             return False
         width = self.estimate(stop.figure).width
         return width is not None and width < stop.narrower_than
@@ -88,7 +108,7 @@ class State:
     @property
     def there(self) -> int:
         """Days of those that are there."""
-        return sum(name in self.records for course in self.courses for name in course.names[: course.days])
+        return sum(course.there for course in self.courses)
 
     def counted(self, point: Point) -> tuple[DayRecord, ...]:
         """The days of a point that count and are there, by seed."""
@@ -156,7 +176,7 @@ def begun(plan: Plan, store: Store, *, anyway: bool) -> State:
         raise InputError("command line", "--out", store.out, expected)
     state = State(plan, courses, found.records, 0, found.refused, found.others)
     for course in courses:
-        course.advance(state.records)
+        course.find(state.records)
     state.before = state.there
     return state
 
@@ -166,14 +186,15 @@ def go(state: State, store: Store, pump: Pump, show: Show | None = None, runner:
     with closing(pump.run(_tasks(state, store, runner))) as days:
         for done in days:
             record = done.record
-            state.records[day_name(record.spec, record.index)] = record
+            name = day_name(record.spec, record.index)
+            state.records[name] = record
             state.run += 1
             state.wall_s += done.wall_s
             state.cpu_s += done.cpu_s
             state.peak_bytes = max(state.peak_bytes, done.peak_bytes)
             state.last = done
             for course in state.courses:
-                course.advance(state.records)
+                course.take(record.index, name, state.records)
             if show is not None:
                 show(state)
             if state.done:

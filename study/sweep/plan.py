@@ -25,6 +25,7 @@ from study.sweep.draws import chance_of, check_draw, drawn_value, value_at
 from study.sweep.figures import figure_of
 from study.sweep.point import scenario_of
 from study.sweep.records import DaySpec, Said
+from study.sweep.statistics import looks, of_each_look
 from study.sweep.sweep_file import AxisTable, StopTable, SweepFile
 
 FOLDER: Final = "sweeps"
@@ -76,6 +77,17 @@ class Plan:
     def stop(self) -> StopTable | None:
         """When a point has days enough."""
         return self.table.stop
+
+    @property
+    def looks(self) -> tuple[int, ...]:
+        """After how many days it is looked whether a point has enough."""
+        least = self.days if self.stop is None else self.stop.least_days
+        return looks(least, self.days)
+
+    @property
+    def confidence(self) -> float:
+        """Of each interval: so much that, with a stop rule, what is said holds for all looks together."""
+        return of_each_look(self.table.confidence, len(self.looks))
 
     def spec(self, point: Point, index: int) -> DaySpec:
         """Day `index` of a point."""

@@ -41,8 +41,9 @@ DAYS_FILE: Final = "days.csv"
 SUMMARY_FILE: Final = "summary.json"
 _DPI: Final = 150
 _HOW: Final = (
-    "Means with intervals by Student's t over days; quantiles with intervals by order statistics; shares of days by"
-    " Wilson. Differences are taken seed by seed, so that what a seed does at both points drops out."
+    "Means with intervals by Student's t over days, corrected for skewness (Hall 1992); quantiles with intervals by"
+    " order statistics; shares of days by Wilson. Differences are taken seed by seed, so that what a seed does at both"
+    " points drops out."
 )
 
 
@@ -179,7 +180,8 @@ def _points_part(state: State, rows: Sequence[PointRow]) -> Part:
     if stop is not None:
         caption += (
             f" A point ends early once the interval of {FIGURES[stop.figure].title} is narrower than"
-            f" {stop.narrower_than:g}, after at least {stop.least_days} days."
+            f" {stop.narrower_than:g}, looked at after {', '.join(map(str, state.plan.looks))} days; intervals are so"
+            " wide that they hold at all these looks together."
         )
     return Part("Outcomes by point", caption, grids=(Grid(tuple(head), tuple(cells), 1),))
 

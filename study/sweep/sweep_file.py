@@ -78,7 +78,8 @@ class DrawTable(Record):
 class StopTable(Record):
     """`[stop]`: each point ends early, once the confidence interval of its mean is narrow enough.
 
-    Days count in the order of their seeds, whoever runs them: the table is the same wherever the days were run.
+    Days count in the order of their seeds, whoever runs them: the table is the same wherever the days were run. It is
+    looked at after `least_days`, and after half as many days again each time; intervals hold at all looks together.
     """
 
     figure: Annotated[str, about("which figure of a day")]

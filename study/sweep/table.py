@@ -96,7 +96,7 @@ def point_rows(state: State) -> tuple[PointRow, ...]:
 
 
 def _point_row(state: State, point: Point, first: Mapping[int, DayRecord]) -> PointRow:
-    confidence = state.plan.table.confidence
+    confidence = state.plan.confidence
     records = state.counted(point)
     counts = Counter(record.outcome for record in records)
     rows: dict[str, FigureRow] = {}
@@ -143,7 +143,7 @@ def effects(state: State, name: str) -> tuple[Effect, ...]:
             of_all = [frozenset(days) for days in (*sides[0], *side)]
             common = sorted(index for index in of_all[0] if all(index in days for days in of_all))
             pairs = [(_mean_on(sides[0], index), _mean_on(side, index)) for index in common]
-            estimate = difference_of(pairs, state.plan.table.confidence)
+            estimate = difference_of(pairs, state.plan.confidence)
             found.append(Effect(axis.name, place.label, FIGURES[name], estimate))
     return tuple(found)
 

@@ -6,7 +6,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final
 
-from host.units import UnitConfig, unit_of
+from host.unit import UnitConfig, unit_of
 from network.model import SectionKind, TagPurpose
 from onboard.authority.records import Ask
 from onboard.duty.plan import Leg, Plan, Span, Stop, Tag

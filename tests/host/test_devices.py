@@ -8,7 +8,7 @@ import pytest
 from host.boot import boot
 from host.devices import CODEC, DeviceSaid, DeviceTold, device_specs
 from host.party import Role
-from host.store import MemoryStore
+from host.store import MemoryStore, commission
 from network.errors import InputError
 from network.model import Position
 from wayside.config import (
@@ -66,8 +66,10 @@ def test_bytes_that_are_no_record_are_bad_input(data: bytes) -> None:
 )
 def test_a_device_that_was_configured_for_something_else_does_not_start(change: dict[str, object]) -> None:
     (_, _, west) = device_specs(MANAGER, TERMINALS, MASTER)
-    assert boot(west, MemoryStore()).epoch == 1
-    store = MemoryStore()
+    store, other = MemoryStore(), MemoryStore()
+    commission(store)
+    commission(other)
+    assert boot(west, other).epoch == 1
     with pytest.raises(InputError, match=r"config\.json.*expected"):
         boot(msgspec.structs.replace(west, **change), store)
     assert store.load().epoch == 0

@@ -26,7 +26,7 @@ from host.over_zenoh import ZenohParties
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance
 from host.planes import radio_key, session_json5, time_key
-from host.process import SECRETS_FILE, PartyProcess, environment
+from host.process import SECRETS_FILE, PartyProcess, environment, write_private
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, SectionEntry, TerminalConfig
 
 pytestmark = pytest.mark.system
@@ -123,14 +123,36 @@ def test_a_foreign_reply_ends_the_run(
             parties.restart("t")
 
 
-def test_only_its_owner_can_reach_the_socket_and_read_the_keys(parties: ZenohParties, tmp_path: Path) -> None:
+def test_only_its_owner_can_reach_the_socket(parties: ZenohParties, tmp_path: Path) -> None:
     socket = Path(parties.endpoint.removeprefix("unixsock-stream/"))
     assert stat.S_ISSOCK(socket.stat().st_mode)
     assert stat.S_IMODE(socket.stat().st_mode) == 0o600
     assert stat.S_IMODE(socket.parent.stat().st_mode) == 0o700
     for party_id in (MANAGER_ID, "t"):
         assert stat.S_IMODE((tmp_path / party_id).stat().st_mode) == 0o700
-        assert stat.S_IMODE((tmp_path / party_id / SECRETS_FILE).stat().st_mode) == 0o600
+
+
+def test_a_file_of_secrets_is_its_owners_alone_and_gone_once_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever is killed then leaves none; one that ends before it has read them leaves none either."""
+    modes: list[int] = []
+
+    def written(path: Path, data: bytes) -> None:
+        write_private(path, data)
+        modes.append(stat.S_IMODE(path.stat().st_mode))
+
+    monkeypatch.setattr(host.process, "write_private", written)
+    with zenoh_parties(tmp_path) as parties:
+        assert list(tmp_path.rglob(SECRETS_FILE)) == []
+        parties.kill("t")
+        parties.restart("t")
+        assert list(tmp_path.rglob(SECRETS_FILE)) == []
+    assert modes == [0o600] * 3
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(PartyError, match="ended with code 1"):
+        zenoh_parties(tmp_path).__enter__()
+    assert list(tmp_path.rglob(SECRETS_FILE)) == []
 
 
 def test_no_port_is_open_and_the_socket_goes_with_the_run(tmp_path: Path) -> None:
@@ -142,13 +164,18 @@ def test_no_port_is_open_and_the_socket_goes_with_the_run(tmp_path: Path) -> Non
     assert not folder.exists()
 
 
-def test_every_boot_has_secrets_of_its_own(parties: ZenohParties, tmp_path: Path) -> None:
-    file = tmp_path / "t" / SECRETS_FILE
-    before = file.read_bytes()
-    parties.kill("t")
-    parties.restart("t")
-    assert file.read_bytes() != before
-    assert (tmp_path / MANAGER_ID / SECRETS_FILE).read_bytes() not in (before, file.read_bytes())
+def test_every_boot_has_secrets_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[bytes] = []
+
+    def noted(path: Path, data: bytes) -> None:
+        written.append(data)
+        write_private(path, data)
+
+    monkeypatch.setattr(host.process, "write_private", noted)
+    with zenoh_parties(tmp_path) as parties:
+        parties.kill("t")
+        parties.restart("t")
+    assert len(set(written)) == len(written) == 3
 
 
 # trouble ----------------------------------------------------------------------------------------------------

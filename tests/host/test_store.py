@@ -9,7 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from host.store import Durable, FileStore, MemoryStore, Store, raise_epoch
+from host.store import (
+    Durable,
+    FileStore,
+    MemoryStore,
+    NotCommissioned,
+    Store,
+    commission,
+    commissioned,
+    raise_epoch,
+)
 from network.errors import InputError
 
 
@@ -83,3 +92,24 @@ def test_a_damaged_spare_is_a_lost_one(tmp_path: Path, damage: Callable[[bytes],
     FileStore(path).save(Durable(4, spare=b"units"))
     path.write_bytes(damage(path.read_bytes()))
     assert FileStore(path).load() == Durable(4, spare=None)
+
+
+@pytest.mark.parametrize("on_disk", [False, True])
+def test_a_store_is_blank_until_people_commission_it(tmp_path: Path, on_disk: bool) -> None:
+    store: Store = FileStore(tmp_path / "durable") if on_disk else MemoryStore()
+    with pytest.raises(NotCommissioned, match="people must commission it"):
+        commissioned(store, "point terminal t")
+    commission(store)
+    assert raise_epoch(commissioned(store, "point terminal t")).epoch == 1
+
+
+def test_commissioned_again_its_boots_begin_beyond_all_before_and_what_it_kept_is_lost() -> None:
+    store = MemoryStore()
+    commission(store)
+    for _ in range(300):
+        last = raise_epoch(store)
+    again = MemoryStore()
+    commission(again, 2, b"tokens")
+    first = raise_epoch(again)
+    assert first.epoch > last.epoch
+    assert (first.vital, first.spare) == (b"tokens", None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from heapq import heapify
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,13 +11,14 @@ import pytest
 from host.units import LocalUnits
 from network.model import Direction
 from network.timetable import AtPortal, Call, Diagram, Stabled, Timetable, TimetableTrain
-from onboard.duty.records import Accepted, Finished, LeftLine, Phase, Started
+from onboard.duty.records import Accepted, Finished, LeftLine, Phase, Started, SwitchedOn
 from simulation.agenda import Agenda, Due
 from simulation.cabs import Cabs
 from simulation.carriers.plain_track import PlainTrack
 from simulation.duties import PORTAL_RETRY_S, Duties, Stage
 from simulation.events import Entered, Left, PowerOff, PowerOn
 from simulation.journal import Journal
+from simulation.people import Pause, People
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.books import Books
 from simulation.world.on_board import OnBoard
@@ -24,10 +26,11 @@ from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
 
 ENTER_S, LEAD_S = 36_000.0, 210.0
+AT_ONCE = People(times=0.0)
 AT = round((ENTER_S - LEAD_S) * STEPS_PER_S)
 
 
-def two_trains(setup: Setup) -> Setup:
+def two_trains(setup: Setup, people: People) -> Setup:
     """K1 and K2 come in by the western portal; K2 has the same times, so it finds K1 there."""
     calls = (Call("A", "1", None, round(ENTER_S)), Call("B", "1", round(ENTER_S) + 120, None))
     trains = {
@@ -38,14 +41,14 @@ def two_trains(setup: Setup) -> Setup:
     diagrams = (Diagram("K1", ("T1",)), Diagram("K2", ("T2",)))
     timetable = Timetable(old.id, old.name, old.line_id, old.dwell_min_s, trains, diagrams)
     kind = setup.trains["K1"]
-    return Setup("two", setup.line, timetable, {"K1": kind, "K2": kind})
+    return Setup("two", setup.line, timetable, {"K1": kind, "K2": kind}, people=people)
 
 
 class Yard:
     """Two trains outside the western portal; the wayside hears them and says nothing."""
 
-    def __init__(self, setup: Setup) -> None:
-        setup = two_trains(setup)
+    def __init__(self, setup: Setup, people: People = AT_ONCE) -> None:
+        setup = two_trains(setup, people)
         lengths_m = {p.id: round(p.length_m, 6) for p in setup.line.pieces.values()}
         self.agenda, self.journal = Agenda(), Journal()
         self.trains = Trains(setup, PlainTrack(lengths_m, STEP_S))
@@ -54,6 +57,7 @@ class Yard:
         self.sent: list[tuple[str, str]] = []
         self.inputs: list[Any] = []
         wayside: Any = SimpleNamespace(
+            uncommissioned=set(),
             machines={},
             transmit=lambda _step, source, destination, _data: self.sent.append((source, destination)),
             input=lambda _step, _device, value: self.inputs.append(value),
@@ -91,6 +95,15 @@ class Yard:
 
     def accept(self, slot: int, step: int) -> None:
         self.duties.told(slot, Accepted("T1"), step)
+
+    def crews_to(self, step: int) -> None:
+        """Have crews do what is due by a step; nothing else goes on."""
+        due = sorted(item for item in self.agenda._heap if item.kind is Due.CREW and item.step <= step)
+        self.agenda._heap = [item for item in self.agenda._heap if item not in due]
+        heapify(self.agenda._heap)
+        for item in due:
+            pause, stock_id = item.subject.split(" ")
+            self.duties.crew_due(Pause(pause), self.trains.slot_of[stock_id], item.step)
 
 
 @pytest.fixture
@@ -206,6 +219,110 @@ def test_a_journey_that_ends_on_the_line_is_done(yard: Yard) -> None:
     yard.duties.told(0, Finished("T1"), AT + 100)
     assert yard.duties.finished(0)
     assert yard.trains.active() == [0]
+
+
+# people take time ---------------------------------------------------------------------------------------------------
+
+SLOW = People.model_validate({"sigma": 0.0} | {pause.value: 10.0 for pause in Pause})
+
+
+@pytest.fixture
+def slow(rtri_setup: Setup) -> Yard:
+    """A yard in which everything takes people ten seconds."""
+    return Yard(rtri_setup, SLOW)
+
+
+def test_a_crew_enters_its_number_some_time_after_it_has_come(slow: Yard) -> None:
+    slow.duties.take_up(0, AT)
+    assert slow.sent == []
+    slow.crews_to(AT + 99)
+    assert slow.sent == []
+    assert slow.duties.waiting()[0].waits_for == "its crew to enter the train number"
+    slow.crews_to(AT + 100)
+    assert ("K1", "block-manager") in slow.sent
+
+
+def test_a_train_comes_in_some_time_after_it_may_and_leaves_some_time_after_it_has_signed_off(
+    slow: Yard,
+) -> None:
+    slow.duties.take_up(0, AT)
+    slow.crews_to(AT + 100)
+    slow.accept(0, AT + 105)
+    slow.crews_to(AT + 204)
+    assert slow.trains.active() == []
+    slow.crews_to(AT + 205)
+    assert slow.trains.active() == [0]
+    slow.duties.told(0, LeftLine("T1"), AT + 300)
+    slow.crews_to(AT + 399)
+    assert slow.trains.active() == [0]
+    slow.crews_to(AT + 400)
+    assert slow.trains.active() == []
+
+
+def test_after_a_boot_the_brake_stays_on_until_the_number_is_entered(slow: Yard) -> None:
+    """A unit that has just booted knows of no train: what its sensors show tells it nothing."""
+    slow.duties.take_up(0, AT)
+    slow.crews_to(AT + 100)
+    slow.accept(0, AT + 100)
+    slow.crews_to(AT + 200)
+    slow.cabs.power_off(0, AT + 300)
+    assert slow.cabs.power_on(0, AT + 400)
+    slow.duties.powered_on(0, AT + 400)
+    assert slow.trains.truths[0].powered == 0
+    assert slow.on_board.tag_read(0, 1, 0.0) == []
+    assert slow.units._running["K1"].state.phase is Phase.OFF
+    slow.crews_to(AT + 499)
+    assert slow.units._running["K1"].state.phase is Phase.OFF
+    slow.crews_to(AT + 500)
+    assert slow.trains.truths[0].powered == 1
+    assert slow.units._running["K1"].state.phase is not Phase.OFF
+
+
+def test_power_lost_again_begins_the_wait_again(slow: Yard) -> None:
+    slow.duties.take_up(0, AT)
+    for off, on in ((AT + 50, AT + 60), (AT + 155, AT + 158)):
+        slow.cabs.power_off(0, off)
+        slow.cabs.power_on(0, on)
+        slow.duties.powered_on(0, on)
+    slow.crews_to(AT + 257)
+    assert slow.sent == []
+    slow.crews_to(AT + 258)
+    assert slow.sent != []
+
+
+def test_a_train_whose_unit_dies_before_it_has_left_does_not_leave(slow: Yard) -> None:
+    slow.duties.take_up(0, AT)
+    slow.crews_to(AT + 100)
+    slow.accept(0, AT + 100)
+    slow.crews_to(AT + 200)
+    slow.duties.told(0, LeftLine("T1"), AT + 300)
+    slow.cabs.power_off(0, AT + 350)
+    slow.cabs.power_on(0, AT + 360)
+    slow.duties.powered_on(0, AT + 360)
+    slow.crews_to(AT + 500)
+    assert slow.trains.active() == [0]
+
+
+def test_a_number_that_comes_up_before_the_crew_has_entered_one_is_the_one_it_enters(
+    slow: Yard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A unit that booted in its terminus is not told to change ends: its crew begins with the new number."""
+    slow.duties.take_up(0, AT)
+    slow.crews_to(AT + 100)
+    slow.accept(0, AT + 100)
+    slow.crews_to(AT + 200)
+    slow.cabs.power_off(0, AT + 300)
+    slow.cabs.power_on(0, AT + 310)
+    slow.duties.powered_on(0, AT + 310)
+    said: list[object] = []
+    monkeypatch.setattr(
+        slow.cabs, "tell", lambda _slot, _step, happened=(), _telegrams=(): said.extend(happened)
+    )
+    slow.duties._next["K1"] = 0  # its next train is due now
+    slow.duties.take_up(0, AT + 320)
+    assert said == []
+    slow.crews_to(AT + 410)
+    assert [type(happened) for happened in said] == [SwitchedOn]
 
 
 # cabs ---------------------------------------------------------------------------------------------------------------

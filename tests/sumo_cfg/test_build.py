@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
@@ -74,6 +75,18 @@ def test_a_refused_line_is_one_clear_error(plain: PlainXml) -> None:
     broken = PlainXml(plain.nodes, plain.edges.replace(b'from="w"', b'from="nowhere"'), plain.connections)
     with pytest.raises(InputError, match=r"^line hand: net is .*nowhere.*netconvert accepts$"):
         build.convert(broken, "hand")
+
+
+def test_a_complaint_names_no_file_that_is_gone(plain: PlainXml) -> None:
+    for broken in (
+        PlainXml(b"<nodes><node", plain.edges, plain.connections),
+        PlainXml(plain.nodes, b"<edges><edge", plain.connections),
+        PlainXml(plain.nodes, plain.edges, b"<connections><connection"),
+    ):
+        with pytest.raises(InputError, match="netconvert accepts") as refused:
+            build.convert(broken, "hand")
+        assert ".xml" not in str(refused.value)
+        assert re.search("the (nodes|edges|connections)", str(refused.value))
 
 
 def test_a_changed_line_is_built_once_and_kept(

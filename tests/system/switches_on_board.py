@@ -21,7 +21,14 @@ from onboard.duty import arrival, shown
 from onboard.duty import machine as duty_machine
 from onboard.duty.mission import Mission
 from onboard.duty.plan import Plan, PointsNeeded
-from onboard.duty.records import Command, Limit, Person, Place, PointsSeen, PointsWrong
+from onboard.duty.records import (
+    Command,
+    Limit,
+    Person,
+    Place,
+    PointsSeen,
+    PointsWrong,
+)
 from onboard.duty.turn import Turn
 from onboard.localisation import tags
 from onboard.localisation.fix import Fix, Refused, Taken, take
@@ -269,3 +276,11 @@ def commands_after_the_look(patch: pytest.MonkeyPatch) -> None:
         return msgspec.structs.replace(answer, telegrams=(*answer.telegrams, Telegram("B-W", data)))
 
     patch.setattr(Unit, "advance", rogue)
+
+
+# durable state -------------------------------------------------------------------------------------------------
+
+
+@switch
+def forgets_that_it_was_on_the_line(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr("host.unit._was_on_line", lambda _kept: False)

@@ -8,7 +8,8 @@ from dataclasses import replace
 import msgspec
 import pytest
 
-from host import device
+from host import device, store
+from host.store import Store
 from network.model import Position
 from onboard.authority import letters
 from onboard.authority import records as sym
@@ -217,3 +218,22 @@ def proves_what_it_has_not_detected(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr(point_terminal, "_shows", lambda *_: True)
     patch.setattr(point_terminal, "_proof", proof)
+
+
+# durable state ------------------------------------------------------------------------------------------------
+
+
+@switch
+def takes_a_lost_store_for_a_first_start(patch: pytest.MonkeyPatch) -> None:
+    def anew(kept: Store, _called: str) -> Store:
+        if kept.load().commissioned == 0:
+            store.commission(kept)
+        return kept
+
+    patch.setattr("host.boot.commissioned", anew)
+    patch.setattr("host.units.commissioned", anew)
+
+
+@switch
+def believes_an_empty_claim(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(reentry, "cannot_be_outside", lambda *_: False)

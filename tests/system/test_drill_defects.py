@@ -229,6 +229,13 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "K2 runs at low speed until position and holdings are known",
         ),
         "14c_manager_and_units_one_each": ("starts_with_every_section_free", "no invariant is broken"),
+        "15_crew_comes_late": (
+            "forgets_that_it_was_on_the_line",
+            "the unit is not taken for one that holds nothing",
+        ),
+        "16a_manager_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
+        "16b_unit_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
+        "16c_terminal_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "20_route_given_back": (keeps_a_route_set_back, "then the manager frees it"),
         "21_points_stuck": ("proves_what_it_has_not_detected", "the train waits before them"),
         "22_points_no_detection": ("proves_what_it_has_not_detected", "but not proven"),

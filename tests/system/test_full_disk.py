@@ -6,6 +6,7 @@ import os
 import resource
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
@@ -42,19 +43,34 @@ def journal() -> bytes:
     return execute(load_scenario(DAY), Link.SIMULATED).result.journal.to_bytes()
 
 
-def test_no_room_is_told_before_a_day_is_simulated(command: tuple[str, ...], tmp_path: Path) -> None:
-    done = limited(command, tmp_path, 100_000, "run", DAY, "--json")
+@pytest.mark.parametrize("room_bytes", [100_000, 1_000_000, 2_000_000])
+def test_no_room_is_told_before_a_day_is_simulated(
+    command: tuple[str, ...], tmp_path: Path, room_bytes: int
+) -> None:
+    """Not for a beginning, not for a report, not for the largest table of the end."""
+    done = limited(command, tmp_path, room_bytes, "run", DAY, "--json")
     assert done.returncode == Outcome.COULD_NOT_RUN.code
-    assert done.stderr == f"error: {tmp_path / 'runs'}: File too large\n"  # no hour of the day was told
+    assert done.stderr.startswith(f"error: {tmp_path / 'runs'}: File too large")
+    assert done.stderr.count("\n") == 1  # no hour of the day was told
     assert list(tmp_path.iterdir()) == []
 
 
+UNHELD: Final = """
+import sys
+from branchline.cli import main
+from study.run.directory import Reserved
+Reserved.hold_room = lambda place, size_bytes: None
+main()
+"""
+
+
 @pytest.mark.parametrize("room_bytes", [300_000, 1_000_000])
-def test_a_disk_that_is_full_costs_no_day(
-    command: tuple[str, ...], tmp_path: Path, journal: bytes, room_bytes: int
-) -> None:
-    """Full in the middle of the day, and when the report is written: what was run so far is there, to the byte."""
-    done = limited(command, tmp_path, room_bytes, "run", DAY, "--json")
+def test_a_disk_that_is_full_costs_no_day(tmp_path: Path, journal: bytes, room_bytes: int) -> None:
+    """Full in the middle of the day, and when tables are written: what was run so far is there, to the byte.
+
+    No room was held, as where others fill the disk faster than one can hold it.
+    """
+    done = limited((sys.executable, "-c", UNHELD), tmp_path, room_bytes, "run", DAY, "--json")
     assert done.returncode == Outcome.COULD_NOT_RUN.code
     (kept,) = (tmp_path / "runs").iterdir()
     last = done.stderr.splitlines()[-1]
@@ -75,13 +91,14 @@ def test_a_disk_that_is_full_costs_no_day(
     assert others in (set(), {f"{name}.parquet" for name in SCHEMAS})  # all tables, or none
 
 
-@pytest.fixture
-def small(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 700 kB: room for the journal of a day, or nearly."""
+@pytest.fixture(params=["700k"])
+def small(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]:
+    """A file system of its own; by default with room for the journal of a day, or nearly."""
     folder = tmp_path / "small"
     folder.mkdir()
+    size = f"size={request.param}"
     mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=700k", "tmpfs", str(folder)], capture_output=True, check=False
+        ["mount", "-t", "tmpfs", "-o", size, "tmpfs", str(folder)], capture_output=True, check=False
     )
     if mounted.returncode != 0:
         pytest.skip("only root can mount a file system of its own")
@@ -89,11 +106,41 @@ def small(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", str(folder)], check=True)
 
 
-def test_a_small_file_system_keeps_what_fits(
-    command: tuple[str, ...], tmp_path: Path, small: Path, journal: bytes
-) -> None:
+@pytest.mark.parametrize("small", ["6m"], indirect=True)
+def test_a_disk_that_others_fill_during_the_run_costs_no_report(tmp_path: Path, small: Path) -> None:
+    """They fill it to the last byte, and all of them when the run is over; what was held is enough."""
+    wrap = """
+import sys
+from pathlib import Path
+from branchline.cli import main
+from study.run import run
+execute = run.execute
+def filling(*given, **named):
+    done = execute(*given, **named)
+    with (Path(sys.argv[-1]).parent / "of_others").open("wb", buffering=0) as stream:
+        while True:
+            try:
+                stream.write(bytes(4096))
+            except OSError:
+                return done
+run.execute = filling
+main()
+"""
     done = subprocess.run(
-        [*command, "run", DAY, "--out", str(small / "run")],
+        [sys.executable, "-c", wrap, "run", "rtri_test_line", "--out", str(small / "run")],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (small / "run" / "report.html").read_bytes().rstrip().endswith(b"</html>")
+    assert {path.name for path in small.iterdir()} == {"run", "of_others"}
+
+
+def test_a_small_file_system_keeps_what_fits(tmp_path: Path, small: Path, journal: bytes) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", UNHELD, "run", DAY, "--out", str(small / "run")],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -107,9 +154,12 @@ def test_a_small_file_system_keeps_what_fits(
     assert "No space left" in (kept / "incomplete.txt").read_text("utf-8")  # room for which was there before
     assert [path.name for path in small.iterdir()] == [kept.name]
     full = subprocess.run(
-        [*command, "run", DAY, "--out", str(small / "other")], cwd=tmp_path, capture_output=True, check=False
+        [sys.executable, "-m", "branchline.cli", "run", DAY, "--out", str(small / "other")],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
     )
-    assert full.returncode in (Outcome.COULD_NOT_RUN.code, Outcome.GOOD.code)
+    assert full.returncode == Outcome.COULD_NOT_RUN.code
 
 
 def test_a_limit_is_an_error_and_no_signal() -> None:

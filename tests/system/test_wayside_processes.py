@@ -25,7 +25,8 @@ from study.scenario.scenario import load_scenario
 
 pytestmark = pytest.mark.system
 
-GONE_WITHIN_S = 15.0
+GONE_WITHIN_S = 120.0  # on a machine that does much else; beyond it the test has failed
+ENDS_WITHIN_S = 600.0  # so much a whole day may take there
 
 
 @dataclass
@@ -42,7 +43,7 @@ class Running:
         """Wait until the program has ended; what else it wrote on stderr."""
         assert self.program.stdout is not None
         assert self.program.stderr is not None
-        rest, err = self.program.communicate(timeout=60)
+        rest, err = self.program.communicate(timeout=ENDS_WITHIN_S)
         self.said = json.loads(rest) if rest else {}
         return "\n".join(text for text in err.splitlines() if ":00, " not in text)
 
@@ -173,7 +174,7 @@ def test_a_terminal_that_is_closed_ends_it_like_any_hang_up(
         shown += os.read(ours, 4096)
     devices = psutil.Process(child.pid).children(recursive=True)
     os.close(ours)
-    assert child.wait(timeout=60) == Outcome.HUNG_UP.code
+    assert child.wait(timeout=ENDS_WITHIN_S) == Outcome.HUNG_UP.code
     assert alive(devices) == []
     assert list(tmp_path.iterdir()) == []
 
@@ -208,7 +209,7 @@ def test_devices_end_by_themselves_when_the_simulator_is_killed(
 ) -> None:
     """What it leaves on disk, hidden, the next start sweeps: the run directory begun, and temporary folders."""
     running.program.kill()
-    running.program.wait(timeout=60)
+    running.program.wait(timeout=ENDS_WITHIN_S)
     assert alive(running.devices) == []
     runs = running.cwd / "runs"
     (left,) = runs.iterdir()

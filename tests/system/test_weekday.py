@@ -99,7 +99,7 @@ def zenoh(command: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
         out, err = program.communicate()
     assert program.returncode == 0, err
     processes = tuple(sorted((c[c.index("host.serve") + 1], c[c.index("--party") + 1]) for c in lines))
-    _, alive = psutil.wait_procs(children, timeout=10)
+    _, alive = psutil.wait_procs(children, timeout=120)
     return Day(json.loads(out), head + err, cwd / "day", processes, len(alive))
 
 

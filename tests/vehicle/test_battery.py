@@ -111,6 +111,21 @@ def test_the_link_balances_with_a_charger(soc: float, supply: float, drawn: floa
     assert row["supplied_j"] <= supply + 1e-6
 
 
+@pytest.mark.parametrize("limit_w", [50e3, 150e3, 250e3])
+def test_from_the_motors_it_takes_what_its_limit_says_and_from_a_charger_more(limit_w: float) -> None:
+    """300 kW come back, which the shipped limit of 400 kW lets in: a lower one binds, and a charger has its own."""
+    free, held, charged = battery()[0], battery()[0], battery()[0]
+    held["regeneration_max_w"] = charged["regeneration_max_w"] = limit_w
+    carry(free, 0.0, 300e3, 1.0)
+    assert (free["taken_j"], free["spilled_j"]) == (pytest.approx(300e3), pytest.approx(0.0, abs=1e-3))
+    carry(held, 0.0, 300e3, 1.0)
+    assert held["taken_j"] == pytest.approx(limit_w)
+    assert held["spilled_j"] == pytest.approx(300e3 - limit_w)
+    charged["supply_w"] = 300e3
+    carry(charged, 0.0, 0.0, 1.0)
+    assert charged["taken_j"] == pytest.approx(300e3)
+
+
 @settings(deadline=None)
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(1e3, 1e6))
 def test_a_charge_tapers(one: float, other: float, power_w: float) -> None:

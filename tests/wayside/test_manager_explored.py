@@ -359,10 +359,10 @@ SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
     "on sight only": (Register, "on_sight", lambda *_: ()),
     "in a station": (reentry, "in_station", lambda *_: True),
     "only its holder sweeps": (
-        block_manager,
-        "_swept",
-        lambda register, heard: (
-            block_manager.replace(register, unswept=register.unswept.difference(heard.message.swept)),
+        reentry,
+        "swept",
+        lambda register, _unit_id, swept: (
+            block_manager.replace(register, unswept=register.unswept.difference(swept)),
             (),
         ),
     ),

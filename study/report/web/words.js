@@ -46,6 +46,7 @@ export const WORDS = {
   "part_change of ends": ["change of ends", "エンド交換"],
   part_layover: ["layover", "折返し"],
   part_charging: ["charging", "充電"],
+  part_start: ["start", "起動"],
   part_length: ["length", "列車長"],
   part_bound: ["bound", "位置の幅"],
   part_release: ["release", "解放"],

@@ -13,10 +13,14 @@ from hypothesis import strategies as st
 from network.errors import InputError
 from network.files.line_file import parse_line, usable_length_m
 from network.graph import all_routes
+from network.making import layout
 from network.making.layout import LayoutRule
 from network.making.new_line import Asked, NewLine, make_line
+from network.making.station_list import TRACKS_MAX
 from network.model import Direction, Line, SectionKind, TagPurpose
 from network.tag_layout import lay_tags
+from sumo_cfg.build import build_net
+from sumo_cfg.truth_map import read_net
 
 STATION_KINDS = ("station", "halt", "signal station")
 
@@ -42,7 +46,7 @@ def station_rows(draw: st.DrawFn, spacing_km: tuple[float, float], most: int = 1
         at_end = i in (0, count - 1)
         row: dict[str, object] = {"name": f"Station {i}", "km": km}
         kind = "station" if at_end else draw(st.sampled_from(STATION_KINDS))
-        tracks = 1 if kind == "halt" else draw(st.integers(1, 4))
+        tracks = 1 if kind == "halt" else draw(st.integers(1, TRACKS_MAX))
         row |= {"kind": kind, "tracks": tracks}
         if at_end:
             row["end"] = draw(st.sampled_from(("stub", "portal")))
@@ -52,6 +56,8 @@ def station_rows(draw: st.DrawFn, spacing_km: tuple[float, float], most: int = 1
             row["side"] = draw(st.sampled_from(("right", "left")))
             if draw(st.booleans()):
                 row["normal"] = str(draw(st.integers(1, tracks)))
+            elif row.get("points", "both") == "both" and draw(st.booleans()):
+                row["offset_m"] = draw(st.sampled_from((-16.0, -8.0, 0.0, 8.0)))
         rows.append(row)
         km = round(km + draw(st.floats(*spacing_km)), 3)
     return rows
@@ -85,7 +91,7 @@ def assert_every_track_leads_to_every_next_one(rows: list[dict[str, object]], li
 
 @settings(max_examples=120)
 @given(
-    rows=station_rows((2.2, 8.0)),
+    rows=station_rows((3.0, 8.0)),
     speed=st.sampled_from((45.0, 65.0, 85.0)),
     length=st.sampled_from((20.0, 41.7, 80.0)),
 )
@@ -189,3 +195,41 @@ def test_the_text_is_the_line(tmp_path: Path) -> None:
     rows: list[dict[str, object]] = [{"name": "A", "km": 0.0}, {"name": "B", "km": 3.0, "tracks": 2}]
     new = made(tmp_path, rows)
     assert parse_line(new.text, "again") == new.line
+
+
+@pytest.mark.parametrize("offset_m", [None, 0.0])
+@pytest.mark.parametrize("tracks", range(1, TRACKS_MAX + 1))
+def test_a_station_has_as_many_tracks_as_are_asked_for(
+    tmp_path: Path, tracks: int, offset_m: float | None
+) -> None:
+    """At a stub, in the middle and at a portal; one of the tracks may lie where the points lead on."""
+    where = {} if offset_m is None or tracks == 1 else {"offset_m": offset_m}
+    rows: list[dict[str, object]] = [
+        {"name": f"Station {i}", "km": 4.0 * i, "kind": "station", "tracks": tracks, **where}
+        for i in range(3)
+    ]
+    rows[-1]["end"] = "portal"
+    line = made(tmp_path, rows).line
+    assert_every_track_leads_to_every_next_one(rows, line)
+    pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
+    (tmp_path / "net.xml").write_bytes(build_net(line))
+    assert read_net(tmp_path / "net.xml")
+
+
+@pytest.mark.parametrize("tracks", [0, TRACKS_MAX + 1])
+def test_other_numbers_of_tracks_are_refused_at_once(tmp_path: Path, tracks: int) -> None:
+    with pytest.raises(InputError, match=rf"stations\[1\].tracks is {tracks}; expected an integer 1 to"):
+        made(tmp_path, [{"name": "A", "km": 0.0}, {"name": "B", "km": 4.0, "tracks": tracks}])
+
+
+def test_a_list_of_which_no_line_comes_is_named_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Switched off, the points lead on where the middle one of five tracks lies: what is told names the list."""
+    lay = layout.LaidPoints
+    monkeypatch.setattr(layout, "LaidPoints", lambda **given: lay(**(given | {"offset_m": 0.0})))
+    rows: list[dict[str, object]] = [{"name": "A", "km": 0.0}, {"name": "B", "km": 4.0, "tracks": 5}]
+    with pytest.raises(InputError) as refused:
+        made(tmp_path, rows)
+    assert refused.value.file == str(tmp_path / "list.toml")
+    assert "same track" in refused.value.expected

@@ -19,6 +19,7 @@ from onboard.authority.records import (
     Confirmed,
     Contested,
     Event,
+    FoundAt,
     Refused,
     Renew,
     Request,
@@ -40,6 +41,8 @@ CLAIMING: Final = Request(Ask.SIGN_ON, section_ids=("3",), sent=True)
 HOLDING: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
 SIGNING_ON: Final = Authority(held=("3",), requests=(CLAIMING,))
 SIGNING_OFF: Final = Authority(held=("PE",), on_line=True, requests=(LEAVING,))
+AT_8: Final = Request(Ask.SIGN_ON, section_ids=("6", "8"), sent=True)
+ELSEWHERE: Final = "found in what it does not hold: 8"
 DENIED: Final = Refused(Ask.SIGN_ON, "", "held: section 5 of V2", lost_sight=False, answers=False)
 LESS, CONTESTED, REFUSED = (
     "the register has less",
@@ -152,6 +155,18 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SignedOn((), (), answers=False, newer=False),
         stopped(SIGNING_OFF, LESS),
         said(LESS, "PE"),
+    ),
+    "found where it holds nothing, the train is stopped, and signs on with where it is": (
+        HOLDING,
+        FoundAt(("6", "8")),
+        Authority(held=("6", "8"), mismatch=ELSEWHERE, requests=(AT_8,)),
+        (
+            Renew(Ask.SIGN_ON),
+            Write(notes.Holds(section_ids=("6", "8"), token=0)),
+            Write(notes.Mismatch(why=ELSEWHERE)),
+            Send(replace(AT_8, sent=False)),
+            SetTimer(AT_8.timer, REPEAT_S),
+        ),
     ),
     "an acceptance with all and more ends nothing: only the answer to its report does": (
         stopped(HOLDING, REFUSED),

@@ -25,6 +25,7 @@ from onboard.authority.records import (
     Due,
     EndOnLine,
     Event,
+    FoundAt,
     GiveBack,
     Granted,
     PeerRestarted,
@@ -74,6 +75,7 @@ STANDINGS: Final = {
 }
 EXAMPLES: Final[dict[type[Event], Event]] = {
     BeginOnLine: BeginOnLine(("3",)),
+    FoundAt: FoundAt(("5",)),
     EndOnLine: EndOnLine(),
     TakenOff: TakenOff(),
     AskRoute: AskRoute("3>8", SECTIONS),

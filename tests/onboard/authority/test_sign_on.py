@@ -42,6 +42,7 @@ P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 SIGN_ON, SIGN_OFF, REPORT = Timer("sign on"), Timer("sign off"), Timer("report")
 
 OFF: Final = Authority()
+BOOTED: Final = Authority(unsure=True)
 ON_LINE: Final = Authority(held=("PE",), on_line=True)
 HOLDING: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
 ASKED: Final = Request(Ask.ROUTE, "3>8", ("5", "6"), sent=True)
@@ -251,6 +252,12 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "an acceptance of another sign-off is none": (SIGNING_OFF, SignedOff(answers=False), SIGNING_OFF, ()),
     "asked off the line, it claims nothing": (OFF, Queried(), OFF, (SendClaim(()), claimed())),
+    "asked after a boot, before its crew has entered a train number, it does not know": (
+        BOOTED,
+        Queried(),
+        BOOTED,
+        (SendClaim(None),),
+    ),
     "asked while it waits to enter, it claims nothing": (
         WISHING,
         Queried(),

@@ -93,7 +93,7 @@ def test_bounds_hold_in_every_step_and_are_narrow_near_curves(plain: Ran) -> Non
     near = near_curves(result.trace["position_m"], plain.run)
     assert near.mean() > 0.7
     late = result.trace["position_m"] > 4000.0  # by then the wheels are known
-    assert np.median(plain.half_m[near & late]) < 3.0
+    assert np.median(plain.half_m[near & late]) < 5.0
     assert result.trace["estimate_error_m"][late].std() < 0.65
     assert plain.noted(notes.FixTaken) and not plain.noted(notes.ForeignTrack)
 
@@ -102,7 +102,7 @@ def test_the_wheels_scale_is_learned_as_an_interval_that_holds_it(plain: Ran) ->
     own = plain.run.trains.readers[SLOT].curvature
     scale = float(plain.run.trains.tachometers[SLOT].wheel_factor)
     assert own.scale_low <= scale <= own.scale_high
-    assert own.scale_high - own.scale_low < 0.004 < 2.0 * own.worn_share
+    assert own.scale_high - own.scale_low < 2.0 * own.varies_share + 0.002 < own.worn_share
     assert plain.run.trains.units[SLOT].odometer_scale == pytest.approx(scale, abs=0.002)
 
 
@@ -113,20 +113,25 @@ def test_worn_wheels_and_twice_the_noise_break_nothing(setup: Setup, wheel: floa
     assert np.median(made.half_m) < 4.0
 
 
-def test_wheels_that_creep_break_nothing_and_the_allowance_for_them_is_that_of_the_sensors(
-    setup: Setup,
-) -> None:
-    sensors = setup.sensors.model_copy(update={"creep_share": 0.007, "tread_conicity": 0.1})
+def test_wheels_that_creep_break_nothing_and_units_know_nothing_of_how_much(setup: Setup, plain: Ran) -> None:
+    """The allowance is what is stated of units, the same on wheels that creep and on wheels that do not."""
+    sensors = setup.sensors.model_copy(update={"creep_share": 0.0033, "tread_conicity": 0.1})
     made = ran(replace(setup, sensors=sensors, seed=1))
+    before, even = (PositionRun(one.run.setup).trains.readers[SLOT].curvature for one in (made, plain))
+    assert before == even  # all that the unit knows before it has moved
     own = made.run.trains.readers[SLOT].curvature
+    wheel_m = float(next(iter(setup.trains.values())).row[0]["wheel_diameter_m"])
+    assert own.varies_share == even.varies_share > sensors.wheel_varies_share(wheel_m)
     scale = float(made.run.trains.tachometers[SLOT].wheel_factor)
-    assert own.varies_share == own.lasting_share > sensors.creep_share > setup.curvature.wheels_vary_share
     assert made.result.arrived and made.result.out_m <= 0.0
     assert own.scale_low <= scale <= own.scale_high
-    run = PositionRun(made.run.setup)
+
+
+def test_without_its_allowance_wheels_that_creep_break_the_bounds(setup: Setup) -> None:
+    creeping = {"creep_share": 0.007, "tread_conicity": 0.1, "carries": (Carried.CURVATURE,)}
+    run = PositionRun(replace(setup, sensors=setup.sensors.model_copy(update=creeping), seed=1))
     sure = run.trains.readers[SLOT].curvature
-    sure.varies_share = sure.lasting_share = 0.0  # as if its wheels did not creep
-    sure.scale_low, sure.scale_high = 0.98, 1.02
+    sure.varies_share, sure.scale_low, sure.scale_high = 0.0, 0.98, 1.02
     assert run.run().out_m > 0.0
 
 
@@ -138,7 +143,7 @@ def test_a_bias_that_jumps_by_too_little_to_be_noticed_breaks_no_bounds(seed: in
     made = ran(replace(load_scenario("kururi_weekday").setup, seed=seed), jump)
     assert made.result.arrived and made.result.out_m <= 0.0
     after = made.result.trace["position_m"] > to_m + 600.0
-    assert np.median(made.half_m[after]) < 5.0  # there are fixes
+    assert np.median(made.half_m[after]) < 6.0  # there are fixes
 
 
 def test_without_room_for_noise_the_bounds_break(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,6 +154,7 @@ def test_without_room_for_noise_the_bounds_break(setup: Setup, monkeypatch: pyte
     own.sure_sigmas = own.gain_share = own.delay_share = 0.01
     own.rail_heading_rad = own.yaw_density = own.rail_level = own.rail_peak = 1e-12
     own.map_error_m = -0.3
+    own.varies_share = 0.0
     assert run.run().out_m > 0.0
 
 

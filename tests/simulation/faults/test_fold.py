@@ -23,6 +23,7 @@ from simulation.faults.rail import Slippery
 from simulation.faults.script import Failure, Script, Trigger
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.journal import Journal
+from simulation.people import People
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
 from simulation.world.clock import Clock
@@ -54,6 +55,7 @@ class World:
         self.cut_out = 0
         self.trains: Any = SimpleNamespace(
             slot_of={"K1": 0},
+            setup=SimpleNamespace(people=People(times=0.0), seed=1, today=()),
             tachometers=[self.tachometer],
             plants=[self.plant],
             premises=Premises([self.tachometer], [self.unit]),  # type: ignore[list-item]
@@ -65,6 +67,7 @@ class World:
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
         self.wayside: Any = SimpleNamespace(
             section_ids=(),
+            sections_of={},
             machines=machines,
             set_machine=lambda _step, machine: machines.update({machine.points_id: machine}),
             power_on=lambda _step, device: self.power.update({device: True}),
@@ -86,6 +89,7 @@ class World:
             lambda _unit, _hold_s: None,
             lambda unit, clock: self.clocks.update({unit: clock}),
             lambda _unit, part, good: self.vehicle.update({part: good}),
+            lambda _unit, _number: None,
         )
         self.injector.start(0)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,21 +16,26 @@ from onboard.duty.records import Command
 from radio.air import Delivery
 from simulation.agenda import Agenda
 from simulation.events import WORLD, FaultBegan, FaultOver, PointsMoving
-from simulation.faults.devices import PowerOff, Restart
+from simulation.faults.devices import LostStore, PowerOff, Restart
 from simulation.faults.injector import Injector
 from simulation.faults.links import Cut, Delay, Duplicate, Flip, Link, LinkFault, Loss, Reorder
 from simulation.faults.points import Stuck
 from simulation.faults.script import Act, ActKind, Failure, Script, Trigger, matcher_of
 from simulation.journal import Journal
+from simulation.people import People
 from simulation.sensors.tag_reader import Miss
 from simulation.setup import STEPS_PER_S
 from simulation.world.clock import Clock
 from simulation.world.point_machine import PointMachine
+from wayside.point_terminal import Memory
 from wayside.said import (
+    Accepted,
     AcceptPicture,
     ConfirmHolding,
     ConfirmOutside,
     EnterSection,
+    Freed,
+    Granted,
     PictureChanged,
     Started,
     TakeBack,
@@ -38,22 +44,34 @@ from wayside.said import (
 SENT = (Delivery(100, b"telegram"),)
 
 
+AT_ONCE = People(times=0.0)
+
+
 class World:
     """Stands for trains and wayside; keeps what is done to it."""
 
-    def __init__(self, *script: Failure | Act, seed: int = 1) -> None:
+    def __init__(self, *script: Failure | Act, seed: int = 1, people: People = AT_ONCE) -> None:
         self.inputs: list[tuple[str, Any]] = []
         self.switched: list[tuple[str, bool]] = []
         self.frozen: list[tuple[str, bool]] = []
         self.repaired: list[str] = []
         self.given_back: list[tuple[str, float]] = []
+        self.commissioned: list[tuple[str, int]] = []
+        self.lost: list[str | int] = []
+        self.memories: list[bytes] = []
         self.clocks: list[tuple[str, Clock]] = []
         self.shown: list[tuple[str, str, bool]] = []
         shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
-        on_board: Any = SimpleNamespace(shown=shown.__getitem__)
+        on_board: Any = SimpleNamespace(
+            shown=shown.__getitem__, uncommissioned={0}, lose_store=self.lost.append
+        )
         self.wayside: Any
         trains: Any = SimpleNamespace(
-            stock_ids=("K1", "K2"), slot_of={"K1": 0, "K2": 1}, tag_faults={}, sections_under=dict
+            stock_ids=("K1", "K2"),
+            slot_of={"K1": 0, "K2": 1},
+            tag_faults={},
+            sections_under=dict,
+            setup=SimpleNamespace(people=people, seed=seed, today=()),
         )
         self.trains, self.tag_faults = trains, trains.tag_faults
         self.wayside = SimpleNamespace(
@@ -64,6 +82,10 @@ class World:
             repair=lambda _step, points, _position: self.repaired.append(points),
             power_on=lambda _step, device: self.switched.append((device, True)),
             power_off=lambda _step, device: self.switched.append((device, False)),
+            sections_of={"B-W": ("7",)},
+            uncommissioned={"B-W"},
+            lose_store=self.lost.append,
+            commission=self._commission,
         )
         self.journal, self.agenda = Journal(), Agenda()
         self.injector = Injector(
@@ -82,8 +104,13 @@ class World:
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
             lambda unit_id, clock: self.clocks.append((unit_id, clock)),
             lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
+            lambda unit_id, number: self.commissioned.append((unit_id, number)),
         )
         self.injector.start(0)
+
+    def _commission(self, _step: int, device_id: str, number: int, vital: bytes) -> None:
+        self.commissioned.append((device_id, number))
+        self.memories.append(vital)
 
     def run_to(self, step: int) -> None:
         while (item := self.agenda.pop_due(step)) is not None:
@@ -172,6 +199,40 @@ def test_power_goes_off_and_comes_back_on_units_and_devices() -> None:
     ]
 
 
+def test_a_store_is_lost_with_the_power() -> None:
+    world = World(*(Failure(LostStore(target=who), Trigger(at_s=1.0), 5.0) for who in ("K1", "B-W")))
+    world.run_to(2 * STEPS_PER_S)
+    assert world.switched == [("K1", False), ("B-W", False)]
+    assert world.lost == [0, "B-W"]
+    world.run_to(6 * STEPS_PER_S)
+    assert world.switched[2:] == [("K1", True), ("B-W", True)]
+    assert len(world.lost) == 2
+
+
+def test_people_commission_what_waits_for_it_each_time_with_a_greater_number() -> None:
+    acts = [Act(ActKind.COMMISSION, who, Trigger(at_s=1.0)) for who in ("K1", "K2", "B-W", "B-E", "K1")]
+    world = World(*acts)
+    world.run_to(1 * STEPS_PER_S)
+    assert world.commissioned == [("K1", 2), ("B-W", 2), ("K1", 3)]
+
+
+def test_a_terminal_commissioned_again_takes_no_command_under_an_older_token_than_the_last_given() -> None:
+    """Whoever was given the section last goes on; of one that persons spoke for, nobody does."""
+    world = World(
+        Act(ActKind.COMMISSION, "B-W", Trigger(at_s=1.0)), Act(ActKind.COMMISSION, "B-W", Trigger(at_s=2.0))
+    )
+    for unit_id, token in (("K1", 5), ("K2", 6)):
+        granted = Granted(unit_id=unit_id, section_ids=("5", "7"), token=token, route_id="r")
+        world.journal.write(0.5, "block-manager", granted)
+    again = Accepted(unit_id="K2", section_ids=("7",), token=9, was="unknown")
+    world.journal.write(0.6, "block-manager", again)
+    world.run_to(1 * STEPS_PER_S)
+    world.journal.write(1.5, "block-manager", Freed(unit_id="K2", section_ids=("7",), by="Sato"))
+    world.run_to(2 * STEPS_PER_S)
+    memories = [msgspec.msgpack.decode(vital, type=Memory) for vital in world.memories]
+    assert memories == [Memory({"7": 6}), Memory({"7": 7})]
+
+
 def test_an_event_begins_a_fault_with_its_delay() -> None:
     from simulation.faults.script import matcher_of
 
@@ -195,6 +256,45 @@ def test_re_entry_by_hand_enters_every_section_by_what_units_on_the_line_hold() 
         ("block-manager", EnterSection("5", "K1", "Sato")),
         ("block-manager", AcceptPicture("Sato")),
     ]
+
+
+SLOW = People(sigma=0.0, word_s=4.0)
+
+
+def test_words_of_a_person_come_one_after_the_other() -> None:
+    """Without a pace of its own each word takes a time of `[people]`; with one, that."""
+    for act, every in ((Act(ActKind.REENTER_BY_HAND, "", Trigger(at_s=1.0)), 40), (_PACED, 20)):
+        world = World(act, people=SLOW)
+        for count in range(1, 5):
+            world.run_to(10 + every * count - 1)
+            assert len(world.inputs) == count - 1
+            world.run_to(10 + every * count)
+            assert len(world.inputs) == count
+
+
+_PACED = Act(ActKind.REENTER_BY_HAND, "", Trigger(at_s=1.0), pace_s=2.0)
+
+
+def test_several_sections_are_several_words_the_first_at_the_time_of_the_act() -> None:
+    world = World(Act(ActKind.ENTER_SECTION, "K1", Trigger(at_s=1.0), "Sato", ("PW", "3", "5")), people=SLOW)
+    counts = []
+    for step in (9, 10, 49, 50, 89, 90):
+        world.run_to(step)
+        counts.append(len(world.inputs))
+    assert counts == [0, 1, 1, 2, 2, 3]
+
+
+def test_who_waits_for_an_event_acts_some_time_after_it() -> None:
+    at_points = matcher_of("points P7 move")
+    act = Act(ActKind.TAKE_BACK, "K1", Trigger(on=at_points), "Sato")
+    said = replace(act, trigger=replace(act.trigger, after_s=1.0))
+    for item, begins in ((act, 140), (said, 110)):
+        world = World(item, people=SLOW)
+        world.journal.write(10.0, WORLD, PointsMoving(points_id="P7", target=Position.NORMAL))
+        world.run_to(begins - 1)
+        assert world.inputs == []
+        world.run_to(begins)
+        assert len(world.inputs) == 1
 
 
 def test_re_entry_by_hand_enters_where_trains_truly_stand_too() -> None:

@@ -16,11 +16,14 @@ from simulation.world.charge_control import (
     NOT_MOVED,
     RISING,
     UP,
+    drain,
     fits,
+    offer,
     steer,
 )
 from vehicle.battery import available_j, stand
-from vehicle.train_file import load_train, shipped_train
+from vehicle.dynamics import step
+from vehicle.train_file import load_train, new_plant, shipped_train
 
 KWH = 3.6e6
 
@@ -118,3 +121,39 @@ def test_where_the_plan_has_no_time_it_comes_down_with_enough() -> None:
     stood = Stood(0.5, -math.inf)
     stood.charging["needed_j"] = available_j(stood.battery[0]) + 10.0 * KWH
     assert [state for _, state in stood.until(300.0)][:4] == [RISING, UP, FALLING, DOWN]
+
+
+# what the battery takes from the motors -----------------------------------------------------------------------------
+
+
+def braked(limit_w: float) -> tuple[float, NDArray[np.void], NDArray[np.void]]:
+    """A stop from 18 m/s: the greatest power that reached the battery (W), and battery and plant after it."""
+    train = load_train(shipped_train("ev_e301"))
+    assert train.battery is not None
+    own, plant = train.battery.copy(), new_plant(1, 18.0)
+    own["charge_c"] = 0.5 * own["full_c"]
+    own["regeneration_max_w"] = limit_w
+    most_w = 0.0
+    while plant["speed_mps"][0] > 0.0:
+        offer(own[0], plant[0], 0.1)
+        traction_j, back_j = float(plant["energy_traction_j"][0]), float(plant["energy_regenerated_j"][0])
+        taken_j = float(own["taken_j"][0])
+        step(plant[0], train.row[0], -7.0, False, 0.0, 0.0, 0.1)
+        drain(own[0], plant[0], train.row[0], traction_j, back_j, 0.1)
+        most_w = max(most_w, (float(own["taken_j"][0]) - taken_j) / 0.1)
+    return most_w, own, plant
+
+
+def test_a_limit_on_regeneration_binds_and_the_air_brake_does_the_rest() -> None:
+    """Motors of 380 kW never reach the shipped limit of 400 kW: 100 kW is one that binds."""
+    free_w, _, free = braked(400e3)
+    held_w, own, held = braked(100e3)
+    assert free_w > 150e3
+    assert free["energy_rejected_j"][0] == 0.0
+    assert held_w == pytest.approx(100e3, rel=1e-6)
+    assert held["energy_rejected_j"][0] > 0.2 * free["energy_regenerated_j"][0]
+    assert held["energy_friction_j"][0] > free["energy_friction_j"][0]
+    assert held["travelled_m"][0] == pytest.approx(free["travelled_m"][0], abs=1e-6)
+    assert own["spilled_j"][0] == pytest.approx(
+        0.0, abs=1.0
+    )  # the motors are held, nothing is given back in vain

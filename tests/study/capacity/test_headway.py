@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Direction
+from study.capacity import headway as module
 from study.capacity.headway import Headway, HeadwayKind, headways_of, visits_at
 from study.capacity.legs import costs_between
 from study.capacity.occupation import Cost
@@ -35,7 +36,21 @@ def two(first: Direction, second: Direction, loop: str = "L", throw_s: float = 4
         ("B", two(UP, UP, "M"), HeadwayKind.FOLLOWING, "M.2", 180.0 + 30.0 + 15.0 + 10.0),
         ("L", two(UP, DOWN), HeadwayKind.ARRIVAL_DEPARTURE, "S2", 15.0 + 10.0),
         ("L", two(DOWN, DOWN), HeadwayKind.DEPARTURE_ARRIVAL, "L.1", 15.0 + 10.0 + 300.0),
-        ("L", two(DOWN, UP), HeadwayKind.DEPARTURE_ARRIVAL, "S2", 240.0 + 15.0 + 10.0 + 240.0),
+        ("L", two(DOWN, UP, "M"), HeadwayKind.DEPARTURE_ARRIVAL, "S2", 240.0 + 15.0 + 10.0 + 240.0),
+        # M has one track: the first goes on to B before the second can leave B, which stands at M and comes to L
+        (
+            "L",
+            two(DOWN, UP),
+            HeadwayKind.DEPARTURE_ARRIVAL,
+            "S3",
+            (240.0 + 30.0 + 180.0 + 15.0) + (10.0 + 180.0 + 30.0 + 240.0),
+        ),
+        # from the same track: that is free 15 after the first has left, the second let in 10 before it leaves A,
+        # where it comes from, 300 away, and stands 60
+        ("L", two(DOWN, DOWN, "M"), HeadwayKind.FOLLOWING, "L.1", 15.0 + 10.0 + 300.0 + 60.0),
+        # the same at M, and up at L
+        ("M", two(DOWN, DOWN), HeadwayKind.FOLLOWING, "M.1", 15.0 + 10.0 + 240.0 + 30.0),
+        ("L", two(UP, UP), HeadwayKind.FOLLOWING, "L.2", 15.0 + 10.0 + 240.0 + 60.0),
     ],
 )
 def test_by_hand(
@@ -45,6 +60,12 @@ def test_by_hand(
     assert found.section_id == section
     assert found.least_s == pytest.approx(least_s, abs=1e-9)
     assert found.first_s + found.second_s == pytest.approx(least_s, abs=1e-9)
+
+
+def test_without_the_way_in_two_trains_would_share_a_track(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "WAY_IN_COUNTS", False)
+    found = between("M", *two(DOWN, DOWN))[HeadwayKind.FOLLOWING]
+    assert found.least_s == pytest.approx(180.0 + 15.0 + 10.0)  # no more than S3
 
 
 def test_a_train_that_overtakes_opens_the_way_and_one_that_is_overtaken_closes_up() -> None:

@@ -18,7 +18,7 @@ from study.scenario.scenario import load_scenario
 from tests.study.capacity.by_hand import two_blocks
 
 R, A, G, T, P = Part.REQUEST, Part.AIR, Part.GRANT, Part.THROW, Part.PROOF
-NEAR, READY, RUN, DWELL, HELD = Part.APPROACH, Part.READY, Part.RUN, Part.DWELL, Part.HELD
+NEAR, READY, RUN, DWELL = Part.APPROACH, Part.READY, Part.RUN, Part.DWELL
 LENGTH, BOUND, FREE = Part.LENGTH, Part.BOUND, Part.RELEASE
 
 # The train signs on 210 s before its departure from A, 0.1 s each way, and asks at once, 0.1 s each way: it leaves the
@@ -44,7 +44,16 @@ LENGTH, BOUND, FREE = Part.LENGTH, Part.BOUND, Part.RELEASE
 #         552 m (arrival tag)    66.394 - sqrt(56 / 0.6)       56.733
 # Points P2 lie right; P5 and P7 lie reverse and are thrown in 6 s. Each tag proves what lies behind at once.
 BY_HAND = {
-    "PW": ((A, 0.1), (G, 0.1), (HELD, 0.2), (RUN, 6.325), (LENGTH, 4.629), (BOUND, 28.080), (FREE, 0.1)),
+    "PW": (
+        (A, 0.1),
+        (G, 0.1),
+        (A, 0.1),
+        (G, 0.1),
+        (RUN, 6.325),
+        (LENGTH, 4.629),
+        (BOUND, 28.080),
+        (FREE, 0.1),
+    ),
     "1": ((A, 0.1), (G, 0.1), (NEAR, 6.325), (RUN, 20.564), (LENGTH, 3.549), (BOUND, 8.596), (FREE, 0.1)),
     "2": (
         *((A, 0.1), (G, 0.1), (NEAR, 7.746), (A, 0.1), (P, 0.1), (NEAR, 18.943)),
@@ -66,7 +75,7 @@ BY_HAND = {
         *((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 26.004), (A, 0.1), (T, 6.0), (P, 0.1), (NEAR, 12.384)),
         *((RUN, 5.476), (LENGTH, 4.783), (BOUND, 1.886), (FREE, 0.1)),
     ),
-    "8": ((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 50.064), (RUN, 16.330)),
+    "8": ((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 50.064), (RUN, 16.330), (Part.LAYOVER, 0.0)),
 }
 POINTS_BY_SECTION = {"2": 1, "5": 1, "7": 1}
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import polars as pl
 import pytest
 
@@ -18,12 +20,16 @@ def figure(run: Run, group: str, name: str, unit: str = "") -> float | None:
     return found.value
 
 
+LATE: list[float | None] = [-20.0, 0.0, 0.1, 15.0, 60.0, 60.1, 180.0, 300.1, None, -1.0]
+
+
 def arrivals(run: Run, late_s: list[float | None]) -> Run:
     """A run with so many planned arrivals at one station each, late by so much; None did not come."""
     stops = run.tables.stops.filter(pl.col("planned_arrival_s").is_not_null()).head(len(late_s))
     late = pl.Series(late_s, dtype=pl.Float64)
+    own = Run(run.line, replace(run.timetable, trains={}), run.tables)  # what is planned stands in the stops
     return with_tables(
-        run,
+        own,
         stops=stops.with_columns(
             late.alias("late_arrival_s"), (pl.col("planned_arrival_s") + late).alias("arrival_s")
         ),
@@ -31,7 +37,7 @@ def arrivals(run: Run, late_s: list[float | None]) -> Run:
 
 
 def test_punctuality_counts_what_did_not_come_as_late(weekday: Run) -> None:
-    run = arrivals(weekday, [-20.0, 0.0, 0.1, 15.0, 60.0, 60.1, 180.0, 300.1, None, -1.0])
+    run = arrivals(weekday, LATE)
     shares = {
         name: figure(run, "arrivals", name, "%")
         for name in (
@@ -43,9 +49,24 @@ def test_punctuality_counts_what_did_not_come_as_late(weekday: Run) -> None:
         )
     }
     assert list(shares.values()) == pytest.approx([30.0, 50.0, 60.0, 80.0, 80.0])
-    assert figure(run, "arrivals", "worst lateness", "s") == 300.1
-    late = [-20.0, 0.0, 0.1, 15.0, 60.0, 60.1, 180.0, 300.1, -1.0]
-    assert figure(run, "arrivals", "mean lateness", "s") == pytest.approx(sum(late) / 9)
+    assert figure(run, "arrivals", "never came", "") == 1.0
+    never_s = figure(run, "arrivals", "worst lateness", "s")
+    assert never_s is not None and never_s > 300.1
+    known = [late for late in LATE if late is not None]
+    assert figure(run, "arrivals", "mean lateness", "s") == pytest.approx((sum(known) + never_s) / 10)
+
+
+def test_nothing_is_better_for_trains_that_never_ran(weekday: Run) -> None:
+    """Half of the trains left out of the table of stops: they are planned all the same."""
+    half = set(sorted(weekday.timetable.trains)[::2])
+    fewer = with_tables(weekday, stops=weekday.tables.stops.filter(pl.col("train").is_in(half)))
+    for group in ("arrivals", "departures"):
+        assert figure(fewer, group, "planned", "") == figure(weekday, group, "planned", "")
+        assert figure(fewer, group, "at most 5 min late", "%") < figure(
+            weekday, group, "at most 5 min late", "%"
+        )
+        for name in ("mean lateness", "worst lateness"):
+            assert figure(fewer, group, name, "s") > figure(weekday, group, name, "s") + 60.0
 
 
 def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: Run) -> None:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from network.model import Direction
 from network.timetable import Call, Diagram, Stabled, Timetable, TimetableTrain
 from simulation.result import StopRecord
+from study.measures import day_figures
 from study.measures.day_figures import figures_of_stops
+from study.sweep.figures import FIGURES
 
 
 def stop(number: str, station: str, planned_s: float | None, arrival_s: float | None) -> StopRecord:
@@ -39,6 +43,9 @@ THREE = plan(
 )
 
 
+END_S = 500.0 + 3600.0  # an hour after the last planned time
+
+
 def test_lateness_punctuality_and_what_is_missing() -> None:
     figures = figures_of_stops(
         [
@@ -53,10 +60,11 @@ def test_lateness_punctuality_and_what_is_missing() -> None:
     assert (figures.planned_trains, figures.arrived_trains, figures.missing) == (3, 1, ("2", "3"))
     assert (figures.planned_arrivals, figures.arrivals) == (5, 3)
     assert figures.within == (0.4, 0.4, 0.6)
-    assert figures.mean_late_s == pytest.approx((30 + 200 - 10) / 3, abs=1e-3)
-    assert (figures.median_late_s, figures.worst_late_s) == (30.0, 200.0)
-    assert (figures.worst_train, figures.worst_station) == ("1", "C")
-    assert figures.lost_train_minutes == pytest.approx(200 / 60, abs=1e-3)
+    never_s = (END_S - 300.0, END_S - 500.0)  # 2 at A, 3 at B
+    assert figures.mean_late_s == pytest.approx((30 + 200 - 10 + sum(never_s)) / 5, abs=1e-3)
+    assert (figures.median_late_s, figures.worst_late_s) == (200.0, never_s[0])
+    assert (figures.worst_train, figures.worst_station) == ("2", "A")
+    assert figures.lost_train_minutes == pytest.approx((200 + sum(never_s)) / 60, abs=1e-3)
 
 
 def test_a_day_without_trains() -> None:
@@ -68,3 +76,31 @@ def test_a_day_on_which_nothing_ran_is_not_punctual() -> None:
     figures = figures_of_stops([], THREE)
     assert (figures.planned_arrivals, figures.arrivals, figures.within) == (5, 0, (0.0, 0.0, 0.0))
     assert figures.missing == ("1", "2", "3")
+    assert figures.mean_late_s == pytest.approx(END_S - (100 + 200 + 100 + 300 + 500) / 5)
+
+
+@given(st.data())
+def test_no_figure_is_better_for_arrivals_that_do_not_come(data: st.DataObject) -> None:
+    """However late they were, and whichever of them are left out."""
+    late_s = st.one_of(st.floats(-200, 20_000), st.none())
+    stops = [
+        stop(number, call.station_id, float(call.arrival_s), None if late is None else call.arrival_s + late)
+        for number, train in THREE.trains.items()
+        for call in train.calls
+        if call.arrival_s is not None
+        for late in [data.draw(late_s)]
+    ]
+    fewer = [one for one in stops if data.draw(st.booleans())]
+    before, after = figures_of_stops(stops, THREE), figures_of_stops(fewer, THREE)
+    for name, figure in FIGURES.items():
+        was, is_now = figure.of(before), figure.of(after)
+        assert was is not None and is_now is not None, name
+        assert is_now <= was if figure.more_is_better else is_now >= was, name
+
+
+def test_lateness_of_what_came_alone_is_better_for_trains_that_do_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The rule switched off: what never came counts as on time."""
+    monkeypatch.setattr(day_figures, "latest_end_s", lambda timetable: 0.0)
+    assert figures_of_stops([], THREE).mean_late_s < 0.0

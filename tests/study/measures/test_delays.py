@@ -167,8 +167,10 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
     ]
     assert late_stretches(result(last), plan) == (LateStretch(1860.0, 2350.0),)
     never = [*ON_TIME[:3], stop("2", "C", (None, 1800.0), (None, None))]
-    assert late_stretches(result(never), plan) == (LateStretch(1860.0, 4000.0, over=False),)
-    assert late_stretches(result(ON_TIME[:3]), plan) == (LateStretch(1860.0, 4000.0, over=False),)
+    assert late_stretches(result(never), plan) == (LateStretch(1860.0, 5900.0, over=False),)
+    assert late_stretches(result(ON_TIME[:3]), plan) == (LateStretch(1860.0, 5900.0, over=False),)
+    on_the_way = ON_TIME[:4]  # left to plan, and never came
+    assert late_stretches(result(on_the_way), plan) == (LateStretch(2360.0, 5900.0, over=False),)
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:

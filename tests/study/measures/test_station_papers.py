@@ -11,6 +11,7 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
 from network.timetable import Timetable, parse_timetable
+from study.measures.missing import planned_times
 from study.measures.punctuality import ALL_STATIONS, punctuality
 from study.measures.station_papers import (
     STATION_TIMETABLE,
@@ -20,6 +21,8 @@ from study.measures.station_papers import (
 )
 from study.run.tables import SCHEMAS, make_table
 
+END_S = 86_400.0
+NO_TRAINS = Timetable("none", "none", "karasuyama", 20.0, {}, ())  # what is planned stands in the stops
 TIMES = """
 [timetable]
 id = "small"
@@ -177,7 +180,10 @@ def test_the_station_timetable_has_every_call_with_where_it_goes(
 
 
 def test_punctuality_by_station_by_hand(stops: pl.DataFrame, line: Line) -> None:
-    found = {(row["station"], row["what"]): row for row in punctuality(stops, line).to_dicts()}
+    found = {
+        (row["station"], row["what"]): row
+        for row in punctuality(planned_times(stops, NO_TRAINS), line).to_dicts()
+    }
     ogane = found["OGN", "arrival"]
     assert (ogane["planned"], ogane["came"], ogane["on_time_share"]) == (1, 1, 0.0)  # 65 s late
     assert (ogane["mean_s"], ogane["sigma_s"], ogane["worst_s"]) == (65.0, None, 65.0)
@@ -197,16 +203,31 @@ def test_what_did_not_come_is_not_on_time(stops: pl.DataFrame, line: Line) -> No
     )
     row = next(
         row
-        for row in punctuality(lost, line).to_dicts()
+        for row in punctuality(planned_times(lost, NO_TRAINS, END_S), line).to_dicts()
         if (row["station"], row["what"]) == ("SHN", "arrival")
     )
     assert (row["planned"], row["came"], row["on_time_share"]) == (1, 0, 0.0)
-    assert row["mean_s"] is None and row["worst_s"] is None and row["worst_train"] is None
+    assert (
+        row["mean_s"]
+        == row["worst_s"]
+        == END_S - lost.filter(pl.col("station") == "SHN")["planned_arrival_s"].max()
+    )
+
+
+def test_a_train_that_never_ran_is_in_every_figure(line: Line, timetable: Timetable) -> None:
+    rows = punctuality(planned_times(make_table("stops"), timetable, END_S), line).to_dicts()
+    whole = {row["what"]: row for row in rows if row["station"] == ALL_STATIONS}
+    planned = sum(
+        call.stops and call.arrival_s is not None for t in timetable.trains.values() for call in t.calls
+    )
+    assert (whole["arrival"]["planned"], whole["arrival"]["came"]) == (planned, 0)
+    assert whole["arrival"]["on_time_share"] == 0.0
+    assert whole["departure"]["mean_s"] > 3600.0
 
 
 def test_a_plan_in_seconds_is_not_marked_as_whole_minutes(stops: pl.DataFrame, line: Line) -> None:
     finer = stops.with_columns(pl.col("planned_arrival_s") + 15.0)
-    rows = punctuality(finer, line).to_dicts()
+    rows = punctuality(planned_times(finer, NO_TRAINS), line).to_dicts()
     assert not any(row["whole_minutes"] for row in rows if row["what"] == "arrival")
     assert all(row["whole_minutes"] for row in rows if row["what"] == "departure")
 
@@ -222,7 +243,7 @@ def test_the_ninety_fifth_percentile_is_the_nearest_rank(late_s: list[int]) -> N
         "planned_arrival_s": [36000.0] * count,
         "late_arrival_s": [float(s) for s in late_s],
     }
-    row = punctuality(make_table("stops", columns), line).to_dicts()[0]
+    row = punctuality(planned_times(make_table("stops", columns), NO_TRAINS), line).to_dicts()[0]
     at_most = sum(s <= row["p95_s"] for s in late_s)
     below = sum(s < row["p95_s"] for s in late_s)
     assert at_most >= 0.95 * count > below

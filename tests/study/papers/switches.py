@@ -15,6 +15,7 @@ from onboard.driving.tasc import WHOLE_LAW, DesignRow, Part
 from onboard.driving.tuning import Fit, Learned, StopRecord
 from onboard.records import BehaviourRow
 from study.papers import (
+    oda_table4,
     oda_tuning,
     position_sets,
     single_train,
@@ -82,6 +83,12 @@ def gain_0(patch: pytest.MonkeyPatch) -> None:
 @switch
 def frame_error_reversed(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(table4_stops, "FRAME_S", -table4_stops.FRAME_S)
+
+
+@switch
+def null_method_has_beacons_and_signs(patch: pytest.MonkeyPatch) -> None:
+    """A null method that is the method: what it meets, nothing shows."""
+    patch.setattr(oda_table4, "unseen_cells", oda_table4.cells_of_table4)
 
 
 # self-tuning --------------------------------------------------------------------------------------------------

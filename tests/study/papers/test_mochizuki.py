@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from study.papers.marker_passages import KMH, USES, pass_markers
@@ -18,7 +20,7 @@ from study.papers.mochizuki_patterns import (
     spacing_for,
     told_at,
 )
-from study.papers.mochizuki_speed import CASES, cases_of, reproduce, settles_m
+from study.papers.mochizuki_speed import CASES, OVER, cases_of, over_row, reproduce, settled_at, settles_m
 from study.papers.reproduction import Options, Row
 from vehicle.compiled import INTERPRETED
 
@@ -31,12 +33,37 @@ def failed(rows: list[Row]) -> list[str]:
     return [row.case for row in rows if not row.passed]
 
 
-def test_the_four_passages_settle_and_keep_within_as_in_the_paper() -> None:
+def test_the_four_passages_settle_and_keep_within_as_in_the_paper_and_show_less() -> None:
+    """What is shown when settled is the paper's in none of them but the second, and the rows say by how much."""
     result = reproduce(Options(seed=1, quick=True))
-    assert failed(list(result.rows)) == []
-    assert json.loads(json.dumps(result.as_dict()))["passed"] is True
+    missed = failed(list(result.rows))
+    assert set(missed) <= {OVER.format(case.name) for case in CASES}
+    assert OVER.format("pattern 3") in missed
+    assert all("missed by" in row.criterion for row in result.rows if row.case in missed)
+    assert json.loads(json.dumps(result.as_dict()))["passed"] is False
     assert any("Quick" in remark for remark in result.remarks)
     assert any("assumed" in remark for remark in result.remarks)
+
+
+def test_a_perfect_sensor_settles_as_in_the_paper_and_shows_no_more_than_the_truth() -> None:
+    """So neither its distances nor its errors speak of the LiDAR, and what it shows would."""
+    rows, found = cases_of(4, 1, None)
+    assert set(failed(rows)) == {OVER.format(case.name) for case in CASES}
+    for each in found:
+        assert abs(each.over_kmh).max() < 0.3
+    seen = CASES[0].run(0, 1).seen_perfectly()
+    settled = settled_at(seen)
+    assert settled is not None
+    assert seen.true_mps[settled] == pytest.approx(seen.speed_mps[settled], abs=0.05)
+
+
+def test_what_table_3_shows_passes_where_ours_shows_as_much() -> None:
+    """Cycles that are 7 % longer than they are taken for would show it; even ones do not."""
+    _, found = cases_of(4, 1, USES["as the paper"])
+    for each in found:
+        shown = replace(each, over_kmh=each.case.over_kmh + 0.1 * np.array([-1.0, 0.0, 1.0]))
+        assert over_row(shown).passed
+        assert not over_row(replace(each, over_kmh=shown.over_kmh - 3.0)).passed
 
 
 def test_the_tram_of_the_second_passage_slows_from_12_8_to_9_6() -> None:

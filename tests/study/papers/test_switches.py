@@ -48,6 +48,11 @@ GUARDED: Final = (
         ("estimate ahead of the train while a sign is seen, m",),
     ),
     Guarded(
+        "oda-table4",
+        "null_method_has_beacons_and_signs",
+        ("null method, wheels alone, no beacon and no sign: cells that agree",),
+    ),
+    Guarded(
         "oda-tuning",
         "mode_replaced_by_mean",
         (

@@ -10,8 +10,8 @@ import pytest
 
 from network.errors import InputError
 from study.papers.reproduction import Options
-from study.papers.ttobench import CROSS_CHECKS, Pair, pair_of, reproduce, row_of
-from study.papers.ttobench_files import course_of, read_track, read_tracks, read_train
+from study.papers.ttobench import CROSS_CHECKS, CROSS_TRAIN, Pair, cross_row, pair_of, reproduce, row_of
+from study.papers.ttobench_files import course_of, read_track, read_tracks, read_train, read_trains
 from vehicle.optimum import least_time
 from vehicle.optimum.proof import proven
 
@@ -160,7 +160,7 @@ def test_without_the_library_it_says_so(tmp_path: Path) -> None:
 
 
 @needs_shared
-def test_the_slice_is_proven_and_one_track_differs_from_the_authors() -> None:
+def test_the_slice_is_proven_and_our_bound_is_below_every_run_of_the_authors() -> None:
     found = reproduce(Options(data=str(SHARED.parent), quick=True))
     rows = {row.case: row for row in found.rows}
     instances = [row for row in found.rows if row.criterion.startswith("gap")]
@@ -170,7 +170,20 @@ def test_the_slice_is_proven_and_one_track_differs_from_the_authors() -> None:
     assert len(crosses) == len(CROSS_CHECKS)
     for row in crosses:
         assert isinstance(row.ours, dict)
-        # Theirs can be below our bound on the one track only, which the remarks explain.
-        assert row.passed == ("Fribourg" in row.case)
-        assert row.passed or row.ours["bound_kwh"] > row.paper
+        assert isinstance(row.paper, float)
+        assert row.ours["bound_kwh"] <= row.ours["energy_kwh"] <= row.paper
+        # On 300 intervals of the longer track theirs is the dearer by more than is asked, which the remarks explain.
+        assert row.passed == ("Fribourg" not in row.case) == ("missed by" not in row.criterion)
     assert all(row.passed for case, row in rows.items() if "simpler" in case)
+
+
+@needs_shared
+def test_a_run_below_our_bound_fails_its_cross_check() -> None:
+    """Half a percent below ours is within the tolerance, but no run is below a bound."""
+    tracks, trains = read_tracks(SHARED / "tracks"), read_trains(SHARED / "trains")
+    check = CROSS_CHECKS[0]
+    track, train = tracks[check.track], trains[CROSS_TRAIN]
+    assert cross_row(track, train, check).passed
+    below = cross_row(track, train, replace(check, energy_kwh=0.995 * 306.06))
+    assert not below.passed
+    assert "missed" not in below.criterion

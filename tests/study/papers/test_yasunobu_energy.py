@@ -12,6 +12,7 @@ from study.papers import yasunobu_energy
 from study.papers.reproduction import Options, Reproduction
 from study.papers.yasunobu_energy import (
     NOMINAL_S,
+    NULL,
     PUNCTUAL_S,
     Cell,
     Way,
@@ -21,6 +22,7 @@ from study.papers.yasunobu_energy import (
     row_of,
     run_cells,
     settings_of,
+    tried,
 )
 
 
@@ -75,6 +77,24 @@ def test_what_c_2_is_worth_does_not_depend_on_who_took_longer(level: list[Cell])
     assert replace(cell, over_bound=over).without_costs == pytest.approx(0.0)
     rows = {row.case: row for row in judged([cell], replace(cell, over_bound=over))}
     assert not rows["without C-2 fuzzy needs more at level, 85 s, %"].passed
+
+
+def test_what_is_saved_hangs_on_the_stop_of_each_law_and_the_row_says_so(
+    quick: tuple[Reproduction, Path],
+) -> None:
+    rows = {row.case: row for row in quick[0].rows}
+    shared, own = tried(0.8, 0.8), tried(0.7, 0.8)
+    assert own.saves_percent > shared.saves_percent + 2.0
+    assert tried(0.8, 0.8, 700.0).saves_percent < shared.saves_percent
+    told = rows["the same by the stop's deceleration at level, 85 s, %"].ours
+    assert isinstance(told, dict)
+    assert told["PID 0.7, fuzzy 0.8 m/s^2"].startswith(f"{own.saves_percent:g}, net")
+
+
+def test_without_c_2_the_rows_of_savings_fail(level: list[Cell], quick: tuple[Reproduction, Path]) -> None:
+    rows = {row.case: row for row in quick[0].rows}
+    assert all(rows[NULL.case(case)].passed for case in NULL.fails)
+    assert level[0].null.saving < level[0].saving
 
 
 def test_a_missed_row_says_by_how_much(level: list[Cell]) -> None:

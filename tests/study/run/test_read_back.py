@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import shutil
 from collections.abc import Callable
@@ -15,8 +16,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from polars.testing import assert_frame_equal
 
+import study.run.run
 from network.errors import InputError
-from study.run.directory import SHOWN_FILE, TABLE_FILES, digests_of_tables
+from study.outcome import CutShortError
+from study.report.parts import Grid, Part
+from study.run.directory import INCOMPLETE_FILE, SHOWN_FILE, TABLE_FILES, digests_of_tables
 from study.run.drill import run_drill, shown
 from study.run.read_back import parsed, read_run, report_again
 from study.run.run import CarrierKind, Link, Run, execute, write_run
@@ -184,6 +188,7 @@ def test_what_is_no_directory_of_a_finished_run_says_what_it_is(copy: Path, tmp_
     (tmp_path / "empty").mkdir()
     assert "it has no summary.json" in error_of(tmp_path / "empty")
     (copy / "incomplete.txt").write_text("x")
+    (copy / "shown.json").unlink()
     assert "this one was cut short" in error_of(copy)
     (copy / "incomplete.txt").unlink()
     (copy / "inputs.json").unlink()
@@ -225,3 +230,33 @@ def test_a_run_of_before_there_was_a_table_is_told_as_such(copy: Path) -> None:
     with pytest.raises(InputError, match="older version") as error:
         read_run(copy)
     assert error.value.file.endswith("battery.parquet") and "run the scenario again" in str(error.value)
+
+
+def test_a_run_that_lost_its_report_alone_is_whole_again(done: Run, tmp_path: Path) -> None:
+    """Its disk was full as the report was written: all else stays, can be read, and the report is made of it."""
+    first = write_run(done, tmp_path / "first").read_bytes()
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(CutShortError) as cut:
+        patch.setattr(study.run.run, "write_report", no_room)
+        write_run(done, tmp_path / "run")
+    kept = tmp_path / "run-incomplete"
+    assert str(kept) in str(cut.value)
+    assert "branchline report" in (kept / INCOMPLETE_FILE).read_text("utf-8")
+    assert not (kept / "report.html").exists()
+    assert report_again(read_run(kept), kept).read_bytes() == first
+    assert {path.name for path in kept.iterdir()} == {path.name for path in (tmp_path / "first").iterdir()}
+
+
+def test_what_was_drawn_for_a_late_day_is_in_the_report_made_again(done: Run, tmp_path: Path) -> None:
+    drawn = Part(
+        "What was drawn for this day", "Seed 1", grids=(Grid(("when", "seconds"), (("06:00", "3.0"),), 1),)
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study.run.run, "late_part", lambda _setup: drawn)
+        first = write_run(done, tmp_path / "run")
+    assert report_again(read_run(first.parent), tmp_path / "again").read_bytes() == first.read_bytes()
+    assert "What was drawn for this day" in first.read_text("utf-8")
+
+
+def no_room(directory: Path, *_rest: object) -> Path:
+    (directory / ".report.html.part").write_bytes(b"<ht")
+    raise OSError(errno.ENOSPC, "No space left on device", str(directory))

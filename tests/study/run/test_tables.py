@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -94,8 +95,13 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     summary = summarise(tables, timetable())
     assert (summary["trains_planned"], summary["trains_arrived"]) == (2, 1)
     assert arrived_trains(tables.stops, timetable()) == {"1"}
-    assert summary["late_s_max"] == 65.0
-    assert summary["late_at"] == {"train": "3", "station": "B", "what": "arrival", "late_s": 65.0}
+    assert summary["late_s_max"] == 3600.0  # train 3 never came to C
+    assert summary["late_at"] == {
+        "train": "3",
+        "station": "C",
+        "what": "missing arrival",
+        "late_s": 3600.0,
+    }
     assert summary["early_departure_s_max"] == 5.0
     assert summary["early_at"] == {"train": "1", "station": "A", "what": "departure", "late_s": -5.0}
     assert summary["stops"] == 4
@@ -135,7 +141,10 @@ def test_lateness_is_the_worst_and_never_negative(late_s: list[float]) -> None:
     stops = small_stops().head(1)
     stops = pl.concat([stops.with_columns(late_departure_s=pl.lit(late)) for late in late_s])
     on_time = arrived.with_columns(late_arrival_s=pl.lit(0.0))
-    summary = summarise(RunTables(**{**empty(), "stops": pl.concat([stops, on_time])}), timetable())
+    train = timetable().trains["1"]
+    to_c_only = replace(train, calls=(train.calls[0], train.calls[-1]))
+    plan = replace(timetable(), trains={"1": to_c_only})
+    summary = summarise(RunTables(**{**empty(), "stops": pl.concat([stops, on_time])}), plan)
     assert summary["late_s_max"] == pytest.approx(max(0.0, *late_s, 0.0), abs=1e-9)
     assert summary["early_departure_s_max"] == pytest.approx(max(0.0, -min(late_s)), abs=1e-9)
 

@@ -58,14 +58,24 @@ class Held:
         for day in days:
             os.mkfifo(self._control / f"hold-{day}")
 
-    def next_pid(self) -> int:
-        """The process of the next day that is held."""
+    def next_day(self) -> tuple[int, int]:
+        """The next day that is held, and its process."""
         ready, _, _ = select.select([self._begun], [], [], WAIT_S)
         assert ready, "no day was begun"
         heard = b""
         while not heard.endswith(b" "):
             heard += os.read(self._begun, 1)
-        return int(heard)
+        day, pid = map(int, heard.split(b"/"))
+        return day, pid
+
+    def next_pid(self) -> int:
+        """The process of the next day that is held."""
+        return self.next_day()[1]
+
+    def let_go(self, *days: int) -> None:
+        """Days that are held go on."""
+        for day in days:
+            (self._control / f"held-{day}").open("wb").close()
 
     def close(self) -> None:
         os.close(self._begun)

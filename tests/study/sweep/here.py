@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
-from study.sweep.go import State, begun, go
+from study.sweep.go import Show, State, begun, go
 from study.sweep.local import Pump
 from study.sweep.plan import load_plan
 from study.sweep.store import opened
@@ -30,12 +30,14 @@ class OneByOne:
             yield run_task(task)
 
 
-def swept(file: Path, out: Path, pump: Pump | None = None, days: int | None = None) -> State:
+def swept(
+    file: Path, out: Path, pump: Pump | None = None, days: int | None = None, show: Show | None = None
+) -> State:
     """Run what is missing."""
     plan = load_plan(str(file), days)
     with opened(plan, out) as store:
         state = begun(plan, store, anyway=False)
-        go(state, store, pump or Here(), runner=RUNNER)
+        go(state, store, pump or Here(), show, runner=RUNNER)
         return state
 
 

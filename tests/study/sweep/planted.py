@@ -1,7 +1,7 @@
 """A day that takes no time, for tests of who runs days: it can be told to wait, to fail, and to be another on SUMO.
 
 What is asked for lies in a folder beside the sweep's directory, by the number of the day: `hold-3` is a pipe that the
-day reads from once, after it has said on the pipe `begun` which process has it at hand.
+day reads from once, after it has said on the pipe `begun` its number and which process has it at hand.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _as_told(control: Path, task: Task) -> None:
     with suppress(FileNotFoundError):  # the other point has a day of that number too: one of the two is held
         hold.rename(control / f"held-{task.index}")
         with (control / BEGUN).open("wb", buffering=0) as stream:
-            stream.write(f"{os.getpid()} ".encode())
+            stream.write(f"{task.index}/{os.getpid()} ".encode())
         (control / f"held-{task.index}").open("rb").close()
 
 

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Final
@@ -14,8 +14,10 @@ from typing import Final
 import pytest
 
 from network.errors import InputError
-from study.sweep.cluster import AHEAD, ClusterPump
-from study.sweep.go import begun, go
+from study.sweep import cluster as cluster_pump
+from study.sweep.cluster import AHEAD, ClusterPump, run_there
+from study.sweep.go import State, begun, go
+from study.sweep.local import GivenUpError
 from study.sweep.plan import load_plan
 from study.sweep.store import opened
 from tests.study.sweep.conftest import WAIT_S, Held
@@ -102,6 +104,89 @@ def test_workers_of_two_threads_are_refused(sweep_file: Path, out: Path) -> None
         pump = ClusterPump(cluster.scheduler_address, out, "no token")
         with pytest.raises(InputError, match="workers of one thread"):
             next(pump.run(iter(())))
+
+
+class Ended:
+    """A day that a worker has run as soon as it was given."""
+
+    status = "finished"
+
+    def __init__(self, key: str, packed: bytes) -> None:
+        self.key = key
+        self._result = run_there(packed)
+
+    def add_done_callback(self, call: Callable[[Ended], None]) -> None:
+        call(self)
+
+    def result(self) -> bytes:
+        return self._result
+
+
+class Growing:
+    """A scheduler with one worker; after some days `more` join. `at_once`: the most days that it had at a time."""
+
+    status = "running"
+
+    def __init__(self, more: int, threads: int = 1) -> None:
+        self._more, self._threads = more, threads
+        self.given = self.taken = self.at_once = 0
+
+    def wait_for_workers(self, *_: object, timeout: float) -> None:
+        assert timeout > 0.0
+
+    def nthreads(self) -> dict[str, int]:
+        late = {f"late-{number}": self._threads for number in range(self._more if self.taken >= 6 else 0)}
+        return {"first": 1} | late
+
+    def run(self, *_: object, workers: list[str], on_error: str) -> dict[str, str]:
+        assert on_error == "return"
+        return dict.fromkeys(workers, "")
+
+    def submit(self, _run: object, packed: bytes, key: str, **_: object) -> Ended:
+        self.given += 1
+        self.at_once = max(self.at_once, self.given - self.taken)
+        return Ended(key, packed)
+
+    def close(self, timeout: float) -> None:
+        assert timeout > 0.0
+
+
+def run_on(scheduler: Growing, file: Path, out: Path, patch: pytest.MonkeyPatch) -> int:
+    """Run the sweep there; how many days were run."""
+    patch.setattr(cluster_pump, "_client", lambda _: scheduler)
+
+    def taken(_: State) -> None:
+        scheduler.taken += 1
+
+    with opened(load_plan(str(file)), out) as store:
+        state = begun(load_plan(str(file)), store, anyway=False)
+        go(state, store, ClusterPump("scheduler", out, store.token), taken, runner=RUNNER)
+    return state.run
+
+
+def test_workers_that_join_late_have_days(
+    sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scheduler = Growing(3)
+    assert run_on(scheduler, sweep_file, out, monkeypatch) == 24
+    assert scheduler.at_once == AHEAD * 4
+
+
+def test_without_a_look_at_them_they_have_none(
+    sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    look = ClusterPump._look
+    monkeypatch.setattr(ClusterPump, "_look", lambda self, client: self._workers or look(self, client))
+    scheduler = Growing(3)
+    assert run_on(scheduler, sweep_file, out, monkeypatch) == 24
+    assert scheduler.at_once == AHEAD
+
+
+def test_a_late_worker_that_cannot_run_days_is_told(
+    sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(GivenUpError, match=r"workers of one thread.*late-0 has 2"):
+        run_on(Growing(1, threads=2), sweep_file, out, monkeypatch)
 
 
 @pytest.mark.nightly

@@ -28,10 +28,20 @@ ROOT = Path(__file__).resolve().parents[3]
 
 @pytest.mark.system
 def test_killed_worker_loses_its_day_alone(sweep_file: Path, out: Path, held: Held, expected: str) -> None:
-    held.hold(5)
+    """The other process is held until another has taken the dead one's place: it could run the rest alone."""
+    held.hold(5, 6, 7)
+
+    def kill() -> None:
+        pids = dict((held.next_day(), held.next_day()))
+        os.kill(pids[5], signal.SIGKILL)
+        day, pid = held.next_day()
+        assert day == 7
+        assert pid not in pids.values()
+        held.let_go(6, 7)
+
     pump = LocalPump(2)
     with ThreadPoolExecutor(1) as killer:
-        killed = killer.submit(lambda: os.kill(held.next_pid(), signal.SIGKILL))
+        killed = killer.submit(kill)
         state = swept(sweep_file, out, pump)
         killed.result(WAIT_S)
     assert table(sweep_file, out) == expected

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy import stats
 
-from study.sweep.statistics import difference_of, mean_of, quantile_of, share_of
+from study.sweep.statistics import (
+    Running,
+    difference_of,
+    looks,
+    mean_of,
+    of_each_look,
+    quantile_of,
+    share_of,
+)
 
 figures = st.lists(st.floats(-1e4, 1e4), min_size=1, max_size=60)
 
@@ -26,7 +36,8 @@ def test_mean_by_hand() -> None:
 
 
 @given(figures)
-def test_mean_is_that_of_the_library(values: list[float]) -> None:
+def test_mean_of_what_is_not_skewed_is_that_of_the_library(one_side: list[float]) -> None:
+    values = [*one_side, *(-value for value in one_side)]
     found = mean_of(values, 0.9)
     assert found.value == pytest.approx(float(np.mean(values)), abs=1e-5)
     if len(values) > 1 and np.std(values) > 1e-3:
@@ -66,6 +77,107 @@ def test_intervals_cover_as_often_as_they_say(share: float) -> None:
         wide += found.low == 0.0
     assert 0.87 <= hits / 400 <= 0.98  # never less than said, but for chance; order statistics come in steps
     assert wide == 0
+
+
+@given(figures)
+def test_the_mean_lies_in_its_interval_and_the_longer_side_is_that_of_the_tail(values: list[float]) -> None:
+    found = mean_of(values, 0.95)
+    if found.value is not None and found.low is not None and found.high is not None:
+        assert found.low - 1e-5 <= found.value <= found.high + 1e-5
+        if len(values) > 2 and np.std(values) > 1e-3 and abs(skew := float(stats.skew(values))) > 0.1:
+            assert (found.high - found.value > found.value - found.low) is (skew > 0.0)
+
+
+def test_skewness_as_it_comes_is_that_of_the_library() -> None:
+    values = np.random.Generator(np.random.PCG64(3)).exponential(size=200)
+    running = Running()
+    for value in values:
+        running.add(float(value))
+    assert running._skewness == pytest.approx(float(stats.skew(values, bias=False)))
+
+
+# Skewed as figures of late days are: name, how drawn, the true mean, widths at which to stop.
+Drawn = Callable[[np.random.Generator, int], NDArray[np.float64]]
+SKEWED: dict[str, tuple[Drawn, float, tuple[float, ...]]] = {
+    "mean lateness": (lambda chance, n: chance.gamma(1.5, 28.0, n) - 40.0, 2.0, (40.0, 20.0)),
+    "knock-on, none on most days": (
+        lambda chance, n: np.where(chance.random(n) < 0.58, 0.0, chance.exponential(310.0, n)),
+        0.42 * 310.0,
+        (200.0, 100.0),
+    ),
+    "exponential": (lambda chance, n: chance.exponential(1.0, n), 1.0, (0.8, 0.5)),
+    "symmetrical": (lambda chance, n: chance.normal(0.0, 1.0, n), 0.0, (0.7, 0.5)),
+}
+SAID = 0.95
+LEAST = 0.94
+
+
+def error_of(times: int) -> float:
+    """Two standard errors of a share near SAID that is counted so often."""
+    return 2.0 * math.sqrt(SAID * (1.0 - SAID) / times)
+
+
+def held(name: str, days: int, times: int) -> float:
+    """How often the interval of so many days holds the true mean."""
+    draw, truth, _ = SKEWED[name]
+    chance = np.random.Generator(np.random.PCG64(days))
+    found = [mean_of(draw(chance, days).tolist(), SAID) for _ in range(times)]
+    return sum((f.low or 0.0) <= truth <= (f.high or 0.0) for f in found) / times
+
+
+def held_when_stopped(name: str, width: float, times: int, looked: Sequence[int], confidence: float) -> float:
+    """How often the interval holds it at which the stop rule ends."""
+    draw, truth, _ = SKEWED[name]
+    chance = np.random.Generator(np.random.PCG64(round(10 * width)))
+    hits = 0
+    for _ in range(times):
+        running, found = Running(), mean_of([], SAID)
+        for number, value in enumerate(draw(chance, looked[-1]).tolist(), start=1):
+            running.add(value)
+            if number in looked:
+                found = running.estimate(confidence)
+                if (found.width or math.inf) < width:
+                    break
+        hits += (found.low or 0.0) <= truth <= (found.high or 0.0)
+    return hits / times
+
+
+@pytest.mark.parametrize("days", [20, 50])
+@pytest.mark.parametrize("name", SKEWED)
+def test_intervals_of_skewed_figures_hold_as_often_as_they_say(name: str, days: int) -> None:
+    assert held(name, days, 1000) >= LEAST - error_of(1000)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("days", [20, 30, 50])
+@pytest.mark.parametrize("name", SKEWED)
+def test_they_do_at_night_more_exactly(name: str, days: int) -> None:
+    assert held(name, days, 10_000) >= LEAST - error_of(10_000)
+
+
+def test_without_the_correction_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Running, "_skewness", 0.0)
+    assert held("knock-on, none on most days", 20, 1000) < 0.91
+
+
+@pytest.mark.parametrize("name", SKEWED)
+def test_intervals_hold_where_the_stop_rule_ends(name: str) -> None:
+    all_looks = looks(30, 400)
+    for width in SKEWED[name][2]:
+        held_so_often = held_when_stopped(name, width, 300, all_looks, of_each_look(SAID, len(all_looks)))
+        assert held_so_often >= LEAST - error_of(300)
+
+
+def test_looked_at_every_day_at_the_same_confidence_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stopped when the scatter happens to look small, as it was before."""
+    monkeypatch.setattr(Running, "_skewness", 0.0)
+    assert held_when_stopped("knock-on, none on most days", 100.0, 300, range(30, 401), SAID) < 0.91
+
+
+def test_looks_are_ever_further_apart() -> None:
+    assert looks(30, 200) == (30, 45, 68, 102, 153, 200)
+    assert looks(30, 30) == looks(50, 30) == (30,)
+    assert of_each_look(0.95, 5) == pytest.approx(0.99)
 
 
 @given(figures)

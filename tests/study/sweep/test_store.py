@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from study.sweep.go import begun
+from study.sweep.go import State, begun
 from study.sweep.plan import load_plan
 from study.sweep.store import NotSharedError, check_shared, opened
 from study.sweep.table import days_csv
@@ -97,9 +97,23 @@ def test_worker_of_another_directory_is_refused(sweep_file: Path, out: Path, tmp
 STOP = """
 [stop]
 figure = "mean_late_s"
-narrower_than = 12.0
+narrower_than = 20.0
 least_days = 5
 """
+
+
+def test_days_that_are_there_are_counted_as_they_come(sweep_file: Path, out: Path, tmp_path: Path) -> None:
+    """In any order, with a stop rule and without; the same as by going through all names."""
+    sweep_file.write_text(sweep_file.read_text("utf-8").replace("days = 12", "days = 25"), "utf-8")
+
+    def counted(state: State) -> None:
+        names = [name for course in state.courses for name in course.names[: course.days]]
+        assert state.there == sum(name in state.records for name in names)
+
+    swept(sweep_file, out, show=counted)
+    sweep_file.write_text(sweep_file.read_text("utf-8") + STOP, "utf-8")
+    swept(sweep_file, out, show=counted)
+    swept(sweep_file, tmp_path / "backwards", show=counted)
 
 
 def test_point_ends_where_the_rule_says_in_any_order(sweep_file: Path, out: Path, tmp_path: Path) -> None:
@@ -114,7 +128,8 @@ def test_point_ends_where_the_rule_says_in_any_order(sweep_file: Path, out: Path
     assert one_by_one.run < backwards.run == 50
     width = one_by_one.estimate("mean_late_s").width
     assert width is not None
-    assert width < 12.0
+    assert width < 20.0
+    assert count in one_by_one.plan.looks
     fewer = swept(sweep_file, tmp_path / "fewer", days=count - 1)
     assert not fewer.stopped_early(first)
 

@@ -159,11 +159,17 @@ def _waits(result: RunResult, line: Line) -> str:
         e.who: word_of(type(e.event)) for e in result.journal.entries if not isinstance(e.event, OF_NO_CAUSE)
     }
     for waiting in result.waiting:
-        kind = line.sections[waiting.place.split()[1]].kind.value
+        kind = _kind_of_place(waiting.place, line)
         said = last.get(waiting.stock_id, "nothing")
         waits[f"{_general(waiting.waits_for, result)} ({kind}, last {said})"] = None
     own = [text for text in waits if "held: " not in text]
     return " | ".join(sorted(own or waits)) or result.ended_because
+
+
+def _kind_of_place(place: str, line: Line) -> str:
+    """On what kind of section a train stands, by the words of `Duties.place`; a train may wait outside its portal."""
+    section_id = place.removeprefix("section ").split()[0]
+    return line.sections[section_id].kind.value if section_id in line.sections else "outside"
 
 
 def _general(text: str, result: RunResult) -> str:

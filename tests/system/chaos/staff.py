@@ -1,9 +1,10 @@
 """Truthful staff: people who put right what faults have left, by what is so.
 
 They look round every few seconds of the journal and act through the injector's door, so that what they did can be
-written down as acts of a drill. Switching on what is off; winding points that lie in no position, or that do not
-move, to where no train is in the way; the picture of the line after the manager's restart, again and again until it is
-accepted; and for a unit that stays silent two of them enter where its train truly is and what it shows that it holds.
+written down as acts of a drill. Switching on what is off; putting into service again what has lost its durable state;
+winding points that lie in no position, or that do not move, to where no train is in the way; the picture of the line
+after the manager's restart, again and again until it is accepted; and for a unit that stays silent two of them enter
+where its train truly is and what it shows that it holds.
 """
 
 from __future__ import annotations
@@ -12,9 +13,11 @@ from collections import Counter
 from typing import Final
 
 from network.model import SectionKind
-from simulation.events import Entry, PowerOff, PowerOn
+from simulation.events import Entry, PowerOff, PowerOn, Uncommissioned
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.loop import Simulation
+from simulation.pauses import Pauses
+from simulation.people import Pause
 from simulation.setup import STEP_S
 from simulation.world.point_machine import MachineState, PointMachine
 from tests.system.chaos.case import Manner
@@ -37,6 +40,7 @@ class Staff:
         self._simulation = simulation
         self._manner = manner
         self._draw = Draw(manner.seed, ("staff",))
+        self._pauses = Pauses(simulation.setup)
         self._next_look_s = 0.0
         self._off_s: dict[str, float] = {}  # since when, by device
         self._broken_s: dict[str, float] = {}  # the same of points
@@ -55,6 +59,8 @@ class Staff:
                 self._off_s.setdefault(event.device_id, t_s)
             case PowerOn():
                 self._off_s.pop(event.device_id, None)
+            case Uncommissioned():
+                self._act(t_s + self._manner.power_s, ActKind.COMMISSION, event.device_id, STAFF)
             case Started() if entry.who == MANAGER_ID:
                 self._silent_s = dict.fromkeys(self._simulation.trains.stock_ids, t_s)
                 self._restored_from_s = t_s if event.epoch > 1 else None
@@ -104,7 +110,8 @@ class Staff:
             return
         self._tries[key] += 1
         self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
-        at_s = round(t_s + STEP_S, 1)
+        # Two who say the same say it one after the other.
+        at_s = round(t_s + STEP_S + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
         act = Act(kind, target, Trigger(at_s=at_s), person, sections, position, place=place)
         self.acts.append(act)
         self._simulation.injector.add(act, at_s)

@@ -112,6 +112,14 @@ def test_a_ground_runs_when_nothing_fails(family: Family, number: int, nets: Pat
     assert len(course.events) > 15
 
 
+def test_a_train_that_waits_outside_for_ever_is_no_success(nets: Path) -> None:
+    """Its place is no section."""
+    off = {"kind": "power_off", "target": "block-manager", "start": "09:59:00"}
+    outcome = outcome_of(Case("waits_outside", ground_of(Family.TEST_LINE, 0), faults=(off,)), nets)
+    assert outcome.verdict is Verdict.NOT_ARRIVED
+    assert "(outside, last " in outcome.kind
+
+
 def test_a_train_that_never_heals_is_no_success(nets: Path) -> None:
     """The judgement can fail: without its duration a fault of power leaves a train where it is."""
     ground = ground_of(Family.TEST_LINE, 0)

@@ -1,0 +1,18 @@
+"""`branchline report`: the report of a run that is over, made again of its directory."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def report(
+    run: Annotated[Path, typer.Argument(help="Run directory; its journal and tables stay as they are.")],
+) -> None:
+    """Make the report of a finished run again: where a full disk cost it, or for the page of this version."""
+    from study.run.read_back import read_run, report_again
+
+    sys.stdout.write(f"report: {report_again(read_run(run), run)}\n")

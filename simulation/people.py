@@ -1,0 +1,104 @@
+"""`[people]`: how long people take between what they see or hear and what they do about it (人の時間).
+
+One mean for each act that the model has and no plan gives a time to; none is zero unless a scenario says so. Times are
+lognormal: most people take about the same, a few much longer. What a plan or a script gives a time to
+(`operation.change_ends_s`, an act's `start`) takes that; stock that stands on the line as the run opens has its number.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated, Final
+
+from network.files.chances import DelayFactor, LogSigma0, PersonTime
+from network.files.kinds import about
+from network.files.toml_input import Record
+
+LID_TIMES: Final = 6.0  # nobody takes longer than so many times the mean
+
+
+class People(Record):
+    """`[people]`: times that people take, each drawn anew from a lognormal distribution, at most six times its mean."""
+
+    times: Annotated[
+        DelayFactor, about("all that is drawn is multiplied by this; 0: everybody acts at once")
+    ] = 1.0
+    sigma: Annotated[
+        LogSigma0,
+        about(
+            "standard deviation of the logarithm; 0: always the mean", "assumed: one in six over 1.5 times"
+        ),
+    ] = 0.5
+    boot_s: Annotated[
+        PersonTime,
+        about(
+            "mean, from a unit's boot until its crew has entered the train number",
+            "assumed: sees the display, looks the number up, types it; no paper has a figure",
+        ),
+    ] = 20.0
+    sign_on_s: Annotated[
+        PersonTime,
+        about(
+            "mean, from when a stock stands at its portal until its crew has entered the train number",
+            "assumed: the same; far less than `operation.portal_lead_s`",
+        ),
+    ] = 20.0
+    entry_s: Annotated[
+        PersonTime,
+        about(
+            "mean, from when the unit shows that the portal may be entered until the train is in it",
+            "assumed: a look",
+        ),
+    ] = 4.0
+    sign_off_s: Annotated[
+        PersonTime,
+        about("mean, from the end of a journey at a portal until the crew signs off", "assumed: two keys"),
+    ] = 8.0
+    leave_s: Annotated[
+        PersonTime,
+        about(
+            "mean, from when the unit shows that it is signed off until the train has gone through the portal",
+            "assumed: brakes released, and a length of 40 m at 15 km/h",
+        ),
+    ] = 12.0
+    stand_s: Annotated[
+        PersonTime,
+        about(
+            "mean, from when a train on sight, or one that is not at its mark, has come to a stand until its crew has"
+            " looked out and told the unit",
+            "assumed: a look and a key; Sugiyama, 4.4 (3), has the crew look",
+        ),
+    ] = 6.0
+    key_s: Annotated[
+        PersonTime,
+        about(
+            "mean, from when a train has passed points that its crew locked until the key is given back",
+            "assumed: a few words by telephone",
+        ),
+    ] = 15.0
+    word_s: Annotated[
+        PersonTime,
+        about(
+            "mean, of a controller for each word that is entered: of a picture without `pace_s`, after the first of"
+            " several sections, and for an act that waits for an event and has no `after_s`",
+            "assumed: heard, read back, typed; Sugiyama, 5, calls it laborious and has no figure",
+        ),
+    ] = 5.0
+
+    def mean_s(self, pause: Pause) -> float:
+        """The mean of a pause, s."""
+        mean_s: float = getattr(self, pause.value)
+        return mean_s * self.times
+
+
+class Pause(Enum):
+    """What people take time for, by the key of its mean."""
+
+    BOOT = "boot_s"
+    SIGN_ON = "sign_on_s"
+    ENTRY = "entry_s"
+    SIGN_OFF = "sign_off_s"
+    LEAVE = "leave_s"
+    STAND = "stand_s"
+    KEY = "key_s"
+    WORD = "word_s"

@@ -1,0 +1,163 @@
+"""The grid of telegrams: a fault just before and just after each telegram is sent or takes effect (電文の前後の試験).
+
+What a party knows changes with telegrams and with nothing else, so between two of them it does not matter to it when
+something fails. On a grid of seconds a window of a few tenths between a word and its answer is found by luck; on this
+one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a party
+counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import partial
+from typing import Any, Final
+
+import msgspec
+
+from network.timetable import BecomesTrain, Stabled
+from radio.noted import Sent, TookEffect
+from simulation.faults.devices import PowerFault
+from simulation.faults.fault import Fault
+from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
+from simulation.faults.script import Failure
+from simulation.faults.table import FAULTS
+from simulation.setup import STEPS_PER_S, Setup
+from study.run.forks import alone
+from study.run.moving import NO_TIME, SINGLES, single_faults
+from study.run.run import simulated
+from study.run.sweep import Variation, Window
+
+BEFORE_S: Final = 60.0  # of what the script does first, and
+AFTER_S: Final = 300.0  # after the last of it: without a script, all of the run
+FOLLOWS_S: Final = (
+    1200.0  # trains that begin later than this after the last instant cannot show anything of it
+)
+
+
+class Chosen(StrEnum):
+    """Which faults."""
+
+    POWER = "power"  # of each party
+    LINKS = "links"  # a cut of each link, one way
+    ALL = "all"  # of every kind
+
+
+class _Course(msgspec.Struct, frozen=True):
+    """The run as it is written: who told whom something, at which step, and when its script was carried out."""
+
+    telegrams: list[tuple[int, str, str]]
+    script_s: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """What is swept: the setup, cut after the last instant, and each fault with its instants."""
+
+    setup: Setup
+    variations: tuple[Variation, ...]
+
+    @property
+    def runs(self) -> int:
+        """How many runs it takes."""
+        return sum(len(variation.instants or ()) for variation in self.variations)
+
+
+def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
+    """The grid of a setup; `window` may give the first and the last instant."""
+    course = alone(_Course, partial(_course, setup))
+    steps = [step for step, _, _ in course.telegrams] or [0]
+    first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
+    last_s = max(course.script_s) + AFTER_S if course.script_s else max(steps) / STEPS_PER_S
+    first_s = first_s if window.from_s is None else window.from_s
+    last_s = last_s if window.to_s is None else window.to_s
+    within = [t for t in course.telegrams if first_s * STEPS_PER_S <= t[0] <= last_s * STEPS_PER_S]
+    variations = (
+        replace(v, instants=_instants(v, within))
+        if v.instants is None
+        else replace(v, instants=_inside(v.instants, first_s, last_s))
+        for v in _faults(setup, chosen, within)
+    )
+    return Grid(shortened(setup, last_s + FOLLOWS_S), tuple(v for v in variations if v.instants))
+
+
+def _course(setup: Setup) -> _Course:
+    with simulated(setup) as simulation:
+        result = simulation.run()
+    telegrams = [
+        (round(entry.t_s * STEPS_PER_S), entry.event.source, entry.event.receiver)
+        for entry in result.journal.entries
+        if isinstance(entry.event, Sent | TookEffect)
+    ]
+    return _Course(telegrams, [course.begun_s for course in result.courses])
+
+
+def _faults(setup: Setup, chosen: Chosen, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
+    kinds: Mapping[str, type[Fault[Any]]] = FAULTS
+    if chosen is Chosen.POWER:
+        yield from single_faults(setup, [name for name, kind in kinds.items() if _is_power(kind)])
+    if chosen is Chosen.ALL:
+        yield from single_faults(setup, [name for name in kinds if name != Cut.kind])
+    if chosen is not Chosen.POWER:
+        for link in sorted({(source, receiver) for _, source, receiver in telegrams}):
+            yield _cut(setup, *link)
+
+
+def _is_power(kind: type[Fault[Any]]) -> bool:
+    return issubclass(kind, PowerFault) and not kind.momentary
+
+
+def _cut(setup: Setup, source: str, receiver: str) -> Variation:
+    failure = Failure(Cut(target=Link(source, receiver)), NO_TIME, SINGLES[Cut.kind].duration_s)
+    stocks = frozenset(diagram.stock_id for diagram in setup.timetable.diagrams)
+    return Variation(f"{Cut.kind} {source}{ONE_WAY}{receiver}", ((0, failure),), (), stocks)
+
+
+def _instants(variation: Variation, telegrams: list[tuple[int, str, str]]) -> tuple[int, ...]:
+    """Before and after each telegram that this fault may have to do with: in a step, faults come after telegrams."""
+    ((_, failure),) = variation.faults
+    parties = {party for _, source, receiver in telegrams for party in (source, receiver)}
+    steps: set[int] = set()
+    for step, source, receiver in telegrams:
+        if isinstance(failure.fault, LinkFault):
+            concerns = failure.fault.target.joins(source, receiver)
+        else:
+            target = str(failure.fault.target)
+            concerns = target in (source, receiver) or target not in parties
+        if concerns:
+            steps |= {step - 1, step}
+    return tuple(sorted(steps))
+
+
+def _inside(steps: tuple[int, ...], first_s: float, last_s: float) -> tuple[int, ...]:
+    return tuple(step for step in steps if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S)
+
+
+def shortened(setup: Setup, until_s: float) -> Setup:
+    """The setup without trains that begin after a time; stock that would become one of them stays where it is."""
+    old = setup.timetable
+    kept = {n: train for n, train in old.trains.items() if train.calls[0].first_s <= until_s}
+    if len(kept) == len(old.trains):
+        return setup
+    diagrams = [
+        replace(diagram, train_numbers=numbers)
+        for diagram in old.diagrams
+        if (numbers := tuple(n for n in diagram.train_numbers if n in kept))
+    ]
+    last = {diagram.train_numbers[-1] for diagram in diagrams}
+    trains = {
+        n: replace(train, ends=Stabled()) if n in last and isinstance(train.ends, BecomesTrain) else train
+        for n, train in kept.items()
+    }
+    stocks = {diagram.stock_id for diagram in diagrams}
+    gone = {diagram.stock_id for diagram in old.diagrams} - stocks
+    if any(end in gone for failure in setup.script.faults for end in str(failure.fault.target).split()):
+        return setup
+    if any(act.target in gone for act in setup.script.acts):
+        return setup
+    return replace(
+        setup,
+        timetable=replace(old, trains=trains, diagrams=tuple(diagrams)),
+        trains={stock_id: train for stock_id, train in setup.trains.items() if stock_id in stocks},
+    )
