@@ -241,10 +241,8 @@ class Duties:
                 self._enter(slot, following, step)
             case Pause.SIGN_OFF:
                 self._cabs.tell(slot, step, (Leave(),))
-            case Pause.LEAVE if self._on_board.shown(slot).leaving:
+            case Pause.LEAVE:
                 self._leave(slot, step)
-            case _:
-                pass
 
     def told(self, slot: int, told: Told, step: int) -> None:
         """What a unit tells its driver."""

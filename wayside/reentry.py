@@ -320,7 +320,7 @@ def said_outside(register: Register, unit_id: str) -> Step:
 
 def known(register: Register, unit_id: str) -> bool:
     """Whether the register has what the unit holds, be it that persons have entered it."""
-    return register.unit(unit_id).standing in (Standing.BY_HAND, Standing.REPORTED)
+    return register.unit(unit_id).standing in (Standing.BY_HAND, Standing.REPORTED, Standing.LEAVING)
 
 
 def cannot_be_outside(register: Register, unit_id: str) -> bool:

@@ -305,7 +305,7 @@ class Command(msgspec.Struct, frozen=True):
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
     and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
     sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
-    leave. `leaving`: signed off, the train may leave the line. `orders` are given once.
+    leave. `orders` are given once.
     """
 
     drive: bool = False
@@ -319,7 +319,6 @@ class Command(msgspec.Struct, frozen=True):
     await_radio: bool = False
     orders: tuple[Order, ...] = ()
     on_line: bool = False
-    leaving: bool = False
     held: tuple[str, ...] = ()
     proven: tuple[PointsNeeded, ...] = ()
     waits_for: str = ""

@@ -41,7 +41,6 @@ def command_of(plan: Plan, state: DutyState) -> Command:
         rear=None if on_sight_now else next_rear_span(plan, state.authority, state.freed),
         await_radio=state.authority.waits_for_radio,
         on_line=state.authority.on_line,
-        leaving=state.authority.leaving,
         held=state.authority.held,
         proven=state.authority.proven,
         waits_for=waits_for(plan, state),
