@@ -56,6 +56,7 @@ from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted,
 M = TypeVar("M")
 
 
+ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
 __all__ = ["TELEGRAMS", "Ask", "Event", "Heard", "step", "table_rows", "wake_at_s"]
 
 
@@ -271,6 +272,8 @@ def _claim(register: Register, heard: Heard[Claim]) -> Step:
     """Added if fresh and nobody else holds it, else asked again or disputed; empty: outside; unknown: nothing."""
     if not heard.fresh:
         return challenge(register, heard)
+    if leaving.may_have_crossed(register, heard):
+        return register, (Send(heard.unit_id, ClaimQuery(), ASKED_AGAIN),)
     return _take_claim(register, heard)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from radio.messages import RefusalReason, SignOff, SignOffAccepted, SignOffRefused
+from radio.messages import Claim, RefusalReason, SignOff, SignOffAccepted, SignOffRefused
 from wayside import reentry
 from wayside.actions import Send, Show
 from wayside.heard import Heard, show_refusal
@@ -45,7 +45,9 @@ def left(register: Register, unit_id: str) -> Step:
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
     # Entering again gives a new token, so nothing said before this counts then.
-    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred))
+    register = register.with_unit(
+        unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred, has_left=True)
+    )
     return register, (
         Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
         Show(Outside(unit_id=unit_id, token=unit.token, was=unit.standing.value)),
@@ -62,6 +64,12 @@ def boundary_passed(register: Register, portal: str) -> Step:
         return left(register, unit_id)
     why = "a train has left by this portal, and its holder may be elsewhere"
     return register, (Show(Contradicted(unit_id=unit_id, section_ids=held, why=why)),)
+
+
+def may_have_crossed(register: Register, heard: Heard[Claim]) -> bool:
+    """Whether a claim of a unit that has left may have been made before, and come after the boundary's contact."""
+    unit = register.unit(heard.unit_id)
+    return unit.has_left and heard.epoch == unit.epoch and heard.correlation == 0
 
 
 def sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:

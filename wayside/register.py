@@ -38,8 +38,8 @@ class Unit:
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
     for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
-    asked all the same; `taken_back`: they were wrong, or it was. `unproven`: by its own word it is outside, and it was
-    on the line as far as was known when the block state was lost.
+    asked all the same; `has_left`: its train is known to have left the line; `taken_back`: they were wrong, or it was.
+    `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
     """
 
     standing: Standing
@@ -51,6 +51,7 @@ class Unit:
     by: str = ""
     barred: bool = False
     silent: bool = False
+    has_left: bool = False
     taken_back: bool = False
     unproven: bool = False
 

@@ -21,6 +21,7 @@ from radio.messages import (
 )
 from tests.wayside.manager_desk import Desk, defined
 from wayside import block_manager, leaving
+from wayside.actions import Send
 from wayside.block_manager import Heard
 from wayside.reentry import Step
 from wayside.register import Register, Standing
@@ -193,3 +194,18 @@ def test_accepted_again_it_was_leaving() -> None:
     event: Heard[SignOn] = Heard("u1", 2, True, 1, SignOn("u1", None))
     _, actions = block_manager.step(desk.register, event, 20.0)
     assert [a.note.was for a in actions if isinstance(getattr(a, "note", None), Accepted)] == ["leaving"]  # type: ignore[union-attr]
+
+
+def test_a_claim_that_crosses_the_contact_at_the_boundary_is_asked_again() -> None:
+    """Found on a grid: the answer to a query, made in the portal, comes a moment after the train was counted out."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    crossed: Heard[Claim] = Heard("u1", 1, True, 0, Claim(("P9",), 1))
+    desk.register, actions = block_manager.step(desk.register, crossed, 30.0)
+    assert [a.message for a in actions if isinstance(a, Send)] == [ClaimQuery()]
+    assert desk.register.holders == {}, "nobody would ever have asked it again"
+    assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
+    desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.register.defined
+    desk.hear("u1", Claim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.standing("u1") is Standing.DISPUTED, "asked after the contact, it does stand there"

@@ -29,6 +29,7 @@ from wayside import acts, block_manager, reentry
 from wayside.actions import Action, Send
 from wayside.block_manager import Ask, Event, Heard, step
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
+from wayside.leaving import may_have_crossed
 from wayside.reentry import in_station
 from wayside.register import Register, Standing, start
 from wayside.said import (
@@ -71,6 +72,7 @@ class Seen:
                 unit.barred,
                 unit.silent,
                 unit.taken_back,
+                unit.has_left,
                 unit.token == register.token_max,
             )
             for unit in map(register.unit, UNITS)
@@ -206,7 +208,8 @@ def check_contradicted(step_: Step) -> None:
     barred = step_.before.bars.barred
     match step_.event:
         case Heard(unit_id, fresh=True, message=Claim(section_ids)) if unit_id not in barred:
-            pass
+            if may_have_crossed(step_.before, step_.event):
+                return  # asked again
         case _:
             return
     for section_id in section_ids or ():
