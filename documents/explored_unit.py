@@ -44,6 +44,7 @@ from onboard.duty.records import (
     Leave,
     Looked,
     NotAtMark,
+    OffTheLine,
     Order,
     Phase,
     Place,
@@ -203,6 +204,8 @@ def _people(run: Run) -> Iterator[_Happening]:
     phase = run.state.phase
     if phase in (Phase.OFF, Phase.GONE):
         yield Begin(PLANS[0], signs_on=True), Run(run.state)
+    if phase is Phase.LEAVING:
+        yield OffTheLine(), run
     if phase is Phase.OFF:
         for spot, stands_at in ((0, 0), (3, None)):
             yield SwitchedOn(PLANS[0], stands_at), Run(run.state, 0, spot, known=False, emergency=True)
@@ -227,7 +230,7 @@ def _people(run: Run) -> Iterator[_Happening]:
 
 
 def _movement(run: Run) -> Iterator[_Happening]:
-    on_line = run.state.phase not in (Phase.OFF, Phase.GONE)
+    on_line = run.state.phase not in (Phase.OFF, Phase.LEAVING, Phase.GONE)
     tag = _TAGS[run.plan].get(run.spot, -1)
     if not run.moves and may_start(run):
         yield Started(), run._replace(moves=True)
@@ -332,6 +335,7 @@ _GOOD: Final = (
     "Begin",
     "Leave",
     "SignedOff",
+    "OffTheLine",
 )
 
 

@@ -148,6 +148,16 @@ CAUGHT: Final = (
         "wayside/test_acts.py::test_what_a_boot_says_that_persons_spoke_for_is_challenged",
     ),
     Caught(
+        "an accepted sign-off frees nothing",
+        "wayside.leaving",
+        "wayside/test_leaving.py::test_what_is_switched_off_is_seen",
+    ),
+    Caught(
+        "barring frees nothing",
+        "wayside.acts",
+        "wayside/test_barring.py::test_what_is_switched_off_is_seen",
+    ),
+    Caught(
         "nobody waits for nothing",
         "simulation.judge.liveness",
         "onboard/duty/test_properties.py::test_every_state_reached_first_keeps_the_rules",

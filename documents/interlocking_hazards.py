@@ -96,7 +96,7 @@ HAZARDS: Final = (
     Hazard(
         "A section is freed under a train",
         "its unit cannot be heard for a while",
-        "only the holder's own report, its sign-off or a person frees; there are no leases",
+        "only the holder's own report, its leaving or a person frees; there are no leases",
         ("wayside.block_manager",),
         (Checker.INSIDE_HOLDING,),
         (
@@ -292,6 +292,29 @@ HAZARDS: Final = (
         (Checker.NO_THROW_UNDER_TRAIN, Checker.POINTS_UNDER_TRAIN),
         ("rtri/44_points_locked_by_crew", "karasuyama/44_points_locked_by_crew"),
         ("the crew does not lock the points that it passes",),
+    ),
+    Hazard(
+        "A portal is given away while a train stands in it",
+        "a unit signs off, and does not hear that it may leave: an answer lost, or its power",
+        "an accepted sign-off frees nothing; the contact at the boundary, or the unit once its train has left, does",
+        ("wayside.leaving", "onboard.authority.sign_on"),
+        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
+        (
+            "rtri/58_portal_answer_lost",
+            "rtri/58b_portal_unit_power",
+            "karasuyama/58_portal_answer_lost",
+            "karasuyama/58b_portal_unit_power",
+        ),
+        ("a portal is free as soon as its train may leave",),
+    ),
+    Hazard(
+        "A unit claims what is not so",
+        "a unit is mad, or its key is stolen",
+        "its claim stops the line until two persons bar it and two say where it is; what it holds stays its own",
+        ("wayside.barring", "wayside.acts", "wayside.point_terminal"),
+        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
+        ("rtri/59_unit_barred", "karasuyama/59_unit_barred"),
+        ("a barred unit's sections are free",),
     ),
     Hazard(
         "Everything stands for ever",

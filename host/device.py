@@ -22,10 +22,21 @@ from radio.keys import KeyRing
 from radio.messages import PointsCommand, Restarted
 from wayside import block_manager, point_terminal
 from wayside.actions import Action, Drive, Send, Show
+from wayside.barring import NO_BARS, remembered
 from wayside.config import DeviceConfig, ManagerConfig, TerminalConfig, decode_config
 from wayside.point_terminal import Commanded, Expired, Memory
 from wayside.register import start as start_register
-from wayside.said import Input, InputRefused, Note, Output, PointsDetected, Refused, Started
+from wayside.said import (
+    BarUnit,
+    Input,
+    InputRefused,
+    Note,
+    Output,
+    PointsDetected,
+    Refused,
+    Started,
+    UnbarUnit,
+)
 
 
 class _Machine(Protocol):
@@ -55,7 +66,10 @@ class _Manager:
         kept = _remembered(durable.spare)
         ledger, moves_done = (None, None) if kept is None else (kept.ledger, kept.moves_done)
         unswept = () if kept is None else kept.unswept
-        self.register = start_register(config, durable.epoch, keys.capabilities, ledger, unswept, moves_done)
+        bars = remembered(durable.vital)
+        self.register = start_register(
+            config, durable.epoch, keys.capabilities, ledger, unswept, moves_done, bars
+        )
 
     def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
@@ -79,7 +93,9 @@ class _Manager:
     def kept(self, before: Durable) -> Durable:
         done = {unit_id: trip.done for unit_id, trip in sorted(self.register.trips.items())}
         kept = _Spare(tuple(sorted(self.register.ledger)), tuple(sorted(self.register.unswept)), done)
-        return msgspec.structs.replace(before, spare=msgspec.msgpack.encode(kept))
+        bars = self.register.bars
+        vital = b"" if bars == NO_BARS else msgspec.msgpack.encode(bars)
+        return msgspec.structs.replace(before, vital=vital, spare=msgspec.msgpack.encode(kept))
 
 
 class _Terminal:
@@ -98,7 +114,7 @@ class _Terminal:
             case Received():
                 why = type(event.message).__name__
                 return (Show(Refused(unit_id=event.source, why=why)),)
-            case PointsDetected():
+            case PointsDetected() | BarUnit() | UnbarUnit():
                 step = event
             case _:
                 return _not_for_device(event)

@@ -251,7 +251,7 @@ class SignOnDenied(Noted, frozen=True, kw_only=True, tag="sign_on_refused"):
 
 
 class SignedOff(Noted, frozen=True, kw_only=True, tag="signed_off"):
-    """The manager has accepted the sign-off."""
+    """The manager has accepted the sign-off: the train may leave the line."""
 
 
 class SignOffDenied(Noted, frozen=True, kw_only=True, tag="sign_off_refused"):

@@ -19,8 +19,8 @@ What a unit owes, so that no late answer gives it back what it has released:
 - Every ClaimQuery is answered at once, with the whole of what is held and the correlation of the query. A
   unit that waits for its portal holds nothing yet. One that has booted, and was or may have been on the line
   before, does not know what it holds, whether or not its crew has entered a train number yet.
-- A unit drops a section before it reports or signs off; it repeats the sign-off until accepted, and reports
-  when it is refused.
+- A unit drops a section before it reports; it repeats the sign-off until accepted, and reports when it is
+  refused. Signed off, it holds its portal until its train is off the line.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ class RefusalReason(Enum):
     CLAIM_NEEDED = 9  # neither side knows what the unit holds: a person must say
     WRONG_UNIT = 10  # the unit named is not the one that sent it
     NO_WAY_ON = 11  # granted, not every train could still finish; named: who is waited for, to come where
+    UNKNOWN_TOKEN = 13  # claimed under a token that was never granted
     NOT_ITS_TURN = 12  # another goes first by the order of trains; named likewise
 
 
@@ -59,6 +60,7 @@ class PointsRefusalReason(Enum):
     LOCKED = 5  # this holder already has the points locked the other way
     NOT_DETECTED = 6  # thrown, but position or lock did not prove in time
     LOCKED_BY_HAND = 7  # a crew passes them on sight and has the key
+    BARRED = 8  # persons have barred the unit
 
 
 class Capability(msgspec.Struct, frozen=True, array_like=True):
@@ -113,12 +115,14 @@ class HoldingReport(Message, frozen=True, array_like=True, tag=4):
 class HoldingConfirmed(Message, frozen=True, array_like=True, tag=5):
     """Manager to unit: what the register says it holds, and its current token; the answer to every report.
 
-    `contested`: what of it another claims, or may be in. While there is any, the train is not to move.
+    `contested`: what of it another claims, or may be in. While there is any, the train is not to move; `on_sight` as
+    in a grant.
     """
 
     section_ids: tuple[str, ...]
     token: int
     contested: tuple[str, ...] = ()
+    on_sight: tuple[str, ...] = ()
 
 
 class SignOn(Message, frozen=True, array_like=True, tag=6):
@@ -161,7 +165,7 @@ class SignOff(Message, frozen=True, array_like=True, tag=9):
 
 
 class SignOffAccepted(Message, frozen=True, array_like=True, tag=10):
-    """Manager to unit: you hold nothing any more."""
+    """Manager to unit: your train may leave; the portal is yours until it has."""
 
 
 class SignOffRefused(Message, frozen=True, array_like=True, tag=11):

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Final
 
-from onboard.duty.records import Accepted, Finished, Leave, LeftLine, Told
+from network.model import SectionKind
+from onboard.duty.records import Accepted, Finished, Leave, LeftLine, OffTheLine, Told
 from onboard.notes import MissionDone
 from simulation.agenda import Agenda, Due
 from simulation.cabs import Cabs
@@ -27,7 +28,7 @@ from simulation.world.points import WaysideWorld
 from simulation.world.roster import Duty, stabled_at_start
 from simulation.world.trains import SIGN, Trains
 from wayside.config import MANAGER_ID
-from wayside.said import ConfirmOutside
+from wayside.said import BoundaryPassed, ConfirmOutside
 
 PORTAL_RETRY_S: Final = 10.0
 
@@ -74,6 +75,8 @@ class Duties:
         self._next = dict.fromkeys(trains.stock_ids, 0)
         self._stage = [Stage.OUTSIDE] * len(trains.stock_ids)
         self._becoming: list[Duty] = []
+        sections = setup.line.sections.values()
+        self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
         self._due: dict[tuple[Pause, int], int] = {}  # the step at which a crew does something, by slot
         self.charging: Charging | None = None
         cabs.told = self.told
@@ -308,13 +311,18 @@ class Duties:
             self._stage[slot] = Stage.DONE
 
     def _leave(self, slot: int, step: int) -> None:
+        """Off the line, as the contact at its boundary and the driver see; only then is the portal left."""
         stock_id = self._trains.stock_ids[slot]
         self._books.close_energy(slot, step)
         if self.charging is not None:
             self.charging.leaves(slot, step)
+        portals = [s for s in self._trains.sections_under()[stock_id] if s in self._portals]
         self._trains.remove(slot)
         self._checkers.left(stock_id)
         self._journal.write(step / STEPS_PER_S, WORLD, Left(unit_id=stock_id))
+        for portal in portals:
+            self._wayside.input(step, MANAGER_ID, BoundaryPassed(portal))
+        self._cabs.tell(slot, step, (OffTheLine(),))
         following = self._next[stock_id]
         if following >= len(self._duties[stock_id]):
             self._stage[slot] = Stage.DONE

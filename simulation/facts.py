@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from network.model import Direction, Line, SectionKind
+from network.model import Direction, Line
 from network.profile import heights_of
 from simulation.judge.body import Heights
 from simulation.judge.checkers import Brake, Checkers, PointsFacts
@@ -21,11 +21,8 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
         p.id: PointsFacts(p.section_id, p.stem_piece, p.normal_piece, p.reverse_piece, p.initial)
         for p in line.points.values()
     }
-    portals = [section.id for section in line.sections.values() if section.kind is SectionKind.PORTAL]
     brakes = {stock_id: brake_of(setup, stock_id) for stock_id in stock_ids}
-    return Checkers(
-        net, points, portals, stock_ids, brakes, edge_heights(line), setup.driving.design_adhesion_share
-    )
+    return Checkers(net, points, stock_ids, brakes, edge_heights(line), setup.driving.design_adhesion_share)
 
 
 def brake_of(setup: Setup, stock_id: str) -> Brake:

@@ -17,13 +17,20 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from radio.envelope import CLOCK_SKEW_MAX_S
+<<<<<<< HEAD
+from wayside import barring, reentry
+=======
 from radio.messages import AnyMessage, Claim
 from wayside import reentry
+>>>>>>> 56dc7d0bebfab0de233cbe362c48e7492277d86b
 from wayside.actions import Show
+from wayside.barring import person_key
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
 from wayside.said import (
     AcceptPicture,
+    Barred,
+    BarUnit,
     ConfirmedByHand,
     ConfirmHolding,
     ConfirmOutside,
@@ -34,10 +41,12 @@ from wayside.said import (
     Refused,
     TakeBack,
     TakenBack,
+    Unbarred,
+    UnbarUnit,
     WordTaken,
 )
 
-Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture | TakeBack
+Act = ConfirmOutside | ConfirmHolding | EnterSection | AcceptPicture | TakeBack | BarUnit | UnbarUnit
 ASKED_IN_VAIN: Final = 3  # assumed: so often a unit that reported must have been silent, at `ask_interval_s`
 
 
@@ -61,6 +70,8 @@ def act(register: Register, event: Act, now_s: float) -> Step:
     unit_id = None if isinstance(event, AcceptPicture) else event.unit_id
     if unit_id is not None and unit_id not in register.plan.unit_ids:
         return register, (_refused(event, "not on the fleet list"),)
+    if isinstance(event, BarUnit | UnbarUnit):
+        return _bar(register, event)
     # A grant of the boot before may still be on the air, so what a person sees now may yet grow.
     on_the_air_s = register.plan.telegram_age_max_s + CLOCK_SKEW_MAX_S
     if register.epoch > 1 and now_s <= started_s + on_the_air_s:
@@ -80,9 +91,38 @@ def spoke(register: Register, unit_id: str, message: AnyMessage) -> Step:
     return register, (Show(Refused(unit_id=unit_id, why="it speaks for itself: no word counts")),)
 
 
-def person_key(name: str) -> str:
-    """Who it is, so that one person spelled in two ways is not two."""
-    return " ".join(name.split()).casefold()
+def _bar(register: Register, event: BarUnit | UnbarUnit) -> Step:
+    """Barred, or not any more, when a second person says the same; what it held stays its own."""
+    unit_id, before = event.unit_id, register.bars
+    bars = barring.said(before, unit_id, event.person, bar=isinstance(event, BarUnit))
+    register = replace(register, bars=bars)
+    if bars.barred == before.barred:
+        why = "a second person must say the same" if bars.words != before.words else "it is so already"
+        return register, (_refused(event, why),)
+    if isinstance(event, BarUnit):
+        return _shut_out(register, event), (Show(Barred(unit_id=unit_id, by=event.person)),)
+    return replace(register, ask_at_s=0.0), (Show(Unbarred(unit_id=unit_id, by=event.person)),)
+
+
+def _shut_out(register: Register, event: BarUnit) -> Register:
+    """Its word counts no more: not what it claims against others, and while restoring nothing that it has said.
+
+    What the register gave it, it holds until people say where it is; where it claims more, that stays contested until
+    they do, and the line undefined.
+    """
+    unit_id, unit = event.unit_id, register.unit(event.unit_id)
+    register = register.without_doubt(unit_id)
+    silenced = Unit(Standing.UNKNOWN, unit.epoch, unit.token, claim=unit.claim, barred=True)
+    if register.restoring:
+        heard_s = {other: at_s for other, at_s in register.reentry.heard_s.items() if other != unit_id}
+        register = replace(register, reentry=replace(register.reentry, heard_s=heard_s, accepted_by=""))
+        return register.with_held(unit_id, ()).with_unit(unit_id, replace(silenced, claim=None))
+    if unit.standing is Standing.DISPUTED:
+        return register.with_unit(unit_id, silenced)
+    if unit.standing in (Standing.REPORTED, Standing.LEAVING, Standing.BY_HAND):
+        by_hand = replace(silenced, standing=Standing.BY_HAND, claim=None, by=event.person, silent=True)
+        return register.with_unit(unit_id, by_hand)
+    return register
 
 
 def _sections(event: ConfirmOutside | ConfirmHolding) -> tuple[str, ...]:
@@ -94,8 +134,13 @@ def _place(event: ConfirmOutside | ConfirmHolding) -> str:
 
 
 def _freed(register: Register, event: ConfirmHolding) -> tuple[str, ...]:
-    """What the unit no longer holds if this is so."""
-    return tuple(s for s in register.held_by(event.unit_id) if s not in event.section_ids)
+    """What the unit no longer holds, nor claims, if this is so."""
+    return tuple(s for s in _may_be_in(register, event.unit_id) if s not in event.section_ids)
+
+
+def _may_be_in(register: Register, unit_id: str) -> tuple[str, ...]:
+    """What a unit holds, and what it claims against others."""
+    return tuple(dict.fromkeys((*register.held_by(unit_id), *(register.unit(unit_id).claim or ()))))
 
 
 def _refused(event: Act, why: str, section_ids: tuple[str, ...] = ()) -> Show:
@@ -128,11 +173,11 @@ def _confirm_outside(register: Register, event: ConfirmOutside) -> Step:
 
 def _set_outside(register: Register, event: ConfirmOutside) -> Step:
     unit_id, before = event.unit_id, register.unit(event.unit_id)
-    freed = register.held_by(unit_id)
+    freed, left = register.held_by(unit_id), _may_be_in(register, unit_id)
     silent = unit_id in register.ledger
     unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=before.has_spoken, silent=silent)
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
-    register, swept = reentry.to_be_swept(register, freed)
+    register, swept = reentry.to_be_swept(register, left)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, by=event.person))] if freed else []
     return register, (*shows, *swept, Show(Outside(unit_id=unit_id, by=event.person)))
 
@@ -160,12 +205,13 @@ def _confirm_holding(register: Register, event: ConfirmHolding) -> Step:
 
 def _set_by_hand(register: Register, event: ConfirmHolding) -> Step:
     unit_id, by, before = event.unit_id, event.person, register.unit(event.unit_id)
-    freed = _freed(register, event)
+    left, was_held = _freed(register, event), register.held_by(unit_id)
+    freed = tuple(section_id for section_id in left if section_id in was_held)
     register, token = reentry.without_words(register, unit_id).next_token()
     register = register.with_held(unit_id, event.section_ids)
     unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=before.has_spoken, silent=True)
     register = register.with_unit(unit_id, unit)
-    register, swept = reentry.to_be_swept(register, freed)
+    register, swept = reentry.to_be_swept(register, left)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
     held = register.held_by(unit_id)
     confirmed = ConfirmedByHand(unit_id=unit_id, section_ids=held, token=token, by=by)
@@ -301,6 +347,8 @@ UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxy
         (Phase.RUNNING, Standing.BY_HAND, ConfirmHolding): _confirm_holding,
         (Phase.RUNNING, Standing.REPORTED, ConfirmOutside): _doubt_speaker,
         (Phase.RUNNING, Standing.REPORTED, ConfirmHolding): _doubt_speaker,
+        (Phase.RUNNING, Standing.LEAVING, ConfirmOutside): _doubt_speaker,
+        (Phase.RUNNING, Standing.LEAVING, ConfirmHolding): _doubt_speaker,
         (Phase.RUNNING, Standing.DISPUTED, ConfirmOutside): _refuse_unit_speaks,
         (Phase.RUNNING, Standing.DISPUTED, ConfirmHolding): _refuse_unit_speaks,
         (Phase.RESTORING, Standing.UNKNOWN, ConfirmOutside): _take_word,
@@ -311,13 +359,15 @@ UNIT_ACTS: Final[Mapping[tuple[Phase, Standing, type], _Handler]] = MappingProxy
         (Phase.RESTORING, Standing.BY_HAND, ConfirmHolding): _take_word,
         (Phase.RESTORING, Standing.REPORTED, ConfirmOutside): _take_correction,
         (Phase.RESTORING, Standing.REPORTED, ConfirmHolding): _take_correction,
+        (Phase.RESTORING, Standing.LEAVING, ConfirmOutside): _take_correction,
+        (Phase.RESTORING, Standing.LEAVING, ConfirmHolding): _take_correction,
         (Phase.RESTORING, Standing.DISPUTED, ConfirmOutside): _take_correction,
         (Phase.RESTORING, Standing.DISPUTED, ConfirmHolding): _take_correction,
         (Phase.RUNNING, Standing.OUTSIDE, TakeBack): _take_back,
         (Phase.RUNNING, Standing.BY_HAND, TakeBack): _take_back,
         **{
             (Phase.RUNNING, standing, TakeBack): _nothing_to_take_back
-            for standing in (Standing.UNKNOWN, Standing.REPORTED, Standing.DISPUTED)
+            for standing in (Standing.UNKNOWN, Standing.REPORTED, Standing.LEAVING, Standing.DISPUTED)
         },
         **{(Phase.RESTORING, standing, TakeBack): _take_back_word for standing in Standing},
     }

@@ -1,6 +1,6 @@
 """Invariant: a section has at most one holder; while any registered unit is unknown or disputed nothing is
-granted; a section is freed only by its holder's own report (same boot, current token), its sign-off, or a
-person's entry. Silence, a lease or a timeout never frees anything.
+granted; a section is freed only by its holder's own report (same boot, current token), by its holder's train having
+left the line, or by a person's entry. Silence, a lease or a timeout never frees anything.
 
 The block manager (閉そく管理装置) of Sugiyama et al. 2017, sections 2.1 (1) and 4.4, as a pure machine:
 `step(register, event, now_s) -> (register, actions)`. A route is granted whole or not at all. Tokens are
@@ -13,6 +13,9 @@ another, is shown, its sender is DISPUTED, and nothing is granted until the othe
 corrects the entry; so a wrong entry shows as soon as the unit speaks. What persons may enter is in
 `wayside.acts`, when the line is defined again in `wayside.reentry`.
 
+A sign-off frees nothing: from then on the unit is LEAVING, and its portal is its own until the contact at the boundary
+has counted its train out, or the unit itself, in the boot that signed off, says that it holds nothing.
+
 `TELEGRAMS` is the whole table of telegrams; what it does not name is refused and changes nothing.
 """
 
@@ -21,7 +24,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, Final, TypeVar
+
+import msgspec
 
 from radio.messages import (
     AnyMessage,
@@ -35,32 +40,24 @@ from radio.messages import (
     RouteRefused,
     RouteRequest,
     SignOff,
-    SignOffAccepted,
-    SignOffRefused,
     SignOn,
     SignOnAccepted,
     SignOnRefused,
 )
 from radio.table import Row, rows
-from wayside import acts, dispatch, reentry
+from wayside import acts, dispatch, leaving, reentry
 from wayside.actions import Action, Send, Show
 from wayside.dispatch import Asked
+from wayside.heard import Heard, challenge, show_refusal
 from wayside.reentry import Step
 from wayside.register import Register, Standing, Unit
-from wayside.said import Accepted, Contradicted, Freed, Granted, Outside, Refused
+from wayside.said import Accepted, BoundaryPassed, Contradicted, Freed, Granted, Outside, Refused
 
 M = TypeVar("M")
 
 
-@dataclass(frozen=True, slots=True)
-class Heard(Generic[M]):
-    """A telegram passed the envelope's checks. `fresh`: its sender has heard this boot of the manager."""
-
-    unit_id: str
-    epoch: int
-    fresh: bool
-    correlation: int
-    message: M
+ASKED_AGAIN: Final = 1  # correlation of a query whose answer is known to be one to it
+__all__ = ["TELEGRAMS", "Ask", "Event", "Heard", "step", "table_rows", "wake_at_s"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +65,7 @@ class Ask:
     """Look whether it is time to ask the units that block the line what they hold."""
 
 
-Event = Heard[AnyMessage] | acts.Act | Ask
+Event = Heard[AnyMessage] | acts.Act | BoundaryPassed | Ask
 
 
 def step(register: Register, event: Event, now_s: float) -> Step:
@@ -77,21 +74,28 @@ def step(register: Register, event: Event, now_s: float) -> Step:
     before = register = replace(register, started_s=started_s)
     if isinstance(event, Ask):
         return _ask(register, now_s)
-    register, actions = (
-        _heard(register, event, now_s) if isinstance(event, Heard) else acts.act(register, event, now_s)
-    )
+    match event:
+        case Heard():
+            register, actions = _heard(register, event, now_s)
+        case BoundaryPassed(section_id):
+            register, actions = leaving.boundary_passed(register, section_id)
+        case _:
+            register, actions = acts.act(register, event, now_s)
+    register = leaving.asked_later(before, register, now_s)
     register, following = reentry.settle(register, now_s)
     return register, (*actions, *following, *_newly_contested(before, register))
 
 
 def wake_at_s(register: Register) -> float | None:
     """When the manager wants to ask again; None while the line is defined and every unit speaks for itself."""
-    return register.ask_at_s if register.asked() else None
+    return register.ask_at_s if register.asked() or register.in_dispute else None
 
 
 def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if heard.unit_id not in register.plan.unit_ids:
         return register, (Show(Refused(unit_id=heard.unit_id, why="not on the fleet list")),)
+    if heard.unit_id in register.bars.barred:
+        return register, (Show(Refused(unit_id=heard.unit_id, why="barred")),)
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
@@ -108,7 +112,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
 
 def _ask(register: Register, now_s: float) -> Step:
     asked = register.asked()
-    if not asked or now_s < register.ask_at_s:
+    if not (asked or register.in_dispute) or now_s < register.ask_at_s:
         return register, ()
     in_vain = {unit_id: times + 1 for unit_id, times in register.doubted.items()}
     register = replace(register, ask_at_s=now_s + register.plan.ask_interval_s, doubted=in_vain)
@@ -119,7 +123,8 @@ def _tell_contested(register: Register) -> tuple[Send, ...]:
     """To every unit with something contested: it only restricts, and is said again as long as it lasts."""
     if not register.in_dispute:
         return ()
-    contested = {unit_id: register.contested(unit_id) for unit_id in register.plan.unit_ids}
+    units = (unit_id for unit_id in register.plan.unit_ids if unit_id not in register.bars.barred)
+    contested = {unit_id: register.contested(unit_id) for unit_id in units}
     return tuple(Send(unit_id, Contested(sections)) for unit_id, sections in contested.items() if sections)
 
 
@@ -194,7 +199,7 @@ def _refuse_route(
 ) -> Step:
     refused = RouteRefused(heard.message.route_id, reason, section_id, holder)
     return register, (
-        _show_refusal(heard.unit_id, reason, section_id, holder),
+        show_refusal(heard.unit_id, reason, section_id, holder),
         Send(heard.unit_id, refused, heard.correlation),
     )
 
@@ -216,11 +221,13 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     unit = register.unit(unit_id)
     held, listed = register.held_by(unit_id), frozenset(message.section_ids)
     contested = register.contested(unit_id)
-    confirmed = Send(unit_id, HoldingConfirmed(held, unit.token, contested), heard.correlation)
+    confirmed = Send(
+        unit_id, HoldingConfirmed(held, unit.token, contested, register.on_sight(held)), heard.correlation
+    )
     if heard.epoch != unit.epoch:
-        return register, (_show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
+        return register, (show_refusal(unit_id, RefusalReason.NOT_SIGNED_ON), confirmed)
     if message.token != unit.token:
-        return register, (_show_refusal(unit_id, RefusalReason.STALE_TOKEN), confirmed)
+        return register, (show_refusal(unit_id, RefusalReason.STALE_TOKEN), confirmed)
     if extra := tuple(section_id for section_id in message.section_ids if section_id not in held):
         # It believes to hold more than the register says: a contradiction, so nothing of it is freed. Its train stops
         # at this answer; what it then claims is added, or disputed.
@@ -240,7 +247,11 @@ def _report(register: Register, heard: Heard[HoldingReport]) -> Step:
     return register, (
         *noted,
         Show(Freed(unit_id=unit_id, section_ids=freed, token=unit.token)),
-        Send(unit_id, HoldingConfirmed(kept, unit.token, register.contested(unit_id)), heard.correlation),
+        Send(
+            unit_id,
+            HoldingConfirmed(kept, unit.token, register.contested(unit_id), register.on_sight(kept)),
+            heard.correlation,
+        ),
     )
 
 
@@ -251,28 +262,24 @@ def _sign_on(register: Register, heard: Heard[SignOn]) -> Step:
     standing, claimed = register.unit(heard.unit_id).standing, heard.message.section_ids
     # Of a unit known to be outside, even an old wish to enter is only a wish; and a unit that reports is only added to.
     outside = standing is Standing.OUTSIDE and _enters(register, heard.unit_id, claimed or ())
-    if not (heard.fresh or outside or standing is Standing.REPORTED):
-        return _challenge(register, heard)
+    if not (heard.fresh or outside or standing in (Standing.REPORTED, Standing.LEAVING)):
+        return challenge(register, heard)
     return _take_claim(register, heard)
 
 
 def _claim(register: Register, heard: Heard[Claim]) -> Step:
     """Added if fresh and nobody else holds it, else asked again or disputed; empty: outside; unknown: nothing."""
     if not heard.fresh:
-        return _challenge(register, heard)
+        return challenge(register, heard)
+    if leaving.may_have_crossed(register, heard):
+        return register, (Send(heard.unit_id, ClaimQuery(), ASKED_AGAIN),)
     return _take_claim(register, heard)
-
-
-def _challenge(register: Register, heard: Heard[Any]) -> Step:
-    """Ask: a claim may date from before this boot, but not the answer to this."""
-    return register, (Send(heard.unit_id, ClaimQuery(), heard.correlation),)
 
 
 def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
     unit_id, claimed = heard.unit_id, heard.message.section_ids
-    register, doubts = _doubt(register, heard)
-    if doubts:
-        return register, (*doubts, Send(unit_id, ClaimQuery(), heard.correlation))
+    if heard.message.token > register.token_max:
+        return _never_granted(register, heard)
     unit = register.unit(unit_id)
     if claimed is None and (isinstance(heard.message, Claim) or not reentry.known(register, unit_id)):
         return _does_not_know(register, heard)
@@ -290,7 +297,7 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
     if _wishes(register, heard, claimed):
         # Where it was last known on the line, a wish may as well be its place: let the claim tell.
         lost = unit.standing is Standing.UNKNOWN and unit_id in register.ledger
-        return _challenge(register, heard) if lost else _enter(register, heard, claimed, conflict)
+        return challenge(register, heard) if lost else _enter(register, heard, claimed, conflict)
     conflict = conflict or reentry.entered_for_another(register, unit_id, claimed)
     if conflict is not None:
         free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
@@ -323,16 +330,23 @@ def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
     return register, (Show(shown), *refusal)
 
 
-def _doubt(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
-    """A token that no boot known here can have given: the durable state was lost, this is no first start."""
-    token = heard.message.token
-    if token <= max(register.token_max, register.foreign_token):
-        return register, ()
-    if register.restoring:
-        return replace(register, foreign_token=token), ()
-    why = "a token that this manager does not remember; the line must be restored"
-    doubt = Contradicted(unit_id=heard.unit_id, token=token, why=why)
-    return reentry.lost_again(register, token), (Show(doubt),)
+def _never_granted(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
+    """A token that no boot gave contradicts this unit alone: that is shown, and its claim refused.
+
+    But where nobody knows what it holds, what it claims may be so, and is taken without the token.
+    """
+    unit_id, token, claimed = heard.unit_id, heard.message.token, heard.message.section_ids
+    shown = Show(Contradicted(unit_id=unit_id, token=token, why="a token that was never granted"))
+    if claimed and register.unit(unit_id).standing is Standing.UNKNOWN:
+        register, actions = _take_claim(register, replace(heard, message=_without_token(heard.message)))
+    else:
+        register = replace(register, ledger=register.ledger | {unit_id})  # two persons must say where it is
+        register, actions = _refuse_claim(register, heard, RefusalReason.UNKNOWN_TOKEN)
+    return register, (shown, *actions)
+
+
+def _without_token(message: SignOn | Claim) -> Any:  # noqa: ANN401 - of the type given
+    return msgspec.structs.replace(message, token=0)
 
 
 def _wishes(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> bool:
@@ -407,59 +421,33 @@ def _refuse_claim(
     holder: str | None = None,
 ) -> Step:
     return register, (
-        _show_refusal(heard.unit_id, reason, section_id, holder),
+        show_refusal(heard.unit_id, reason, section_id, holder),
         Send(heard.unit_id, SignOnRefused(reason, section_id, holder), heard.correlation),
     )
 
 
-def _sign_off(register: Register, heard: Heard[SignOff]) -> Step:
-    """Frees its portal, under the current token and boot; refused while it holds more."""
-    message, unit_id = heard.message, heard.unit_id
-    unit, held = register.unit(unit_id), register.held_by(unit_id)
-    if message.unit_id != unit_id:
-        return _refuse_sign_off(register, heard, RefusalReason.WRONG_UNIT)
-    if heard.epoch != unit.epoch:
-        return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
-    if message.token != unit.token:
-        return _refuse_sign_off(register, heard, RefusalReason.STALE_TOKEN)
-    if not register.plan.portals.issuperset(held):
-        return _refuse_sign_off(register, heard, RefusalReason.STILL_HOLDING)
-    register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
-    # Entering again gives a new token, so nothing said before this counts then.
-    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch))
-    return register, (
-        Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
-        Show(Outside(unit_id=unit_id, token=unit.token)),
-        Send(unit_id, SignOffAccepted(), heard.correlation),
-    )
+def _sign_on_leaving(register: Register, heard: Heard[SignOn]) -> Step:
+    """Still in its portal, it is on the line again; one that wishes to enter elsewhere is asked whether it has left."""
+    if _enters(register, heard.unit_id, heard.message.section_ids or ()) and heard.message.section_ids:
+        return challenge(register, heard)
+    return _sign_on(register, heard)
 
 
-def _sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:
-    """Accepted again; nothing changes."""
-    return register, (Send(heard.unit_id, SignOffAccepted(), heard.correlation),)
-
-
-def _refuse_sign_off(register: Register, heard: Heard[SignOff], reason: RefusalReason) -> Step:
-    return register, (
-        _show_refusal(heard.unit_id, reason),
-        Send(heard.unit_id, SignOffRefused(reason), heard.correlation),
-    )
-
-
-def _sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
-    """Refused: the unit must sign on first."""
-    return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
+def _claim_leaving(register: Register, heard: Heard[Claim]) -> Step:
+    """Empty and of the boot that signed off: its train has left. Its portal alone: not yet. Else as any claim."""
+    unit_id, claimed = heard.unit_id, heard.message.section_ids
+    same_boot = heard.epoch == register.unit(unit_id).epoch
+    if not heard.fresh:
+        return challenge(register, heard)
+    if claimed == ():
+        return leaving.left(register, unit_id) if same_boot else (register, ())
+    if same_boot and claimed == register.held_by(unit_id):
+        return register, ()
+    return _take_claim(register, heard)
 
 
 def _not_for_manager(register: Register, heard: Heard[Any]) -> Step:
     return register, (Show(Refused(unit_id=heard.unit_id, why=type(heard.message).__name__)),)
-
-
-def _show_refusal(
-    unit_id: str, reason: RefusalReason, section_id: str | None = None, holder: str | None = None
-) -> Show:
-    sections = () if section_id is None else (section_id,)
-    return Show(Refused(unit_id=unit_id, section_ids=sections, other_id=holder or "", why=reason.name))
 
 
 _Handler = Callable[[Register, Heard[Any]], Step]
@@ -467,29 +455,34 @@ _Handler = Callable[[Register, Heard[Any]], Step]
 TELEGRAMS: Final[Mapping[tuple[Standing, type], _Handler]] = MappingProxyType(
     {
         (Standing.UNKNOWN, RouteRequest): _request_undefined,
-        (Standing.UNKNOWN, HoldingReport): _challenge,
+        (Standing.UNKNOWN, HoldingReport): challenge,
         (Standing.UNKNOWN, SignOn): _sign_on,
-        (Standing.UNKNOWN, SignOff): _sign_off_not_signed_on,
+        (Standing.UNKNOWN, SignOff): leaving.sign_off_not_signed_on,
         (Standing.UNKNOWN, Claim): _claim,
         (Standing.OUTSIDE, RouteRequest): _request_not_signed_on,
-        (Standing.OUTSIDE, HoldingReport): _challenge,
+        (Standing.OUTSIDE, HoldingReport): challenge,
         (Standing.OUTSIDE, SignOn): _sign_on,
-        (Standing.OUTSIDE, SignOff): _sign_off_again,
+        (Standing.OUTSIDE, SignOff): leaving.sign_off_again,
         (Standing.OUTSIDE, Claim): _claim,
         (Standing.BY_HAND, RouteRequest): _request_not_signed_on,
-        (Standing.BY_HAND, HoldingReport): _challenge,
+        (Standing.BY_HAND, HoldingReport): challenge,
         (Standing.BY_HAND, SignOn): _sign_on,
-        (Standing.BY_HAND, SignOff): _sign_off_not_signed_on,
+        (Standing.BY_HAND, SignOff): leaving.sign_off_not_signed_on,
         (Standing.BY_HAND, Claim): _claim,
         (Standing.REPORTED, RouteRequest): _request,
         (Standing.REPORTED, HoldingReport): _report,
         (Standing.REPORTED, SignOn): _sign_on,
-        (Standing.REPORTED, SignOff): _sign_off,
+        (Standing.REPORTED, SignOff): leaving.sign_off,
         (Standing.REPORTED, Claim): _claim,
+        (Standing.LEAVING, RouteRequest): _request_not_signed_on,
+        (Standing.LEAVING, HoldingReport): _report,
+        (Standing.LEAVING, SignOn): _sign_on_leaving,
+        (Standing.LEAVING, SignOff): leaving.sign_off,
+        (Standing.LEAVING, Claim): _claim_leaving,
         (Standing.DISPUTED, RouteRequest): _request_undefined,
-        (Standing.DISPUTED, HoldingReport): _challenge,
+        (Standing.DISPUTED, HoldingReport): challenge,
         (Standing.DISPUTED, SignOn): _sign_on,
-        (Standing.DISPUTED, SignOff): _sign_off_not_signed_on,
+        (Standing.DISPUTED, SignOff): leaving.sign_off_not_signed_on,
         (Standing.DISPUTED, Claim): _claim,
     }
 )

@@ -78,7 +78,12 @@ def picture(register: Register) -> Picture:
 
 def _unit(register: Register, unit_id: str) -> UnitView:
     unit, held = register.unit(unit_id), register.held_by(unit_id)
-    says = {Standing.REPORTED: held, Standing.OUTSIDE: (), Standing.DISPUTED: unit.claim}
+    says = {
+        Standing.REPORTED: held,
+        Standing.LEAVING: held,
+        Standing.OUTSIDE: (),
+        Standing.DISPUTED: unit.claim,
+    }
     words = reentry.words_for(register, unit_id).items()
     heard_s = register.reentry.heard_s.get(unit_id, register.started_s)
     return UnitView(

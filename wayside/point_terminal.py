@@ -24,9 +24,13 @@ from network.model import Position
 from radio.keys import capability_mac, mac_equal
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
 from radio.table import Row, rows
+from wayside import barring
 from wayside.actions import Action, Drive, Send, Show
+from wayside.barring import NO_BARS, Bars
 from wayside.config import PointsEntry, TerminalConfig
 from wayside.said import (
+    Barred,
+    BarUnit,
     PointsCommanded,
     PointsDetected,
     PointsProven,
@@ -34,6 +38,8 @@ from wayside.said import (
     StartThrow,
     StopThrow,
     ThrowRefused,
+    Unbarred,
+    UnbarUnit,
 )
 
 _TIME_TOLERANCE_S: Final = 1e-9
@@ -57,10 +63,11 @@ class Commitment(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Memory(msgspec.Struct, frozen=True):
-    """Durable state: highest token by section, commitment by points. Kept before anything is thrown."""
+    """Durable state: highest token by section, commitment by points, barred units. Kept before anything is thrown."""
 
     tokens: dict[str, int] = {}
     commitments: dict[str, Commitment] = {}
+    bars: Bars = NO_BARS
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +105,7 @@ class Expired:
     """Event: look at the time limits of throws."""
 
 
-TerminalEvent = Commanded | PointsDetected | Expired
+TerminalEvent = Commanded | PointsDetected | BarUnit | UnbarUnit | Expired
 TerminalStep = tuple[Terminal, tuple[Action, ...]]
 
 
@@ -121,6 +128,8 @@ def step(terminal: Terminal, event: TerminalEvent, now_s: float) -> TerminalStep
     """The next state and what to do. Never raises for what a unit sends."""
     if isinstance(event, Expired):
         return _expire(terminal, now_s)
+    if isinstance(event, BarUnit | UnbarUnit):
+        return _bar(terminal, event)
     if isinstance(event, PointsDetected):
         if event.points_id not in terminal.views:
             return terminal, ()
@@ -128,6 +137,17 @@ def step(terminal: Terminal, event: TerminalEvent, now_s: float) -> TerminalStep
     if (reason := refusal(terminal, event.unit_id, event.message)) is not None:
         return terminal, _refuse(event, reason)
     return _dispatch(terminal, event.message.points_id, event, now_s)
+
+
+def _bar(terminal: Terminal, event: BarUnit | UnbarUnit) -> TerminalStep:
+    """Its commands are refused, or taken again, once a second person says the same; what is locked stays locked."""
+    before, bar = terminal.memory.bars, isinstance(event, BarUnit)
+    bars = barring.said(before, event.unit_id, event.person, bar=bar)
+    terminal = replace(terminal, memory=msgspec.structs.replace(terminal.memory, bars=bars))
+    if bars.barred == before.barred:
+        return terminal, ()
+    note = Barred if bar else Unbarred
+    return terminal, (Show(note(unit_id=event.unit_id, by=event.person)),)
 
 
 def wake_at_s(terminal: Terminal) -> float | None:
@@ -139,6 +159,8 @@ def wake_at_s(terminal: Terminal) -> float | None:
 
 def refusal(terminal: Terminal, unit_id: str, command: PointsCommand) -> PointsRefusalReason | None:
     """Why a command must not be carried out, or None."""
+    if unit_id in terminal.memory.bars.barred:
+        return PointsRefusalReason.BARRED
     view = terminal.views.get(command.points_id)
     if view is None:
         return PointsRefusalReason.UNKNOWN_POINTS
@@ -181,6 +203,7 @@ def _command(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep
         memory = Memory(
             {**memory.tokens, view.entry.section_id: command.token},
             {**memory.commitments, command.points_id: commitment},
+            memory.bars,
         )
     note = PointsCommanded(
         unit_id=event.unit_id,

@@ -322,7 +322,7 @@ def said_outside(register: Register, unit_id: str) -> Step:
 
 def known(register: Register, unit_id: str) -> bool:
     """Whether the register has what the unit holds, be it that persons have entered it."""
-    return register.unit(unit_id).standing in (Standing.BY_HAND, Standing.REPORTED)
+    return register.unit(unit_id).standing in (Standing.BY_HAND, Standing.REPORTED, Standing.LEAVING)
 
 
 def cannot_be_outside(register: Register, unit_id: str) -> bool:
@@ -358,8 +358,8 @@ def swept(register: Register, unit_id: str, section_ids: Iterable[str]) -> Step:
 def _forget_words_of_speakers(register: Register) -> Register:
     """Of a running line, words are kept only while a first one waits for the second."""
     for unit_id in {unit_id for _, unit_id in register.reentry.complete}:
-        waits = unit_id in register.doubted or register.unit(unit_id).taken_back
-        if register.unit(unit_id).standing is not Standing.BY_HAND and not waits:
+        unheard = register.unit(unit_id).standing in (Standing.BY_HAND, Standing.UNKNOWN)
+        if not (unheard or unit_id in register.doubted):
             register = without_words(register, unit_id)
     return register
 
@@ -408,26 +408,3 @@ def released(register: Register, unit_id: str, section_ids: Iterable[str]) -> Re
             if unit == unit_id:
                 register = with_entry(register, person, section_id, None)
     return register
-
-
-def lost_again(register: Register, token: int) -> Register:
-    """A unit has a token that no boot known here gave: the durable state is not the last, so begin anew.
-
-    With the ledger it is lost what had to be swept, so all of the line has to be.
-    """
-    spoken = {
-        unit_id: unit
-        for unit_id, unit in register.units.items()
-        if unit.standing in (Standing.REPORTED, Standing.DISPUTED)
-    }
-    holders = {section: unit_id for section, unit_id in register.holders.items() if unit_id in spoken}
-    return replace(
-        register,
-        restoring=True,
-        ledger=frozenset(register.plan.unit_ids),
-        unswept=frozenset(register.plan.order) - register.plan.portals,
-        foreign_token=token,
-        units=spoken,
-        holders=holders,
-        reentry=Reentry(inputs=register.reentry.inputs),
-    )

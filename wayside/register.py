@@ -15,6 +15,7 @@ from enum import Enum
 from network.errors import InputError
 from radio.keys import capability_mac
 from radio.messages import Capability
+from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 from wayside.journeys import Days, Kept, Sought, Trip, days_of
 
@@ -26,6 +27,7 @@ class Standing(Enum):
     OUTSIDE = "outside"  # signed off, confirmed outside, or its claim was empty
     BY_HAND = "by hand"  # a person entered what it holds; it has not spoken
     REPORTED = "reported"  # it speaks for itself
+    LEAVING = "leaving"  # signed off; it holds its portal until its train is known to have left
     DISPUTED = "disputed"  # it claims what another holds; nothing is granted to anyone meanwhile
 
 
@@ -36,8 +38,8 @@ class Unit:
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
     for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
-    asked all the same; `taken_back`: they were wrong, or it was. `unproven`: by its own word it is outside, and it was
-    on the line as far as was known when the block state was lost.
+    asked all the same; `has_left`: its train is known to have left the line; `taken_back`: they were wrong, or it was.
+    `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
     """
 
     standing: Standing
@@ -49,13 +51,14 @@ class Unit:
     by: str = ""
     barred: bool = False
     silent: bool = False
+    has_left: bool = False
     taken_back: bool = False
     unproven: bool = False
 
     @property
     def has_spoken(self) -> bool:
         """Whether it spoke for itself, be it before persons spoke for it."""
-        return self.barred or self.standing is Standing.REPORTED
+        return self.barred or self.standing in (Standing.REPORTED, Standing.LEAVING)
 
 
 UNKNOWN_UNIT = Unit(Standing.UNKNOWN)
@@ -114,7 +117,7 @@ class Register:
 
     `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of
     the line has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept
-    over power cuts; it blocks and never frees. `foreign_token`: the greatest heard that no known boot gave.
+    over power cuts; it blocks and never frees. `bars`: units that persons have barred, kept over power cuts.
     `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
     to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
     often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
@@ -131,7 +134,7 @@ class Register:
     ask_at_s: float = 0.0
     restoring: bool = False
     ledger: frozenset[str] = frozenset()
-    foreign_token: int = 0
+    bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
     doubted: Mapping[str, int] = field(default_factory=dict[str, int])
     reentry: Reentry = field(default_factory=Reentry)
@@ -171,13 +174,15 @@ class Register:
         return tuple(unit_id for unit_id in self.plan.unit_ids if self.unit(unit_id).standing in blocking)
 
     def asked(self) -> tuple[str, ...]:
-        """Units that are asked what they hold: those that block, and those that count by persons' word alone.
+        """Units that are asked what they hold: those that block, that leave, or that count by persons' word alone.
 
         While one is looked for, those that hold what it may be in, too: with the answer they hear what to sweep.
         """
-        silent = (unit_id for unit_id, unit in self.units.items() if unit.silent)
+        units = self.units.items()
+        others = (unit_id for unit_id, u in units if u.silent or u.standing is Standing.LEAVING)
         near = (unit_id for unit_id in self.units if self.on_sight(self.contested(unit_id)))
-        return tuple(dict.fromkeys((*self.undefined_because_of(), *self.doubted, *silent, *near)))
+        named = dict.fromkeys((*self.undefined_because_of(), *self.doubted, *others, *near))
+        return tuple(unit_id for unit_id in named if unit_id not in self.bars.barred)
 
     @property
     def in_dispute(self) -> bool:
@@ -249,6 +254,7 @@ def start(
     ledger: Iterable[str] | None = None,
     unswept: Iterable[str] = (),
     moves_done: Mapping[str, int] | None = None,
+    bars: Bars = NO_BARS,
 ) -> Register:
     """The register after a (re)start: nothing is known. `epoch` must be greater than that of any earlier boot.
 
@@ -283,6 +289,7 @@ def start(
         epoch,
         restoring=epoch > 1,
         ledger=on_line,
+        bars=bars,
         unswept=frozenset(unswept),
         trips={unit_id: Trip(done) for unit_id, done in (moves_done or {}).items()},
         trips_lost=trips_lost,

@@ -61,7 +61,37 @@ class TakeBack(msgspec.Struct, frozen=True, array_like=True, tag=6):
     person: str
 
 
-Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture | TakeBack
+class BoundaryPassed(msgspec.Struct, frozen=True, array_like=True, tag=7):
+    """World to manager: the contact at the boundary beyond this portal has counted a whole train out of the line."""
+
+    section_id: str
+
+
+class BarUnit(msgspec.Struct, frozen=True, array_like=True, tag=8):
+    """Operator to manager and terminals: the unit is mad or its key stolen, nothing that it says is to count."""
+
+    unit_id: str
+    person: str
+
+
+class UnbarUnit(msgspec.Struct, frozen=True, array_like=True, tag=9):
+    """Operator to manager and terminals: what the unit says is to count again."""
+
+    unit_id: str
+    person: str
+
+
+Input = (
+    ConfirmOutside
+    | ConfirmHolding
+    | PointsDetected
+    | EnterSection
+    | AcceptPicture
+    | TakeBack
+    | BoundaryPassed
+    | BarUnit
+    | UnbarUnit
+)
 
 
 class StartThrow(msgspec.Struct, frozen=True, array_like=True, tag=1):
@@ -112,12 +142,20 @@ class Refused(Noted, frozen=True, kw_only=True, tag="refused"):
 
 
 class Freed(Noted, frozen=True, kw_only=True, tag="freed"):
-    """The manager has freed sections: by the unit's own word, or `by` a person's."""
+    """The manager has freed sections: by the unit's own word, the boundary's contact, or `by` a person's word."""
 
     unit_id: str
     section_ids: tuple[str, ...]
     token: int = 0
     by: str = ""
+
+
+class Leaving(Noted, frozen=True, kw_only=True, tag="leaving"):
+    """The manager has accepted a sign-off: the portal stays the unit's until its train is known to have left."""
+
+    unit_id: str
+    section_ids: tuple[str, ...]
+    token: int
 
 
 class Accepted(Noted, frozen=True, kw_only=True, tag="accepted"):
@@ -183,6 +221,20 @@ class ToBeSwept(Noted, frozen=True, kw_only=True, tag="to_be_swept"):
     """A silent unit counts as elsewhere by persons' word alone: these sections are locked but for a train on sight."""
 
     section_ids: tuple[str, ...]
+
+
+class Barred(Noted, frozen=True, kw_only=True, tag="barred"):
+    """Two persons have barred the unit at this device: what it says counts for nothing from now on."""
+
+    unit_id: str
+    by: str
+
+
+class Unbarred(Noted, frozen=True, kw_only=True, tag="unbarred"):
+    """Two persons have unbarred the unit at this device."""
+
+    unit_id: str
+    by: str
 
 
 class Swept(Noted, frozen=True, kw_only=True, tag="swept"):
@@ -276,12 +328,15 @@ ManagerNote = (
     | Granted
     | Refused
     | Freed
+    | Leaving
     | Accepted
     | Outside
     | ConfirmedByHand
     | WordTaken
     | PictureChanged
     | TakenBack
+    | Barred
+    | Unbarred
     | ToBeSwept
     | Swept
     | Contradicted
@@ -296,6 +351,8 @@ TerminalNote = (
     Started
     | InputRefused
     | Refused
+    | Barred
+    | Unbarred
     | PointsCommanded
     | ThrowRefused
     | PointsProven

@@ -184,7 +184,8 @@ class Letters:
 
     def _confirmed(self, heard: Received, message: radio.HoldingConfirmed) -> sym.Event:
         answers = self._answers(Ask.REPORT, heard)
-        return sym.Confirmed(message.section_ids, answers, message.token > self.token, message.contested)
+        newer = message.token > self.token
+        return sym.Confirmed(message.section_ids, answers, newer, message.contested, message.on_sight)
 
     def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
         good = message.locked and message.detected and message.position is not None

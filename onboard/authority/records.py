@@ -67,6 +67,7 @@ class Command(msgspec.Struct, frozen=True):
 
 class Authority(msgspec.Struct, frozen=True):
     """The state. `held`: sections in order of travel; `commandable`: those of them granted with a capability.
+    `leaving`: signed off, with its train still in its portal, which it holds until that is off the line.
 
     `unsaid`: points not commanded any more, of which a proof still counts. `entering`: the sign-on is a wish for a
     portal, so until it is accepted nothing is held. `mismatch`: why register and unit contradict each other, if they
@@ -77,6 +78,7 @@ class Authority(msgspec.Struct, frozen=True):
     held: tuple[str, ...] = ()
     commandable: tuple[str, ...] = ()
     on_line: bool = False  # signed on and not signed off
+    leaving: bool = False
     entering: bool = False
     requests: tuple[Request, ...] = ()
     commands: tuple[Command, ...] = ()
@@ -99,7 +101,7 @@ class Authority(msgspec.Struct, frozen=True):
     def perhaps_on_line(self) -> bool:
         """Whether it may stand on the line: it never says then, after a boot, that it holds nothing."""
         claims = self.open(Ask.SIGN_ON) is not None and not self.entering
-        return self.unsure or self.on_line or claims
+        return self.unsure or self.on_line or self.leaving or claims
 
     @property
     def waits_for_radio(self) -> bool:
@@ -125,6 +127,10 @@ class FoundAt(msgspec.Struct, frozen=True, tag=True):
 
 class EndOnLine(msgspec.Struct, frozen=True, tag=True):
     """The train leaves the line; it holds nothing but its portal."""
+
+
+class TakenOff(msgspec.Struct, frozen=True, tag=True):
+    """The train of a unit that has signed off is wholly off the line."""
 
 
 class AskRoute(msgspec.Struct, frozen=True, tag=True):
@@ -222,6 +228,7 @@ class Confirmed(msgspec.Struct, frozen=True, tag=True):
     answers: bool
     newer: bool
     contested: tuple[str, ...] = ()
+    on_sight: tuple[str, ...] = ()
 
 
 class Contested(msgspec.Struct, frozen=True, tag=True):
@@ -261,6 +268,7 @@ Event = (
     BeginOnLine
     | FoundAt
     | EndOnLine
+    | TakenOff
     | AskRoute
     | Throw
     | CheckedByCrew

@@ -55,12 +55,14 @@ def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
 def confirmed(state: Authority, event: Confirmed) -> Result:
     """To its last report: done if the register has the same, with nothing contested; a greater token is taken.
 
-    If it has less, or some of it is contested, the train is stopped, and it is reported again.
+    If it has less, or some of it is contested, the train is stopped, and it is reported again. What must be passed on
+    sight is as the manager says.
     """
     request = state.open(Ask.REPORT)
     if request is None or not event.answers:
         return state, ()
     actions: tuple[Action, ...] = ()
+    state = replace(state, unswept=tuple(s for s in event.on_sight if state.holds(s)))
     contested, held = ", ".join(event.contested), set(state.held)
     if contested or not held <= set(event.section_ids):
         why = f"contested: {contested}" if contested else "the register has less"

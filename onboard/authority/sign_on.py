@@ -1,7 +1,7 @@
 """Signing on and off (在線登録・抹消): which boot of which unit is on the line, and with what.
 
 Invariant: a unit counts as held what the manager accepted, and what it claims as standing in, never what it wishes to
-enter; it signs off only with its last section, and then holds nothing.
+enter; it signs off only with its last section, and holds that until its train is off the line.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from onboard.authority.records import (
     SignedOn,
     StopTimer,
     Take,
+    TakenOff,
     TurnedBack,
     Write,
 )
@@ -117,12 +118,18 @@ def sign_off_refused(state: Authority, event: Refused) -> Result:
 
 
 def signed_off(state: Authority, event: SignedOff) -> Result:
-    """To its sign-off: holds nothing, asks for nothing, is off the line."""
+    """To its sign-off: asks for nothing any more, and its train may leave; the portal is its own until it has."""
     if not event.answers:
         return state, ()
-    gone = Authority()
     timers = (*(r.timer for r in state.requests), *(c.timer for c in state.commands))
-    return gone, (*map(StopTimer, timers), Write(notes.SignedOff()), holds(gone))
+    leaving = Authority(held=state.held, leaving=True)
+    return leaving, (*map(StopTimer, timers), Write(notes.SignedOff()))
+
+
+def taken_off(_state: Authority, _event: TakenOff) -> Result:
+    """Holds nothing: the train is off the line."""
+    gone = Authority()
+    return gone, (holds(gone),)
 
 
 def queried(state: Authority, _event: Queried) -> Result:
@@ -158,10 +165,12 @@ TABLE: Final[Table] = MappingProxyType(
         (Standing.SIGNING_ON, SignedOn): signed_on,
         (Standing.ON_LINE, EndOnLine): end,
         (Standing.SIGNING_OFF, SignedOff): signed_off,
+        (Standing.LEAVING, TakenOff): taken_off,
         (Standing.OFF_LINE, Queried): queried_off_line,
         (Standing.SIGNING_ON, Queried): queried_signing_on,
         (Standing.ON_LINE, Queried): queried,
         (Standing.SIGNING_OFF, Queried): queried,
+        (Standing.LEAVING, Queried): queried,
         **dict.fromkeys(((s, TurnedBack) for s in Standing), turned_back),
     }
 )

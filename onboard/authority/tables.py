@@ -38,6 +38,7 @@ class Standing(Enum):
     SIGNING_ON = "signing on"
     ON_LINE = "on the line"
     SIGNING_OFF = "signing off"
+    LEAVING = "leaving"
 
 
 Result: TypeAlias = tuple[Authority, tuple[Action, ...]]
@@ -49,6 +50,8 @@ def standing(state: Authority) -> Standing:
     """Where the unit stands with the manager."""
     if state.open(Ask.SIGN_OFF) is not None:
         return Standing.SIGNING_OFF
+    if state.leaving:
+        return Standing.LEAVING
     if state.on_line:
         return Standing.ON_LINE
     return Standing.OFF_LINE if state.open(Ask.SIGN_ON) is None else Standing.SIGNING_ON

@@ -25,6 +25,7 @@ from onboard.authority.records import (
     Due,
     EndOnLine,
     GiveBack,
+    TakenOff,
     Throw,
     TurnedBack,
     Withdrawn,
@@ -58,6 +59,7 @@ from onboard.duty.records import (
     LeftLine,
     Looked,
     NotAtMark,
+    OffTheLine,
     Order,
     Phase,
     Place,
@@ -123,6 +125,12 @@ def leave(turn: Turn, _event: Leave) -> None:
     """Signs off at the portal."""
     turn.set(phase=Phase.SIGNING_OFF)
     turn.authority(EndOnLine())
+
+
+def off_the_line(turn: Turn, _event: OffTheLine) -> None:
+    """Has left: holds nothing any more, and says so when it is asked."""
+    turn.set(phase=Phase.GONE)
+    turn.authority(TakenOff())
 
 
 def set_back(turn: Turn, event: SetBack) -> None:
@@ -267,7 +275,7 @@ def heard(turn: Turn, event: Heard) -> None:
 def settle(turn: Turn) -> None:
     """What follows from the state as it is now, whatever has led to it."""
     phase = turn.state.phase
-    if phase in (Phase.OFF, Phase.GONE):
+    if phase in (Phase.OFF, Phase.LEAVING, Phase.GONE):
         return
     react(turn)
     if phase is Phase.SIGNING_ON and turn.state.authority.on_line:
@@ -278,7 +286,7 @@ def settle(turn: Turn) -> None:
         turn.actions.append(Accepted(turn.plan.number))
         phase = turn.state.phase
     if phase is Phase.SIGNING_OFF and not turn.state.authority.on_line:
-        turn.set(phase=Phase.GONE)
+        turn.set(phase=Phase.LEAVING)
         turn.actions.append(LeftLine(turn.plan.number))
         return
     if phase is Phase.SIGNING_OFF and turn.state.authority.open(Ask.SIGN_OFF) is None:
@@ -428,6 +436,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.OFF, SwitchedOn): on_sight.switched_on,
         (Phase.FINISHED, ChangeEnds): change_ends,
         (Phase.FINISHED, Leave): leave,
+        (Phase.LEAVING, OffTheLine): off_the_line,
         **dict.fromkeys(((p, SetBack) for p in _MAY_SET_BACK), set_back),
         **dict.fromkeys(((p, SetBack) for p in _ON_THE_LINE if p not in _MAY_SET_BACK), set_back_refused),
         (Phase.ON_SIGHT, PointsSeen): on_sight.points_seen,

@@ -28,6 +28,7 @@ class Phase(Enum):
     ON_SIGHT = "on sight"  # switched on again, or lost its position, until all is known again
     FINISHED = "finished"
     SIGNING_OFF = "signing off"
+    LEAVING = "leaving"  # signed off; its train may still stand in its portal
     GONE = "gone"
 
 
@@ -126,6 +127,10 @@ class ChangeEnds(msgspec.Struct, frozen=True, tag=True):
 
 class Leave(msgspec.Struct, frozen=True, tag=True):
     """The train leaves the line from its portal."""
+
+
+class OffTheLine(msgspec.Struct, frozen=True, tag=True):
+    """The whole train has left the line by its portal."""
 
 
 class SetBack(msgspec.Struct, frozen=True, tag=True):
@@ -240,6 +245,7 @@ Person = (
     | SwitchedOn
     | ChangeEnds
     | Leave
+    | OffTheLine
     | SetBack
     | PointsSeen
     | PointsWrong

@@ -16,6 +16,7 @@ _IDLE: Final[Mapping[Phase, str]] = MappingProxyType(
         Phase.OFF: "its next train",
         Phase.STANDING: "departure time",
         Phase.FINISHED: "its next train",
+        Phase.LEAVING: "its train to leave the line",
         Phase.GONE: "its next train",
     }
 )

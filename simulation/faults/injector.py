@@ -25,6 +25,7 @@ from wayside.config import MANAGER_ID
 from wayside.register import Stage
 from wayside.said import (
     AcceptPicture,
+    BarUnit,
     ConfirmHolding,
     ConfirmOutside,
     EnterSection,
@@ -32,6 +33,7 @@ from wayside.said import (
     PictureChanged,
     Started,
     TakeBack,
+    UnbarUnit,
 )
 
 if TYPE_CHECKING:
@@ -217,6 +219,9 @@ class Injector:
                 self._wayside.input(self._world.step, MANAGER_ID, outside)
             case ActKind.TAKE_BACK:
                 self._wayside.input(self._world.step, MANAGER_ID, TakeBack(act.target, act.person))
+            case ActKind.BAR_UNIT | ActKind.UNBAR_UNIT:
+                said = BarUnit if act.kind is ActKind.BAR_UNIT else UnbarUnit
+                self._wayside.input_all(self._world.step, said(act.target, act.person))
             case ActKind.CONFIRM_HOLDING:
                 entry = ConfirmHolding(act.target, act.sections, act.person)
                 self._wayside.input(self._world.step, MANAGER_ID, entry)

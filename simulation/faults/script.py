@@ -48,6 +48,8 @@ class ActKind(Enum):
     REENTER_ASSISTED = (
         "reenter_assisted"  # controller: looks at the picture until it is complete, and accepts it
     )
+    BAR_UNIT = "bar_unit"  # controller or staff: nothing that this unit says is to count
+    UNBAR_UNIT = "unbar_unit"  # what it says is to count again
     GIVE_BACK = "give_back"  # crew: sets back the route ahead, not entered, and asks for none for a while
 
 

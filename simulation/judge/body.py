@@ -22,9 +22,9 @@ class Body:
     """One train. `path` runs in the direction of travel from the edge under the rear to that under the front.
 
     Nothing changes while the front stays on `edge_id` between `front_m` and `still_to_m`: the fast case.
-    `fresh` are edges run onto but not yet touched. `excepted` and `portals` are sections it may occupy without holding
-    them: where it was put on the line (None until it is first seen), and where it stands signed off. `overrun` are
-    those that it came into outside the design (`judge.rail`).
+    `fresh` are edges run onto but not yet touched. `excepted` are sections it may occupy without holding them: where
+    it was put on the line (None until it is first seen). `overrun` are those that it came into outside the design
+    (`judge.rail`).
     """
 
     unit_id: str
@@ -42,14 +42,8 @@ class Body:
     pieces: tuple[str, ...] = ()
     sections: frozenset[str] = frozenset()
     excepted: frozenset[str] | None = None
-    portals: frozenset[str] = frozenset()
     overrun: frozenset[str] = frozenset()
     fresh: list[str] = field(default_factory=list)
-
-    @property
-    def exceptions(self) -> frozenset[str]:
-        """Sections that it may occupy without holding them."""
-        return self.portals if self.excepted is None else self.excepted | self.portals
 
 
 class Track:

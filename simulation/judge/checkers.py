@@ -4,12 +4,10 @@
 `bounds` is told, to be held against the truth. Call `observe` for every train before the journal entries of the same
 moment: a release is judged by where the rear is then. The rules are those of `Checker`, each told where it is checked.
 
-A train may occupy a section if the block manager gave it to its unit and the unit counts it as held. Two
-exceptions, each over for a section once the train has left it: where a train is put on the line, until the manager
-has it there and its unit says what it holds; and a portal that it stands in when the manager takes it as outside,
-until the manager takes a sign-on or a claim of its unit. What persons enter for that unit does not end the second:
-the unit has signed off, and says nothing any more. A unit that has restarted knows nothing: until it says anew what
-it holds, the manager's word alone counts.
+A train may occupy a section if the block manager gave it to its unit and the unit counts it as held, a portal too
+until the train is off the line. One exception, over for a section once the train has left it: where a train is put on
+the line, until the manager has it there and its unit says what it holds. A unit that has restarted knows nothing:
+until it says anew what it holds, the manager's word alone counts.
 """
 
 from __future__ import annotations
@@ -59,7 +57,6 @@ class Checkers:
         self,
         net: NetMap,
         points: Mapping[str, PointsFacts],
-        portals: Collection[str],
         unit_ids: Collection[str],
         brakes: Mapping[str, Brake],
         heights: Heights,
@@ -72,7 +69,6 @@ class Checkers:
         self._points = PointsWatch(points, self._log)
         self._register = RegisterWatch(self._log)
         self._liveness = LivenessWatch(self._log)
-        self._portals = frozenset(portals)
         self._unit_ids = tuple(unit_ids)  # registered on the line, whatever the manager says of them
         self._bodies: dict[str, Body] = {}
         self._occupants: dict[str, set[str]] = {}
@@ -205,7 +201,6 @@ class Checkers:
             text = f"{body.unit_id} was on {was} and is at {front_m:.3f} m of {edge_id}: no train runs so"
             self._log.note(t_s, Checker.NO_JUMP, body.unit_id, text)
         body.excepted = body.sections if body.excepted is None else body.excepted & body.sections
-        body.portals &= body.sections
         body.overrun &= body.sections
         if self._rail.outside(t_s, body.unit_id):
             body.overrun |= {s for s in body.sections - sections if self._missing(body, s)}
@@ -265,7 +260,7 @@ class Checkers:
 
     def _missing(self, body: Body, section_id: str) -> list[str]:
         """What a train lacks to be in a section; nothing where it holds it, or need not."""
-        if section_id in body.exceptions:
+        if section_id in (body.excepted or ()):
             return []
         unit_id = body.unit_id
         missing = [] if self._register.holds(unit_id, section_id) else ["the block manager did not give it"]
@@ -298,10 +293,10 @@ class Checkers:
                 self._note_change(t_s, unit_id)
             case Accepted(unit_id=unit_id, section_ids=section_ids):
                 self._register.accepted(t_s, unit_id, section_ids)
-                self._taken(t_s, unit_id, own_word=True)
+                self._taken(t_s, unit_id)
             case ConfirmedByHand(unit_id=unit_id, section_ids=section_ids):
                 self._register.accepted(t_s, unit_id, section_ids)
-                self._taken(t_s, unit_id, own_word=False)
+                self._taken(t_s, unit_id)
             case Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
                 self._outside(t_s, unit_id)
@@ -398,7 +393,7 @@ class Checkers:
         body = self._bodies.get(unit_id)
         if body is None:
             return
-        for section_id in sorted((body.sections - body.exceptions).intersection(gone)):
+        for section_id in sorted((body.sections - (body.excepted or frozenset())).intersection(gone)):
             text = f"{unit_id} {verb} section {section_id} while its train is in it"
             self._log.note(t_s, Checker.RELEASE_BEHIND_REAR, f"{section_id} {unit_id}", text)
 
@@ -411,26 +406,20 @@ class Checkers:
             self._log.note(t_s, Checker.TELEGRAM_ONCE, f"{who} {source} {epoch} {sequence}", text)
         done.add(sequence)
 
-    def _taken(self, t_s: float, unit_id: str, *, own_word: bool) -> None:
-        """The manager has the unit on the line, by the unit's own word or by that of persons.
-
-        What it stands in until its unit says what it holds goes by the first exception, a portal too.
-        """
+    def _taken(self, t_s: float, unit_id: str) -> None:
+        """The manager has the unit on the line, by its own word or by that of persons."""
         body = self._bodies.get(unit_id)
         if body is None:
             return
-        if own_word:
-            body.excepted = (body.excepted or frozenset()) | body.portals
-            body.portals = frozenset()
         if unit_id in self._forgetful or self._own.get(unit_id):
             body.excepted = frozenset()
         self._note_change(t_s, unit_id)
 
     def _outside(self, t_s: float, unit_id: str) -> None:
-        """The manager has the unit as off the line: its train may still stand in a portal, and nowhere else."""
+        """The manager has the unit as off the line: its train may stand nowhere."""
         body = self._bodies.get(unit_id)
         if body is not None:
-            body.excepted, body.portals = frozenset(), body.sections & self._portals
+            body.excepted = frozenset()
             self._note_change(t_s, unit_id)
 
     def _note_change(self, t_s: float, unit_id: str) -> None:

@@ -91,6 +91,11 @@ class WaysideWorld:
         self._inputs[device_id].append(value)
         self._agenda.put(step, Due.TO_DEVICE, device_id)
 
+    def input_all(self, step: int, value: Input) -> None:
+        """Something an operator enters at every device."""
+        for device_id in self._device_ids:
+            self.input(step, device_id, value)
+
     def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:
         """Send a telegram through the air."""
         unit_id, device_id = (destination, source) if source in self._device_ids else (source, destination)

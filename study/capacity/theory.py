@@ -157,7 +157,7 @@ class Theory:
             if index + 1 == len(spans) and journey.leaves:  # it signs off where it stands
                 stands_s = journey.stays[-1].arrives_s
                 leaves_s = rear_s = stands_s
-                freed_s = journey.ends_s + self.links.report_s
+                freed_s = journey.ends_s + self.links.ask_s  # heard, answered, and then it leaves
                 yield replace(passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=stands_s, freed_s=freed_s)
                 continue
             yield replace(

@@ -128,6 +128,8 @@ _ACT: Final = frozenset({"kind", "start", "after_s", "person"})
 _ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.CONFIRM_OUTSIDE: frozenset({"target", "place"}),
     ActKind.TAKE_BACK: frozenset({"target"}),
+    ActKind.BAR_UNIT: frozenset({"target"}),
+    ActKind.UNBAR_UNIT: frozenset({"target"}),
     ActKind.CONFIRM_HOLDING: frozenset({"target", "sections"}),
     ActKind.ACCEPT_PICTURE: frozenset({"pace_s"}),
     ActKind.POWER_ON: frozenset({"target"}),
@@ -149,6 +151,8 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.CONFIRM_OUTSIDE: names.units,
         ActKind.CONFIRM_HOLDING: names.units,
         ActKind.TAKE_BACK: names.units,
+        ActKind.BAR_UNIT: names.units,
+        ActKind.UNBAR_UNIT: names.units,
         ActKind.POWER_ON: (*names.units, *names.devices),
         ActKind.COMMISSION: (*names.units, *names.devices),
         ActKind.REPAIR_POINTS: names.points,

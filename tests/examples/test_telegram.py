@@ -57,10 +57,7 @@ def made_in(clone: Any) -> Any:  # noqa: ANN401 - of the fixture
     clone.write(
         "wayside/said.py",
         ('has looked at the whole line as it is shown; it is right."""\n\n    person: str\n', INPUT),
-        (
-            "Input = ConfirmOutside | ConfirmHolding | PointsDetected | EnterSection | AcceptPicture | TakeBack",
-            " | HoldTrain",
-        ),
+        ("    | UnbarUnit\n", "    | HoldTrain\n"),
     )
     clone.write(
         "wayside/acts.py",

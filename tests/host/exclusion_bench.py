@@ -30,6 +30,7 @@ from onboard.duty.records import (
     LeftLine,
     Looked,
     NotAtMark,
+    OffTheLine,
     Order,
     Person,
     Phase,
@@ -54,6 +55,7 @@ from wayside.register import Stage
 from wayside.said import (
     Accepted,
     AcceptPicture,
+    BoundaryPassed,
     ConfirmedByHand,
     ConfirmHolding,
     ConfirmOutside,
@@ -72,9 +74,10 @@ HOLD_S: Final = 5.0  # a route set back is not asked for again before
 class World:
     """Telegrams live in `flying` until the age limit and are delivered any number of times, in any order."""
 
-    def __init__(self, mode: ReentryMode = ReentryMode.ASSISTED) -> None:
-        """A day under way: u1 stands in B, u2 in E, u3 is off the line."""
+    def __init__(self, mode: ReentryMode = ReentryMode.ASSISTED, *, contact: bool = True) -> None:
+        """A day under way: u1 stands in B, u2 in E, u3 is off the line. `contact`: there is one at the boundary."""
         self.mode = mode
+        self.contact = contact
         self.now_s = 0.0
         self.store = MemoryStore()
         self.units = {unit_id: Train(unit_id) for unit_id in UNITS}
@@ -149,7 +152,7 @@ class World:
                 case Finished():
                     train.finished = True
                 case LeftLine():
-                    train.where, train.finished = Where.OUTSIDE, False
+                    train.may_leave = True
         if (Order.STOP in orders or Order.LOSE in orders) and not stands:
             self.tell(train, Stopped(How.SHORT, -1.0))  # brought to a stand where it is
 
@@ -158,6 +161,13 @@ class World:
         occupied = frozenset[str]().union(*(other.physical for other in self.units.values()))
         if train.where is Where.WAITING and train.unit.state.authority.on_line and "P0" not in occupied:
             train.where = Where.ON_LINE
+
+    def leave(self, train: Train) -> None:
+        """Out of its portal, if its unit was told that it may: the contact at the boundary counts it out."""
+        if train.where is Where.LEAVING and train.may_leave:
+            train.where, train.finished, train.may_leave = Where.OUTSIDE, False, False
+            self.manage(inputs=[BoundaryPassed("P9")] if self.contact else [])
+            self.tell(train, OffTheLine())
 
     def next_train(self, unit_id: str, to: str) -> None:
         """The crew enters the next train number: outside the portal, after changing ends, or leaves the line."""
@@ -183,6 +193,7 @@ class World:
         """By a joint, as far as the unit and, on sight, the crew let it."""
         train = self.units[unit_id]
         self.enter(train)
+        self.leave(train)
         self.look(train)
         if train.where is not Where.ON_LINE or not train.command.drive or train.emergency:
             return

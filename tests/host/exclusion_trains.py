@@ -106,7 +106,7 @@ class Where(Enum):
     OUTSIDE = "outside"
     WAITING = "waiting"  # outside the portal, its unit switched on for its next train
     ON_LINE = "on the line"
-    LEAVING = "leaving"  # over the portal's far joint, and signing off
+    LEAVING = "leaving"  # in its portal, signing off or on its way out
 
 
 class Train:
@@ -121,6 +121,7 @@ class Train:
         self.known = False  # its unit knows where it is
         self.emergency = False
         self.finished = False
+        self.may_leave = False
         self.command = Command()
         self.wake_at_s: float | None = None
         self.notes: list[UnitNote] = []
@@ -131,11 +132,12 @@ class Train:
         config = UnitConfig("line", self.unit_id, MANAGER_ID, TIMES)
         self.unit: Unit = unit_of(config, key_ring(MASTER, self.unit_id, [MANAGER_ID]), self.epoch)
         self.command, self.wake_at_s = Command(), None
+        self.may_leave = False
 
     @property
     def physical(self) -> frozenset[str]:
-        """What it truly stands in; a train that leaves is over the joint of the other line."""
-        if self.where is not Where.ON_LINE:
+        """What it truly stands in."""
+        if self.where not in (Where.ON_LINE, Where.LEAVING):
             return frozenset()
         return frozenset(span.section_id for span in self.plan.spans[self.rear : self.front + 1])
 
@@ -149,13 +151,15 @@ class Train:
         """Whether it knows what it holds: a unit that was switched on again does not before it is told."""
         authority = self.unit.state.authority
         sign_on = authority.open(Ask.SIGN_ON)
-        return authority.on_line or (sign_on is not None and sign_on.section_ids is not None)
+        return (
+            authority.on_line
+            or authority.leaving
+            or (sign_on is not None and sign_on.section_ids is not None)
+        )
 
     @property
     def believed(self) -> frozenset[str]:
-        if self.where is Where.LEAVING:
-            return frozenset()
-        if self.where is Where.ON_LINE and not self.knows:
+        if self.physical and not self.knows:
             return self.physical
         return frozenset(self.unit.state.authority.held)
 

@@ -42,6 +42,7 @@ from wayside.config import (
 )
 from wayside.point_terminal import Commitment, Memory
 from wayside.said import (
+    BoundaryPassed,
     ConfirmHolding,
     ConfirmOutside,
     InputRefused,
@@ -278,6 +279,8 @@ def test_the_ledger_is_kept_before_the_unit_is_told_and_until_it_has_left() -> N
     assert query == ClaimQuery()
     heard(train, again.advance(1.2, [train.seal(MANAGER_ID, Claim(("P",), accepted.token), 1.2)]), 1.2)
     heard(train, again.advance(1.4, [train.seal(MANAGER_ID, SignOff("u1", accepted.token), 1.4)]), 1.4)
+    assert ledger(store) == ("u1",)
+    again.advance(1.6, [], [BoundaryPassed("P")])
     assert ledger(store) == ()
 
 

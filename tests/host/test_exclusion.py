@@ -162,7 +162,7 @@ class Walker:
 
     def __init__(self, seed: int, mode: ReentryMode) -> None:
         self.chance = random.Random(seed)
-        self.world = World(mode)
+        self.world = World(mode, contact=seed % 2 == 0)
 
     def step(self) -> None:
         world, chance = self.world, self.chance

@@ -18,6 +18,7 @@ from onboard.duty.records import (
     Finished,
     Leave,
     LeftLine,
+    OffTheLine,
     Phase,
     SwitchedOn,
 )
@@ -159,6 +160,9 @@ def test_signing_off(at_b: Bench) -> None:
     assert at_b.phase is Phase.SIGNING_OFF
     at_b.hear(MANAGER, SignOffAccepted())
     assert at_b.told == (LeftLine("T1"),)
+    assert at_b.phase is Phase.LEAVING
+    assert at_b.held == ("8",), "its train stands there"
+    at_b.tell([OffTheLine()])
     assert at_b.phase is Phase.GONE
     assert at_b.held == ()
 

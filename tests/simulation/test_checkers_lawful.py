@@ -78,7 +78,7 @@ class Lawful:
     """Trains A, B, C that keep every rule, driven by random acts; an act that is not allowed now does nothing."""
 
     def __init__(self) -> None:
-        self.checkers = Checkers(net(), POINTS, ("W", "E"), ("A", "B", "C"), {}, {}, 0.8)
+        self.checkers = Checkers(net(), POINTS, ("A", "B", "C"), {}, {}, 0.8)
         self.t_s = 0.0
         self.token = 0
         self.trains: dict[str, Runner] = {}
@@ -206,14 +206,14 @@ class Lawful:
         runner = self.trains[unit]
         if runner.held != [PIECES[runner.way[-1][0]][0]] or self.unheard:
             return
+        self.run(unit, 1.0)
+        self.checkers.left(unit)
         self.register[unit] = []
         self.entry(MANAGER, Freed(unit_id=unit, section_ids=tuple(runner.held)))
         self.t_s -= 1.0  # the manager writes both in one moment
         self.entry(MANAGER, Outside(unit_id=unit))
         runner.held = []
         self.holds(unit)
-        self.run(unit, 1.0)
-        self.checkers.left(unit)
         del self.trains[unit]
 
     def restart(self, _unit: str, _share: float) -> None:

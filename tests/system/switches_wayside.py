@@ -21,10 +21,11 @@ from radio.messages import (
     PointsProof,
     PointsRefusalReason,
     RefusalReason,
+    SignOff,
 )
 from radio.noted import TookEffect
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
-from wayside import acts, block_manager, point_terminal, reentry, register
+from wayside import acts, barring, block_manager, leaving, point_terminal, reentry, register
 from wayside.actions import Action, Send, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, Standing
@@ -109,6 +110,31 @@ def silence_frees(patch: pytest.MonkeyPatch) -> None:
         return state, (*lapsed, *actions)
 
     patch.setattr(block_manager, "step", leased)
+
+
+@switch
+def frees_a_portal_at_the_sign_off(patch: pytest.MonkeyPatch) -> None:
+    """The manager takes a train as gone as soon as it may go."""
+
+    def signed_off(state: Register, heard: block_manager.Heard[SignOff]) -> reentry.Step:
+        state, said = leaving.sign_off(state, heard)
+        if state.unit(heard.unit_id).standing is not Standing.LEAVING:
+            return state, said
+        state, freed = leaving.left(state, heard.unit_id)
+        return state, (*said, *freed)
+
+    table = {**block_manager.TELEGRAMS, (Standing.REPORTED, SignOff): signed_off}
+    patch.setattr(block_manager, "TELEGRAMS", table)
+
+
+@switch
+def bars_nobody(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(barring, "said", lambda bars, *_, **__: bars)
+
+
+@switch
+def frees_what_a_barred_unit_holds(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(acts, "_shut_out", lambda register, event: register.with_held(event.unit_id, ()))
 
 
 @switch

@@ -71,6 +71,18 @@ DEFECTS: Final = (
         (Checker.INSIDE_HOLDING,),
     ),
     Defect(
+        "a portal is free as soon as its train may leave",
+        "rtri/58b_portal_unit_power",
+        "frees_a_portal_at_the_sign_off",
+        (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
+    ),
+    Defect(
+        "a barred unit's sections are free",
+        "rtri/59_unit_barred",
+        "frees_what_a_barred_unit_holds",
+        (Checker.ONE_TRAIN_A_SECTION, "T3 does not come into its section"),
+    ),
+    Defect(
         "the block manager refuses everything",
         "rtri_test_line",
         "refuses_everything",

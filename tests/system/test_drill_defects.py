@@ -275,6 +275,9 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "55_unit_dead_for_good": ("leaves_the_line_unswept", "T2 runs through on sight"),
         "43_brake": (acknowledges_whatever_is_wrong, "not released before"),
         "57_motors_on_a_gradient": (leaves_whatever_lies_ahead, "it does not leave"),
+        "58_portal_answer_lost": ("frees_a_portal_at_the_sign_off", "no invariant is broken"),
+        "58b_portal_unit_power": ("frees_a_portal_at_the_sign_off", "no invariant is broken"),
+        "59_unit_barred": ("frees_what_a_barred_unit_holds", "no invariant is broken"),
         "70_no_fix_before_the_mark": (
             "releases_by_the_odometer",
             "nothing is given back before the driver has spoken",

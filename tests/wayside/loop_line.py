@@ -16,7 +16,7 @@ from wayside.actions import Send, Show
 from wayside.block_manager import Heard, step
 from wayside.config import DispatchEntry, Journey, JourneyMove, ManagerConfig, Order, RouteEntry, SectionEntry
 from wayside.register import Register, start
-from wayside.said import Note
+from wayside.said import BoundaryPassed, Note
 
 
 def line_of(tracks: Sequence[int]) -> tuple[SectionEntry, ...]:
@@ -171,6 +171,7 @@ class Play:
         self.hear(k, HoldingReport((there,), self.register.unit(unit_id).token))
         if there in "PQ":
             self.hear(k, SignOff(unit_id, self.register.unit(unit_id).token))
+            self.register, _ = step(self.register, BoundaryPassed(there), self.now_s)
 
     def finishes(self) -> bool:
         """Whether all can still finish, by the search that leaves nothing out."""

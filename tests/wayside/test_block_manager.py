@@ -35,11 +35,13 @@ from wayside.register import Standing
 from wayside.said import (
     Accepted,
     AcceptPicture,
+    BoundaryPassed,
     ConfirmHolding,
     ConfirmOutside,
     Contradicted,
     Freed,
     Granted,
+    Outside,
     PictureChanged,
     Refused,
 )
@@ -304,6 +306,10 @@ def test_signing_off_from_the_portal_and_again() -> None:
     desk = defined(u1=("P9",))
     off = SignOff("u1", desk.register.unit("u1").token)
     assert desk.hear("u1", off) == SignOffAccepted()
+    assert desk.hear("u1", off) == SignOffAccepted()
+    assert desk.standing("u1") is Standing.LEAVING
+    assert desk.register.holders == {"P9": "u1"}, "its train stands there, and may not have heard"
+    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
     assert desk.register.holders == {}
     assert desk.standing("u1") is Standing.OUTSIDE
     assert desk.hear("u1", off) == SignOffAccepted()
@@ -354,6 +360,9 @@ def in_standing(standing: Standing) -> Desk:
             desk.act(ConfirmHolding("u1", ("B",), "Sato"))
         case Standing.REPORTED:
             desk.enter("u1", "B")
+        case Standing.LEAVING:
+            desk.enter("u1", "P9")
+            desk.hear("u1", SignOff("u1", desk.register.unit("u1").token))
         case Standing.DISPUTED:
             desk.hear("u1", Claim(("B", "E"), 0))
         case Standing.UNKNOWN:
@@ -374,8 +383,10 @@ EXPECTED = {
     (RouteRequest, Standing.OUTSIDE): RouteRefused,
     (RouteRequest, Standing.BY_HAND): RouteRefused,
     (RouteRequest, Standing.REPORTED): RouteRefused,  # u3 is unknown on this desk
+    (RouteRequest, Standing.LEAVING): RouteRefused,
     (RouteRequest, Standing.DISPUTED): ClaimQuery,
     (HoldingReport, Standing.REPORTED): HoldingConfirmed,
+    (HoldingReport, Standing.LEAVING): HoldingConfirmed,
     (SignOff, Standing.OUTSIDE): SignOffAccepted,
 }
 OTHERWISE = {

@@ -181,7 +181,7 @@ def test_a_word_taken_back_stops_whoever_holds_what_the_unit_may_be_in() -> None
     assert isinstance(desk.hear("u2", Claim(("P9",), 1)), SignOnAccepted)
     token = desk.register.unit("u1").token
     report = HoldingReport(("B", "C", "D", "E"), token)
-    assert desk.hear("u1", report) == HoldingConfirmed(report.section_ids, token)
+    assert desk.hear("u1", report) == HoldingConfirmed(report.section_ids, token, (), ("C", "D", "E"))
 
 
 def test_a_silent_units_fresh_claim_against_what_was_granted_since_stops_the_other() -> None:

@@ -29,9 +29,19 @@ from wayside import acts, block_manager, reentry
 from wayside.actions import Action, Send
 from wayside.block_manager import Ask, Event, Heard, step
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
+from wayside.leaving import may_have_crossed
 from wayside.reentry import in_station
 from wayside.register import Register, Standing, start
-from wayside.said import AcceptPicture, ConfirmHolding, ConfirmOutside, EnterSection, TakeBack
+from wayside.said import (
+    AcceptPicture,
+    BarUnit,
+    BoundaryPassed,
+    ConfirmHolding,
+    ConfirmOutside,
+    EnterSection,
+    TakeBack,
+    UnbarUnit,
+)
 
 UNITS, PERSONS = ("u1", "u2"), ("Sato", "Mori")
 CONFIG: Final = ManagerConfig(
@@ -62,6 +72,7 @@ class Seen:
                 unit.barred,
                 unit.silent,
                 unit.taken_back,
+                unit.has_left,
                 unit.token == register.token_max,
             )
             for unit in map(register.unit, UNITS)
@@ -77,7 +88,16 @@ class Seen:
         )
         doubted = tuple((u, min(times, acts.ASKED_IN_VAIN)) for u, times in sorted(register.doubted.items()))
         held = tuple(sorted(register.holders.items()))
-        key = (held, units, said, doubted, register.unswept, register.ledger, register.restoring)
+        key = (
+            held,
+            units,
+            said,
+            doubted,
+            register.unswept,
+            register.ledger,
+            register.restoring,
+            register.bars,
+        )
         return Seen(register, key)
 
 
@@ -113,6 +133,8 @@ def _telegrams(register: Register) -> Iterator[Event]:
         messages.append(HoldingReport(held, unit.token, ("P", "C", "S")))
         yield from (Heard(unit_id, 1, True, 0, message) for message in messages)
         yield Heard(unit_id, 1, False, 0, Claim((), unit.token))
+        yield Heard(unit_id, 2, True, 0, Claim((), 0))
+    yield BoundaryPassed("P")
 
 
 def _inputs(register: Register, persons: tuple[str, ...]) -> Iterator[Event]:
@@ -122,6 +144,8 @@ def _inputs(register: Register, persons: tuple[str, ...]) -> Iterator[Event]:
             yield ConfirmHolding(unit_id, ("S",), person)
             yield ConfirmHolding(unit_id, ("C",), person)
             yield TakeBack(unit_id, person)
+            yield BarUnit(unit_id, person)
+            yield UnbarUnit(unit_id, person)
         if register.restoring:
             yield EnterSection("S", "u1", person)
             yield AcceptPicture(person)
@@ -141,15 +165,24 @@ def _agreed_with_another(step_: Step, unit_id: str) -> bool:
 
 
 def check_freed(step_: Step) -> None:
-    """By its holder's own report or sign-off, or by two persons who put it in a station or out of a portal."""
+    """By its holder's own report, its train having left by its own word or the boundary's, or by two persons who put it
+    in a station or out of a portal.
+    """
     for section_id, holder in step_.before.holders.items():
         now = step_.after.holders.get(section_id)
         if now == holder:
             continue
         assert now is None, "from one unit straight to another"
         match step_.event:
-            case Heard(unit_id, message=HoldingReport() | SignOff()):
+            case Heard(unit_id, message=HoldingReport()):
                 assert unit_id == holder
+            case Heard(unit_id, epoch=epoch, fresh=True, message=Claim(())):
+                unit = step_.before.unit(holder)
+                assert (unit_id, epoch, unit.standing) == (holder, unit.epoch, Standing.LEAVING)
+            case BoundaryPassed(portal):
+                assert section_id == portal or step_.before.unit(holder).standing is Standing.LEAVING
+            case BarUnit() if step_.before.restoring:
+                pass  # nothing was given yet, and it is on the ledger
             case ConfirmHolding(section_ids=section_ids):
                 assert in_station(step_.after, section_ids)
                 assert _agreed_with_another(step_, holder)
@@ -172,9 +205,11 @@ def check_granted(step_: Step) -> None:
 
 def check_contradicted(step_: Step) -> None:
     """A fresh claim of what another holds: its sender is disputed, and the other is told at once."""
+    barred = step_.before.bars.barred
     match step_.event:
-        case Heard(unit_id, fresh=True, message=Claim(section_ids)):
-            pass
+        case Heard(unit_id, fresh=True, message=Claim(section_ids)) if unit_id not in barred:
+            if may_have_crossed(step_.before, step_.event):
+                return  # asked again
         case _:
             return
     for section_id in section_ids or ():
@@ -184,7 +219,7 @@ def check_contradicted(step_: Step) -> None:
         assert step_.after.unit(unit_id).standing is Standing.DISPUTED
         assert section_id in step_.after.contested(holder)
         told = [s.message.section_ids for s in step_.sends if s.destination == holder and _restricts(s)]
-        assert told or section_id in step_.before.contested(holder)
+        assert told or holder in barred or section_id in step_.before.contested(holder)
 
 
 def _weighed(step_: Step, unit_id: str, claimed: tuple[str, ...]) -> bool:
@@ -203,8 +238,22 @@ def check_told_again(step_: Step) -> None:
         return
     said = {(send.destination, type(send.message)) for send in step_.sends}
     for unit_id in UNITS:
-        assert bool(step_.before.contested(unit_id)) == ((unit_id, Contested) in said)
+        contested = step_.before.contested(unit_id) and unit_id not in step_.before.bars.barred
+        assert bool(contested) == ((unit_id, Contested) in said)
         assert (unit_id in step_.before.asked()) == ((unit_id, ClaimQuery) in said)
+
+
+def check_barred(step_: Step) -> None:
+    """What a barred unit says changes nothing, and nothing is said to it; barring frees nothing of a running line."""
+    barred = step_.before.bars.barred
+    if isinstance(step_.event, Heard) and step_.event.unit_id in barred:
+        assert step_.after == step_.before
+    assert not {send.destination for send in step_.sends} & set(step_.after.bars.barred)
+    if isinstance(step_.event, BarUnit | UnbarUnit) and not step_.before.restoring:
+        assert step_.after.holders == step_.before.holders
+        assert {u for u in UNITS if step_.before.contested(u)} == {
+            u for u in UNITS if step_.after.contested(u)
+        }
 
 
 def check_swept(step_: Step) -> None:
@@ -223,6 +272,7 @@ def check(step_: Step) -> None:
     check_contradicted(step_)
     check_told_again(step_)
     check_swept(step_)
+    check_barred(step_)
 
 
 def _left(unit_id: str) -> tuple[Event, ...]:
@@ -289,7 +339,7 @@ def test_one_person_alone_never_frees(epoch: int) -> None:
     )
     for seen in found.states:
         for one in steps(seen.register, one_person):
-            if not isinstance(one.event, Heard):
+            if not isinstance(one.event, Heard | BoundaryPassed):
                 assert one.before.holders.items() <= one.after.holders.items()
 
 

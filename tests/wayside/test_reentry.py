@@ -31,6 +31,7 @@ from wayside.reentry import Clash
 from wayside.register import Stage, Standing, start
 from wayside.said import (
     AcceptPicture,
+    BoundaryPassed,
     ConfirmHolding,
     ConfirmOutside,
     Contradicted,
@@ -294,6 +295,7 @@ def test_trains_finish_within_what_they_hold_and_entries_follow() -> None:
     token = desk.register.unit("u1").token
     desk.hear("u1", HoldingReport(("B",), token))
     assert desk.hear("u3", SignOff("u3", desk.register.unit("u3").token)) == SignOffAccepted()
+    desk.register, _ = step(desk.register, BoundaryPassed("P9"), desk.now_s)
     assert desk.accept()[-1] is PictureChanged
     assert desk.register.holders == {"B": "u1", "E": "u2"}
 
@@ -340,19 +342,28 @@ def test_an_entry_after_the_acceptance_takes_it_back() -> None:
     assert desk.why == "Sato: nothing to restore"
 
 
-def test_a_token_that_no_known_boot_gave_is_no_first_start() -> None:
-    """The durable state is gone with the ledger: a unit that speaks gives it away, and everyone must be asked."""
+def test_a_token_that_no_known_boot_gave_contradicts_its_unit_alone() -> None:
     register = start(config_of(ReentryMode.ASSISTED), 1, KEYS)
-    assert not register.restoring
-    for unit_id in ("u2", "u3", "u4"):
+    for unit_id in ("u2", "u3"):
         register, _ = step(register, ConfirmOutside(unit_id, "Sato"), 0.0)
-    register, actions = step(register, Heard("u1", 1, True, 1, Claim(("A", "B"), (3 << 32) + 5)), 1.0)
-    assert register.restoring
-    assert register.undefined_because_of() == register.plan.unit_ids
-    assert register.ledger == set(register.plan.unit_ids)
-    assert [type(action) for action in actions] == [Show, Send]
-    register, _ = step(register, Heard("u1", 1, True, 1, Claim(("A", "B"), (3 << 32) + 5)), 2.0)
-    assert register.held_by("u1") == ("A", "B")
+    never = (3 << 32) + 5
+    register, actions = step(register, Heard("u1", 1, True, 1, Claim(("A", "B"), never)), 1.0)
+    assert isinstance(actions[0], Show)
+    assert isinstance(actions[0].note, Contradicted)
+    assert register.held_by("u1") == ("A", "B"), "nobody knew better, so it may stand there"
+    assert register.unit("u1").token == register.token_max, "the token is the manager's own"
+    for claimed in ((), ("A", "B", "C"), None):
+        after, actions = step(register, Heard("u2", 1, True, 1, Claim(claimed, 1 << 40)), 2.0)
+        assert SignOnRefused(RefusalReason.UNKNOWN_TOKEN) in [
+            a.message for a in actions if isinstance(a, Send)
+        ]
+        assert after == register
+    after, _ = step(register, Heard("u4", 1, True, 1, Claim((), 1 << 60)), 3.0)
+    assert (after.restoring, after.unit("u4").standing) == (False, Standing.UNKNOWN)
+    after, _ = step(after, ConfirmOutside("u4", "Sato", "P9"), 4.0)
+    assert not after.defined, "it spoke, so one person's word does not suffice"
+    after, _ = step(after, ConfirmOutside("u4", "Mori", "P9"), 5.0)
+    assert after.defined
 
 
 def test_the_picture_shows_claims_silences_and_contradictions_side_by_side() -> None:

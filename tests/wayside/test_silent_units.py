@@ -5,19 +5,16 @@ from __future__ import annotations
 import pytest
 
 from radio.messages import (
-    AnyMessage,
     Claim,
     HoldingReport,
     RouteGranted,
     RouteRequest,
-    SignOnAccepted,
     SignOnRefused,
 )
-from tests.wayside.reentry_desk import HELD, SECTIONS, Desk, config_of
+from tests.wayside.reentry_desk import HELD, Desk
 from wayside import reentry
-from wayside.block_manager import Heard, step
 from wayside.config import ReentryMode
-from wayside.register import Stage, Standing, start
+from wayside.register import Stage, Standing
 from wayside.said import (
     AcceptPicture,
     ConfirmHolding,
@@ -167,16 +164,3 @@ def test_an_acceptance_dies_with_a_new_contradiction() -> None:
     assert not desk.register.defined
     desk.act(AcceptPicture("Sato"))
     assert desk.register.defined
-
-
-def test_a_manager_that_finds_its_memory_gone_has_all_of_the_line_swept() -> None:
-    """What had to be swept was lost with the ledger."""
-    register = start(config_of(ReentryMode.ASSISTED), 1, {"tA": b"", "tD": b""})
-    event: Heard[AnyMessage] = Heard("u1", 1, True, 1, Claim(("B",), 3 << 32))
-    register, _ = step(register, event, 0.0)
-    assert register.restoring
-    assert register.unswept == set(SECTIONS) - {"P0", "P9"}
-    register, actions = step(register, event, 1.0)
-    accepted = [action.message for action in actions if hasattr(action, "message")][-1]
-    assert isinstance(accepted, SignOnAccepted)
-    assert accepted.on_sight == ("B",)

@@ -41,6 +41,7 @@ from onboard.authority.records import (
     SignedOff,
     SignedOn,
     StopTimer,
+    TakenOff,
     Throw,
     Timer,
     TurnedBack,
@@ -57,6 +58,7 @@ OFF: Final = Authority()
 ON_LINE: Final = Authority(held=("3",), on_line=True)
 SIGNING_ON: Final = Authority(held=("3",), requests=(Request(Ask.SIGN_ON, section_ids=("3",), sent=True),))
 SIGNING_OFF: Final = replace(ON_LINE, requests=(Request(Ask.SIGN_OFF, sent=True),))
+LEAVING: Final = Authority(held=("3",), leaving=True)
 OPEN: Final = Authority(
     held=("3", *SECTIONS),
     commandable=("5", "7"),
@@ -69,11 +71,13 @@ STANDINGS: Final = {
     Standing.SIGNING_ON: SIGNING_ON,
     Standing.ON_LINE: OPEN,
     Standing.SIGNING_OFF: SIGNING_OFF,
+    Standing.LEAVING: LEAVING,
 }
 EXAMPLES: Final[dict[type[Event], Event]] = {
     BeginOnLine: BeginOnLine(("3",)),
     FoundAt: FoundAt(("5",)),
     EndOnLine: EndOnLine(),
+    TakenOff: TakenOff(),
     AskRoute: AskRoute("3>8", SECTIONS),
     Throw: Throw((P5,)),
     CheckedByCrew: CheckedByCrew(P5),

@@ -30,6 +30,7 @@ from onboard.authority.records import (
     SignedOn,
     StopTimer,
     Take,
+    TakenOff,
     Timer,
     TurnedBack,
     Write,
@@ -50,6 +51,7 @@ SIGNING_ON: Final = Authority(held=("3",), requests=(CLAIMING,))
 WISHING: Final = Authority(entering=True, requests=(replace(CLAIMING, section_ids=("PW",)),))
 IGNORANT: Final = Authority(requests=(replace(CLAIMING, section_ids=None),))
 LEAVING: Final = Request(Ask.SIGN_OFF, sent=True)
+SIGNED_OFF: Final = Authority(held=("PE",), leaving=True)
 SIGNING_OFF: Final = replace(ON_LINE, requests=(LEAVING,))
 
 
@@ -224,22 +226,28 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SIGNING_OFF,
         (),
     ),
-    "signed off it holds nothing": (
+    "signed off it holds its portal": (
         SIGNING_OFF,
         SignedOff(answers=True),
-        OFF,
-        (StopTimer(SIGN_OFF), Write(notes.SignedOff()), holds()),
+        SIGNED_OFF,
+        (StopTimer(SIGN_OFF), Write(notes.SignedOff())),
     ),
+    "asked while its train may still stand there, it claims it": (
+        SIGNED_OFF,
+        Queried(),
+        SIGNED_OFF,
+        (SendClaim(("PE",)), claimed("PE")),
+    ),
+    "off the line it holds nothing": (SIGNED_OFF, TakenOff(), OFF, (holds(),)),
     "signed off it asks for nothing any more": (
         replace(SIGNING_OFF, requests=(ASKED, LEAVING), commands=(Command(P5, sent=True),), proven=(P5,)),
         SignedOff(answers=True),
-        OFF,
+        SIGNED_OFF,
         (
             StopTimer(Timer("route")),
             StopTimer(SIGN_OFF),
             StopTimer(Timer("points", "P5")),
             Write(notes.SignedOff()),
-            holds(),
         ),
     ),
     "an acceptance of another sign-off is none": (SIGNING_OFF, SignedOff(answers=False), SIGNING_OFF, ()),
@@ -283,6 +291,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, held=("6", "5", "3")),
         (StopTimer(Timer("points", "P5")), holds("6", "5", "3")),
     ),
+    "turned back while it leaves": (SIGNED_OFF, TurnedBack(), SIGNED_OFF, ()),
     "turned back while signing off": (SIGNING_OFF, TurnedBack(), SIGNING_OFF, ()),
 }
 

@@ -31,6 +31,7 @@ from onboard.duty.records import (
     Leave,
     Limit,
     NotAtMark,
+    OffTheLine,
     Order,
     Phase,
     Place,
@@ -53,6 +54,7 @@ from tests.onboard.duty.stage import (
     HOLDS_8,
     HOLDS_ALL,
     HOLDS_REST,
+    LEAVING,
     LOST,
     OFF,
     ON_6,
@@ -333,6 +335,7 @@ PEOPLE: Final[dict[str, Case]] = {
             *sent(SIGN_OFF_OPEN),
         ),
     ),
+    "off the line, it holds its portal no more": (LEAVING, OffTheLine(), AT_B, GONE, (holds(),)),
     "a train that leaves and holds more does not sign off yet": (
         replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
         Leave(),

@@ -86,11 +86,12 @@ FINISHED: Final = DutyState(Phase.FINISHED, AT_B, HOLDS_8, at=1, limit=TO_THE_EN
 SIGNING_OFF: Final = DutyState(
     Phase.SIGNING_OFF, AT_B, replace(HOLDS_8, requests=(SIGN_OFF_OPEN,)), at=1, limit=TO_THE_END
 )
-GONE: Final = DutyState(Phase.GONE, AT_B, at=1)
+LEAVING: Final = DutyState(Phase.LEAVING, AT_B, Authority(held=("8",), leaving=True), at=1, limit=TO_THE_END)
+GONE: Final = DutyState(Phase.GONE, AT_B, at=1, limit=TO_THE_END)
 STATES: Final = {
-    s.phase: s for s in (OFF, SIGNING_ON, STANDING, RUNNING, ON_SIGHT, FINISHED, SIGNING_OFF, GONE)
+    s.phase: s for s in (OFF, SIGNING_ON, STANDING, RUNNING, ON_SIGHT, FINISHED, SIGNING_OFF, LEAVING, GONE)
 }
-ON_THE_LINE: Final = tuple(p for p in Phase if p not in (Phase.OFF, Phase.GONE))
+ON_THE_LINE: Final = tuple(p for p in Phase if p not in (Phase.OFF, Phase.LEAVING, Phase.GONE))
 
 
 def sent(request: Request) -> tuple[Any, ...]:

@@ -58,6 +58,7 @@ from onboard.duty.records import (
     AtMark,
     Begin,
     Heard,
+    OffTheLine,
     Order,
     Phase,
     PointsSeen,
@@ -101,7 +102,7 @@ def check_drops_what_is_clear(before: Run, step: Step) -> None:
             assert dropped.isdisjoint(s.section_id for s in plan.spans[: after.place.perhaps])
         case AtMark():
             assert dropped <= {s.section_id for s in plan.spans[: plan.stops[step.event.stop].clear]}
-        case Begin() | SwitchedOn() | Heard(SignedOn(answers=True) | SignedOff(answers=True)):
+        case Begin() | SwitchedOn() | OffTheLine() | Heard(SignedOn(answers=True)):
             pass
         case _:
             proved = max((tag.clear for tag in plan.tags[: after.read + 1]), default=0)
@@ -122,7 +123,7 @@ def check_points(before: Run, step: Step) -> None:
         new = {c.needed for c in authority.commands} - {c.needed for c in before.state.authority.commands}
         assert not new or isinstance(step.event, PointsWrong)
         return
-    if after.state.phase in (Phase.OFF, Phase.GONE):
+    if after.state.phase in (Phase.OFF, Phase.LEAVING, Phase.GONE):
         return
     perhaps = {span.section_id for span in PLANS[after.plan].spans[: after.place.perhaps]}
     assert perhaps.isdisjoint(command.needed.section_id for command in authority.commands)
@@ -163,7 +164,7 @@ def timers_after(running: frozenset[Timer], step: Step) -> frozenset[Timer]:
 def waits_for_nothing(run: Run) -> bool:
     """Neither anything outstanding nor a timer, and the train does not move; its duty not over."""
     state = run.state
-    if state.phase in (Phase.OFF, Phase.GONE, Phase.FINISHED):
+    if state.phase in (Phase.OFF, Phase.LEAVING, Phase.GONE, Phase.FINISHED):
         return False  # the crew's turn
     if state.authority.requests or state.authority.commands or timers_named(run):
         return False
@@ -180,7 +181,7 @@ def check_waits_for_something(run: Run) -> None:
 def check_contradiction_stops(before: Run, step: Step) -> None:
     """It drives no more from the event on that tells of it, until all it holds is confirmed and nothing contested."""
     was, after = before.state.authority, step.run.state.authority
-    if step.run.state.phase in (Phase.OFF, Phase.GONE):
+    if step.run.state.phase in (Phase.OFF, Phase.LEAVING, Phase.GONE):
         return
     assert not (after.mismatch and command_of(PLANS[step.run.plan], step.run.state).drive)
     if after.mismatch and not was.mismatch:

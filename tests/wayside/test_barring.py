@@ -1,0 +1,209 @@
+"""A unit that is mad or whose key is stolen: two persons bar it, and it stops the line no longer; nothing is freed."""
+
+from __future__ import annotations
+
+import pytest
+
+from host.device import DeviceHost
+from host.store import MemoryStore
+from network.errors import InputError
+from network.model import Position
+from radio.envelope import Endpoint
+from radio.keys import capability_mac, key_ring
+from radio.messages import (
+    Claim,
+    ClaimQuery,
+    Contested,
+    HoldingConfirmed,
+    HoldingReport,
+    PointsCommand,
+    PointsRefusalReason,
+    RouteGranted,
+    RouteRefused,
+    RouteRequest,
+    SignOn,
+)
+from tests.wayside.manager_desk import CONFIG, Desk, defined
+from wayside import acts, barring, block_manager, point_terminal
+from wayside.barring import NO_BARS, Bars, said
+from wayside.config import PointsEntry, TerminalConfig
+from wayside.point_terminal import Commanded, Memory
+from wayside.register import Register, Standing
+from wayside.said import (
+    Barred,
+    BarUnit,
+    BoundaryPassed,
+    ConfirmHolding,
+    ConfirmOutside,
+    Freed,
+    Outside,
+    Refused,
+    ToBeSwept,
+    Unbarred,
+    UnbarUnit,
+)
+
+OVER = RouteRequest("u1", "over", ("C", "D", "E"))
+
+
+def bar(desk: Desk, unit_id: str) -> None:
+    assert desk.act(BarUnit(unit_id, "Sato")) == [Refused]
+    assert desk.act(BarUnit(unit_id, "Mori")) == [Barred]
+
+
+def in_dispute() -> Desk:
+    """u1 holds the line as far as E; u2, which stands in a depot, claims C of it."""
+    desk = defined(u1=("B",))
+    assert isinstance(desk.hear("u1", OVER), RouteGranted)
+    desk.hear("u2", Claim(("C",), 0))
+    assert desk.standing("u2") is Standing.DISPUTED
+    return desk
+
+
+def test_two_different_persons_bar_and_unbar() -> None:
+    one = said(NO_BARS, "u1", "Sato", bar=True)
+    assert said(one, "u1", " sato ", bar=True) == one, "one person in two spellings is one"
+    assert said(one, "u1", "Sato", bar=False) == NO_BARS, "and may take the word back"
+    both = said(one, "u1", "Mori", bar=True)
+    assert both == Bars(("u1",))
+    assert said(said(both, "u1", "Mori", bar=False), "u1", "Sato", bar=True) == Bars(
+        ("u1",), (("u1", "mori"),)
+    )
+    assert said(said(both, "u1", "Mori", bar=False), "u1", "Sato", bar=False) == NO_BARS
+    assert said(one, "u2", "Mori", bar=True).barred == (), "they must mean the same unit"
+
+
+def test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_say_where_it_is() -> None:
+    desk = in_dispute()
+    assert desk.act(ConfirmOutside("u2", "Sato", "P9")) == [Refused]
+    bar(desk, "u2")
+    assert desk.standing("u2") is Standing.UNKNOWN
+    assert desk.register.contested("u1") == ("C",), "nobody has said yet that it is not there"
+    assert not desk.register.defined
+    assert ("u1", Contested(("C",))) in desk.ask(desk.now_s + 10.0), "and u1 is told again"
+    assert desk.act(ConfirmOutside("u2", "Sato", "P9")) == [Refused]
+    assert not desk.register.defined
+    assert desk.act(ConfirmOutside("u2", "Mori", "P9")) == [ToBeSwept, Outside]
+    assert desk.register.defined
+    held = desk.register.held_by("u1")
+    confirmed = desk.hear("u1", HoldingReport(held, desk.register.unit("u1").token))
+    assert isinstance(confirmed, HoldingConfirmed)
+    assert (confirmed.contested, confirmed.on_sight) == ((), ("C",)), (
+        "should both be wrong, u1 stops before it"
+    )
+
+
+def test_where_it_stands_needs_two_persons_as_well() -> None:
+    desk = in_dispute()
+    bar(desk, "u2")
+    assert desk.act(ConfirmHolding("u2", ("P0",), "Sato")) == [Refused]
+    assert not desk.register.defined
+    desk.act(ConfirmHolding("u2", ("P0",), "Mori"))
+    assert desk.register.defined
+    assert desk.register.held_by("u2") == ("P0",)
+
+
+def test_what_a_barred_unit_holds_stays_its_own_in_silence() -> None:
+    desk = defined(u1=("B",), u2=("P0",))
+    desk.hear("u1", OVER)
+    bar(desk, "u1")
+    before = desk.register.holders
+    assert desk.standing("u1") is Standing.BY_HAND
+    assert desk.register.defined
+    for epoch in (1, 2):
+        for message in (Claim((), 0), SignOn("u1", None), HoldingReport(("E",), 1), Claim(("P9",), 1 << 40)):
+            register, actions = block_manager.step(
+                desk.register, block_manager.Heard("u1", epoch, True, 1, message), desk.now_s
+            )
+            assert register == desk.register
+            assert [type(getattr(a, "note", a)) for a in actions] == [Refused]
+    desk.ask(desk.now_s + 3600.0)
+    assert desk.register.holders == before
+    assert isinstance(desk.hear("u2", RouteRequest("u2", "in", ("A", "B"))), RouteRefused), (
+        "B is not given away"
+    )
+
+
+def test_a_barred_train_that_is_counted_out_has_left() -> None:
+    desk = defined(u1=("P9",))
+    bar(desk, "u1")
+    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
+
+
+def test_unbarred_it_is_asked_and_counts_again() -> None:
+    desk = defined(u1=("B",))
+    bar(desk, "u1")
+    desk.act(UnbarUnit("u1", "Abe"))
+    assert not desk.ask(desk.now_s + 10.0)
+    assert desk.act(UnbarUnit("u1", "Sato")) == [Unbarred]
+    assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 20.0)
+    assert desk.hear("u1", HoldingReport(("B",), 1)) == ClaimQuery(), "of its old boot only a fresh claim"
+    desk.hear("u1", Claim(("B",), 0))
+    assert desk.standing("u1") is Standing.REPORTED
+    assert isinstance(desk.hear("u1", OVER, correlation=9), RouteGranted)
+
+
+def test_while_the_line_is_restored_its_words_are_forgotten_too() -> None:
+    desk = Desk(epoch=2)
+    desk.now_s = 60.0
+    desk.hear("u1", Claim(("C",), 0))
+    bar(desk, "u1")
+    assert desk.register.held_by("u1") == ()
+    assert (desk.standing("u1"), "u1" in desk.register.ledger) == (Standing.UNKNOWN, True)
+
+
+def test_no_restart_forgets_a_bar() -> None:
+    store = MemoryStore()
+    ring = key_ring(b"m" * 32, CONFIG.device_id, CONFIG.unit_ids, ["tA", "tD"])
+    unit = Endpoint(key_ring(b"m" * 32, "u1", [CONFIG.device_id]), 1)
+    DeviceHost(CONFIG, ring, store).advance(0.0, [], [BarUnit("u1", "Sato"), BarUnit("u1", "Mori")])
+    again = DeviceHost(CONFIG, ring, store)
+    done = again.advance(1.0, [unit.seal(CONFIG.device_id, SignOn("u1", None), 1.0)])
+    assert Refused(unit_id="u1", why="barred") in done.notes
+    assert "u1" not in {destination for destination, _ in done.telegrams}
+    with pytest.raises(InputError, match="barred units"):
+        barring.remembered(b"\xff")
+
+
+def test_a_terminal_obeys_a_barred_unit_no_more() -> None:
+    key = b"k" * 32
+    config = TerminalConfig("line", "tA", (PointsEntry("p", "A", 6.0),))
+    terminal = point_terminal.start(config, key, Memory())
+    order = PointsCommand("p", Position.NORMAL, "A", 7, capability_mac(key, "tA", "A", "u1", 7))
+    assert point_terminal.refusal(terminal, "u1", order) is None
+    for person in ("Sato", "Mori"):
+        terminal, _ = point_terminal.step(terminal, BarUnit("u1", person), 0.0)
+    assert point_terminal.refusal(terminal, "u1", order) is PointsRefusalReason.BARRED
+    again = point_terminal.start(config, key, terminal.memory)
+    assert point_terminal.refusal(again, "u1", order) is PointsRefusalReason.BARRED
+    other = PointsCommand("p", Position.NORMAL, "A", 8, capability_mac(key, "tA", "A", "u2", 8))
+    after, _ = point_terminal.step(again, Commanded("u2", 1, other), 1.0)
+    assert after.memory.bars.barred == ("u1",), "what others command takes no bar away"
+
+
+SWITCHES = {
+    "two persons": (barring, "said", lambda _, unit_id, __, *, bar: Bars((unit_id,) if bar else ())),
+    "barring frees nothing": (
+        acts,
+        "_shut_out",
+        lambda register, event: register.with_held(event.unit_id, ()),
+    ),
+    "what it claims stays contested": (acts, "_may_be_in", Register.held_by),
+}
+CHECKS = (
+    test_a_false_claim_stops_the_line_until_its_unit_is_barred_and_two_persons_say_where_it_is,
+    test_where_it_stands_needs_two_persons_as_well,
+    test_what_a_barred_unit_holds_stays_its_own_in_silence,
+)
+
+
+@pytest.mark.parametrize("off", SWITCHES)
+def test_what_is_switched_off_is_seen(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(*SWITCHES[off])
+    failed = 0
+    for check in CHECKS:
+        try:
+            check()
+        except AssertionError:
+            failed += 1
+    assert failed

@@ -1,0 +1,211 @@
+"""A portal is its unit's until its train is known to have left the line, whatever is lost, late or restarted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from radio.messages import (
+    Claim,
+    ClaimQuery,
+    HoldingConfirmed,
+    HoldingReport,
+    RefusalReason,
+    RouteRequest,
+    SignOff,
+    SignOffAccepted,
+    SignOn,
+    SignOnAccepted,
+    SignOnRefused,
+)
+from tests.wayside.manager_desk import Desk, defined
+from wayside import block_manager, leaving
+from wayside.actions import Send
+from wayside.block_manager import Heard
+from wayside.reentry import Step
+from wayside.register import Register, Standing
+from wayside.said import (
+    Accepted,
+    BoundaryPassed,
+    ConfirmedByHand,
+    ConfirmHolding,
+    ConfirmOutside,
+    Contradicted,
+    Freed,
+    Leaving,
+    Outside,
+    Refused,
+)
+
+
+def signed_off() -> Desk:
+    """u1 has signed off in the portal P9, whether or not it has heard that."""
+    desk = defined(u1=("P9",))
+    desk.hear("u1", SignOff("u1", desk.register.unit("u1").token))
+    return desk
+
+
+def claims(desk: Desk, *section_ids: str, epoch: int = 1, fresh: bool = True) -> None:
+    """u1 says what it holds, and need not be answered."""
+    event: Heard[Claim] = Heard("u1", epoch, fresh, 1, Claim(section_ids, 1))
+    desk.register, _ = block_manager.step(desk.register, event, desk.now_s)
+
+
+def test_a_sign_off_is_accepted_and_frees_nothing() -> None:
+    desk = defined(u1=("P9",))
+    off = SignOff("u1", desk.register.unit("u1").token)
+    desk.register, actions = block_manager.step(desk.register, Heard("u1", 1, True, 1, off), 10.0)
+    assert [type(getattr(a, "note", getattr(a, "message", a))) for a in actions] == [Leaving, SignOffAccepted]
+    assert desk.hear("u1", off) == SignOffAccepted(), "repeated, or twice on the air"
+    assert desk.register.held_by("u1") == ("P9",)
+    assert desk.hear("u2", SignOn("u2", ("P9",))) == SignOnRefused(RefusalReason.HELD, "P9", "u1")
+    assert "u1" in desk.register.ledger
+
+
+def test_silence_keeps_it() -> None:
+    desk = signed_off()
+    for _ in range(200):
+        assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 10.0)
+    assert desk.register.held_by("u1") == ("P9",)
+
+
+def test_it_has_its_time_to_leave_before_it_is_asked() -> None:
+    desk = signed_off()
+    assert desk.ask(desk.now_s + 1.0) == []
+
+
+def test_the_contact_at_the_boundary_frees_it() -> None:
+    desk = signed_off()
+    assert desk.act(BoundaryPassed("P0")) == [], "another portal"
+    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
+    assert desk.register.defined
+    assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
+    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside], "whoever holds it then was in it"
+
+
+def test_who_holds_more_than_the_portal_is_elsewhere() -> None:
+    desk = defined(u1=("E", "P9"))
+    assert desk.act(BoundaryPassed("P9")) == [Contradicted]
+    assert desk.register.held_by("u1") == ("E", "P9")
+
+
+def test_its_own_word_frees_it_in_the_boot_that_signed_off() -> None:
+    desk = signed_off()
+    claims(desk, "P9")
+    assert desk.standing("u1") is Standing.LEAVING, "it still stands there"
+    claims(desk, fresh=False)
+    claims(desk, epoch=2)
+    assert desk.register.held_by("u1") == ("P9",), "who has started again does not know"
+    claims(desk)
+    assert desk.standing("u1") is Standing.OUTSIDE
+
+
+@pytest.mark.parametrize("message", [SignOn("u1", None), SignOn("u1", ("P9",))])
+def test_started_again_in_its_portal_it_is_on_the_line_as_before(message: SignOn) -> None:
+    desk = signed_off()
+    accepted = desk.hear("u1", message, epoch=2)
+    assert isinstance(accepted, SignOnAccepted)
+    assert accepted.section_ids == ("P9",)
+    assert desk.standing("u1") is Standing.REPORTED
+    off = SignOff("u1", accepted.token)
+    assert desk.hear("u1", off, epoch=2) == SignOffAccepted()
+    assert desk.register.held_by("u1") == ("P9",)
+
+
+def test_a_wish_to_enter_elsewhere_is_asked_about() -> None:
+    desk = signed_off()
+    assert desk.hear("u1", SignOn("u1", ("P0",))) == ClaimQuery()
+    claims(desk)
+    assert isinstance(desk.hear("u1", SignOn("u1", ("P0",))), SignOnAccepted)
+
+
+def test_it_goes_nowhere_else_and_reports_as_before() -> None:
+    desk = signed_off()
+    token = desk.register.unit("u1").token
+    assert desk.hear("u1", HoldingReport(("P9",), token)) == HoldingConfirmed(("P9",), token)
+    desk.hear("u1", HoldingReport((), token))
+    desk.hear("u1", RouteRequest("u1", "back", ("D", "C", "B")))
+    assert desk.register.holders == {"P9": "u1"}
+
+
+def test_a_unit_that_is_dead_for_good_is_spoken_for_by_two_persons() -> None:
+    desk = signed_off()
+    for person in ("Sato", "Mori"):
+        assert desk.act(ConfirmOutside("u1", person, "P9")) == [Refused]
+    for _ in range(3):
+        desk.ask(desk.now_s + 10.0)
+    assert desk.act(ConfirmOutside("u1", "Sato", "P9")) == [Freed, Outside]
+
+
+def test_stabled_there_it_keeps_the_portal_until_it_is_counted_out() -> None:
+    desk = signed_off()
+    for person in ("Sato", "Mori"):
+        desk.act(ConfirmHolding("u1", ("P9",), person))
+    for _ in range(3):
+        desk.ask(desk.now_s + 10.0)
+    assert desk.act(ConfirmHolding("u1", ("P9",), "Sato")) == [ConfirmedByHand]
+    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
+
+
+def test_the_manager_started_again_learns_it_from_the_unit() -> None:
+    desk = Desk(epoch=2)
+    desk.hear("u1", Claim(("P9",), 0))
+    desk.hear("u1", SignOff("u1", desk.register.unit("u1").token))
+    assert desk.register.held_by("u1") == ("P9",)
+    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
+
+
+def _frees(register: Register, heard: Heard[SignOff]) -> Step:
+    register, actions = leaving.sign_off(register, heard)
+    if register.unit(heard.unit_id).standing is Standing.LEAVING:
+        register, _ = leaving.left(register, heard.unit_id)
+    return register, actions
+
+
+def _any_boot(register: Register, heard: Heard[Claim]) -> Step:
+    return (register, ()) if heard.message.section_ids else leaving.left(register, heard.unit_id)
+
+
+SWITCHES: dict[str, tuple[tuple[Standing, type], Callable[..., Step]]] = {
+    "an accepted sign-off frees nothing": ((Standing.REPORTED, SignOff), _frees),
+    "the boot that signed off": ((Standing.LEAVING, Claim), _any_boot),
+}
+
+
+@pytest.mark.parametrize("off", SWITCHES)
+def test_what_is_switched_off_is_seen(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    row, handler = SWITCHES[off]
+    monkeypatch.setattr(block_manager, "TELEGRAMS", {**block_manager.TELEGRAMS, row: handler})
+    failed = 0
+    for check in (
+        test_a_sign_off_is_accepted_and_frees_nothing,
+        test_its_own_word_frees_it_in_the_boot_that_signed_off,
+    ):
+        try:
+            check()
+        except AssertionError:
+            failed += 1
+    assert failed
+
+
+def test_accepted_again_it_was_leaving() -> None:
+    desk = signed_off()
+    event: Heard[SignOn] = Heard("u1", 2, True, 1, SignOn("u1", None))
+    _, actions = block_manager.step(desk.register, event, 20.0)
+    assert [a.note.was for a in actions if isinstance(getattr(a, "note", None), Accepted)] == ["leaving"]  # type: ignore[union-attr]
+
+
+def test_a_claim_that_crosses_the_contact_at_the_boundary_is_asked_again() -> None:
+    """Found on a grid: the answer to a query, made in the portal, comes a moment after the train was counted out."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    crossed: Heard[Claim] = Heard("u1", 1, True, 0, Claim(("P9",), 1))
+    desk.register, actions = block_manager.step(desk.register, crossed, 30.0)
+    assert [a.message for a in actions if isinstance(a, Send)] == [ClaimQuery()]
+    assert desk.register.holders == {}, "nobody would ever have asked it again"
+    assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
+    desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.register.defined
+    desk.hear("u1", Claim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.standing("u1") is Standing.DISPUTED, "asked after the contact, it does stand there"

@@ -1,0 +1,99 @@
+"""Invariant: a portal is its unit's until its train is known to have left the line: by the contact at the boundary,
+which has counted it out, or by the unit's own word that it holds nothing, in the boot that signed off. Silence keeps
+it.
+
+Signing off (在線抹消) in two steps, as handlers of the block manager: an answer may be lost, and a unit may lose its
+power before it hears it; so the manager's acceptance says only that the train may leave.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from radio.messages import Claim, RefusalReason, SignOff, SignOffAccepted, SignOffRefused
+from wayside import reentry
+from wayside.actions import Send, Show
+from wayside.heard import Heard, show_refusal
+from wayside.reentry import Step
+from wayside.register import Register, Standing, Unit
+from wayside.said import Contradicted, Freed, Leaving, Outside
+
+_HOLDING: Final = (Standing.REPORTED, Standing.BY_HAND)
+
+
+def sign_off(register: Register, heard: Heard[SignOff]) -> Step:
+    """Its train may leave its portal, under the current token and boot; refused while it holds more."""
+    message, unit_id = heard.message, heard.unit_id
+    unit, held = register.unit(unit_id), register.held_by(unit_id)
+    if message.unit_id != unit_id:
+        return _refuse_sign_off(register, heard, RefusalReason.WRONG_UNIT)
+    if heard.epoch != unit.epoch:
+        return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
+    if message.token != unit.token:
+        return _refuse_sign_off(register, heard, RefusalReason.STALE_TOKEN)
+    if not register.plan.portals.issuperset(held):
+        return _refuse_sign_off(register, heard, RefusalReason.STILL_HOLDING)
+    leaving = replace(unit, standing=Standing.LEAVING)
+    shows = () if unit == leaving else (Show(Leaving(unit_id=unit_id, section_ids=held, token=unit.token)),)
+    register = register.with_unit(unit_id, leaving)
+    return register, (*shows, Send(unit_id, SignOffAccepted(), heard.correlation))
+
+
+def left(register: Register, unit_id: str) -> Step:
+    """Its whole train is off the line: it holds nothing any more."""
+    unit, held = register.unit(unit_id), register.held_by(unit_id)
+    register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
+    # Entering again gives a new token, so nothing said before this counts then.
+    register = register.with_unit(
+        unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred, has_left=True)
+    )
+    return register, (
+        Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
+        Show(Outside(unit_id=unit_id, token=unit.token, was=unit.standing.value)),
+    )
+
+
+def boundary_passed(register: Register, portal: str) -> Step:
+    """The train of the portal's holder has left, whatever its unit says; shown if that holds more than the portal."""
+    unit_id = register.holders.get(portal)
+    if unit_id is None:
+        return register, ()
+    standing, held = register.unit(unit_id).standing, register.held_by(unit_id)
+    if standing is Standing.LEAVING or (standing in _HOLDING and held == (portal,)):
+        return left(register, unit_id)
+    why = "a train has left by this portal, and its holder may be elsewhere"
+    return register, (Show(Contradicted(unit_id=unit_id, section_ids=held, why=why)),)
+
+
+def may_have_crossed(register: Register, heard: Heard[Claim]) -> bool:
+    """Whether a claim of a unit that has left may have been made before, and come after the boundary's contact."""
+    unit = register.unit(heard.unit_id)
+    return unit.has_left and heard.epoch == unit.epoch and heard.correlation == 0
+
+
+def sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:
+    """Accepted again; nothing changes."""
+    return register, (Send(heard.unit_id, SignOffAccepted(), heard.correlation),)
+
+
+def _refuse_sign_off(register: Register, heard: Heard[SignOff], reason: RefusalReason) -> Step:
+    return register, (
+        show_refusal(heard.unit_id, reason),
+        Send(heard.unit_id, SignOffRefused(reason), heard.correlation),
+    )
+
+
+def sign_off_not_signed_on(register: Register, heard: Heard[SignOff]) -> Step:
+    """Refused: the unit must sign on first."""
+    return _refuse_sign_off(register, heard, RefusalReason.NOT_SIGNED_ON)
+
+
+def asked_later(before: Register, after: Register, now_s: float) -> Register:
+    """A train that has just been let go has its time to leave before its unit is asked."""
+    if before.units is after.units or before.asked():
+        return after
+    newly = after.asked()
+    if not newly or any(after.unit(unit_id).standing is not Standing.LEAVING for unit_id in newly):
+        return after
+    return replace(after, ask_at_s=max(after.ask_at_s, now_s + after.plan.ask_interval_s))
