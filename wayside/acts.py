@@ -17,12 +17,8 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from radio.envelope import CLOCK_SKEW_MAX_S
-<<<<<<< HEAD
-from wayside import barring, reentry
-=======
 from radio.messages import AnyMessage, Claim
-from wayside import reentry
->>>>>>> 56dc7d0bebfab0de233cbe362c48e7492277d86b
+from wayside import barring, reentry
 from wayside.actions import Show
 from wayside.barring import person_key
 from wayside.reentry import Step
