@@ -11,17 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final, cast
+from typing import Final
 
 import numpy as np
 
 from radio.chance import generator
-from simulation.faults.fault import InForce, World
-from simulation.faults.table import FAULTS
+from simulation.faults.fault import InForce
 from simulation.settings import Carried
 from study.papers.fusion_runs import Outcome, Rule, draw, outcome_of, run_of
-from study.papers.position_run import Moment
-from study.papers.position_sets import path_of_run
+from study.papers.position_sets import Trouble, moments_of, path_of_run
 
 SETS: Final = (
     (Carried.TAGS, Carried.CURVATURE),
@@ -74,20 +72,6 @@ FAILS: Final[Mapping[Carried, Mapping[str, Draw]]] = MappingProxyType(
 )
 
 
-def fault_moments(kind: str, stock_id: str, keys: Keys, key: int, from_m: float, to_m: float) -> list[Moment]:
-    """A fault of a train's own that begins and ends where its front is at these path coordinates, m."""
-    fault: Any = FAULTS[kind](target=stock_id, **keys)  # type: ignore[arg-type]
-    force = InForce()
-
-    def world(trains: object) -> World:
-        return World(cast("Any", trains), cast("Any", None), *[lambda *_: None] * 4)
-
-    return [
-        Moment(from_m, lambda trains, _: force.begin(key, fault, world(trains))),
-        Moment(to_m, lambda trains, _: force.end(key, world(trains))),
-    ]
-
-
 def rule_of(number: int, rule: Rule) -> Rule:
     """The rule with the sensors of a run: the sets take turns."""
     return replace(rule, carries=tuple(str(kind) for kind in SETS[number % len(SETS)]))
@@ -100,10 +84,11 @@ def joint_outcome(seed: int, number: int, rule: Rule) -> Outcome:
     setup = rule.of(drawn.setup)
     length_m, stock_id = path_of_run(setup).length_m, setup.timetable.diagrams[0].stock_id
     kinds = [(kind, fill) for one in rule.carries for kind, fill in FAILS.get(Carried(one), {}).items()]
-    run = run_of(drawn, rule)
+    run, force = run_of(drawn, rule), InForce()
     for key in range(int(chance.integers(1, MOST + 1))):
         kind, fill = kinds[int(chance.integers(len(kinds)))]
         from_m = float(chance.uniform(0.0, length_m))
         to_m = min(from_m + float(chance.uniform(*LASTS_M)), length_m)
-        run.at(fault_moments(kind, stock_id, fill(chance), key, from_m, to_m))
+        trouble = Trouble(kind, None, from_m, to_m, kind, fill(chance))
+        run.at(moments_of(trouble, stock_id, key, force))
     return outcome_of(seed, drawn, run.run())

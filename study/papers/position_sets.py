@@ -200,12 +200,11 @@ def _aside(path: Path, thing: Any, trouble: Trouble) -> Any:  # noqa: ANN401
     return replace(thing, piece_id=piece_id, position_m=km_m)
 
 
-def moments_of(trouble: Trouble, stock_id: str, key: int) -> list[Moment]:
-    """What happens to the train at the places between which a fault of the table is in force."""
+def moments_of(trouble: Trouble, stock_id: str, key: int, in_force: InForce) -> list[Moment]:
+    """What happens to the train at the places between which a fault of the table is in force beside others."""
     if not trouble.kind:
         return []
     fault = FAULTS[trouble.kind](target=trouble.target or stock_id, **trouble.keys)
-    in_force = InForce()
 
     def world(trains: Trains) -> World:
         nobody = cast("WaysideWorld", None)  # no fault here asks the wayside, or a unit, for anything
@@ -240,7 +239,6 @@ def run_with(carried: SensorSet, troubles: Sequence[Trouble], seed: int) -> Ran:
     so = on_the_track(setup.line, path, troubles)
     if so is not setup.line:
         setup = replace(setup, line=so, belief=Belief(setup.line))
-    moments = [
-        moment for key, trouble in enumerate(troubles) for moment in moments_of(trouble, stock_id, key)
-    ]
+    in_force = InForce()
+    moments = [m for key, one in enumerate(troubles) for m in moments_of(one, stock_id, key, in_force)]
     return Ran(carried, tuple(troubles), PositionRun(setup, moments).run())

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from simulation.faults.fault import InForce
 from simulation.faults.table import FAULTS
 from simulation.settings import Carried
 from simulation.world.records import TRACE
@@ -59,7 +60,7 @@ def test_a_set_is_there_for_every_sensor_with_a_reader() -> None:
 def test_every_trouble_is_a_fault_or_lies_on_the_track() -> None:
     assert all(not trouble.kind or trouble.kind in FAULTS for trouble in TROUBLES)
     for trouble in TROUBLES:
-        assert len(moments_of(trouble, "V1", 0)) == (2 if trouble.kind else 0)
+        assert len(moments_of(trouble, "V1", 0, InForce())) == (2 if trouble.kind else 0)
     everything = concern(SETS[-1])
     assert {trouble.concerns for trouble in everything} == {None, *SETS[-1].carries}
     assert not any(trouble.held for trouble in concern(SETS[-1], held=False))
