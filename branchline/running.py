@@ -86,6 +86,8 @@ def run(
         _print_run(done, report)
         if compared is not None:
             print_comparison(compared.found)
+    if (off := _off_the_mark(done.summary)) is not None:
+        tell(off)
     for text in done.summary["outside_design"]:
         tell(f"outside the design: {text}")
     for text in done.broken:
@@ -126,6 +128,19 @@ def _margin(margins: dict[str, Any] | None) -> str:
 def _hop(row: dict[str, Any]) -> str:
     """Which train runs from where to where."""
     return f"({row['train']}, {row['from_station']} to {row['to_station']})"
+
+
+def _off_the_mark(summary: dict[str, Any]) -> str | None:
+    """What is said of stops that were not at their marks; None where all were."""
+    from study.run.summary import OFF_MARK_M
+
+    at = summary["stop_off_at"]
+    if at is None:
+        return None
+    return (
+        f"warning: {summary['stops_off']} of {summary['stops']} stops more than {OFF_MARK_M:g} m off their marks,"
+        f" {at['error_m']:+.2f} m the worst ({at['train']} at {at['station']})"
+    )
 
 
 def _net(energy: dict[str, Any]) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 import polars as pl
 
 from documents import second_loop, studies_pictures
-from network.timetable import seconds_of
+from network.timetable import Timetable, seconds_of
 from simulation.setup import Setup
 from study.capacity.cut import cut_of
 from study.capacity.headway import Case, HeadwayKind, line_cases
@@ -28,6 +28,7 @@ from study.capacity.line_capacity import Period, rates_of
 from study.capacity.occupation import Cost
 from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
+from study.measures.missing import planned_times
 from study.run.read_back import RunRead, read_run
 from study.run.run import Link, execute, write_run
 from study.scenario.scenario import load_scenario
@@ -164,9 +165,27 @@ def arrived_of(stops: pl.DataFrame) -> int:
     return last_calls(stops)["arrival_s"].drop_nulls().len()
 
 
-def lost_min(stops: pl.DataFrame) -> float:
+def arrivals_of(stops: pl.DataFrame, timetable: Timetable, end_s: float | None = None) -> pl.DataFrame:
+    """Planned arrivals of trains with passengers, with how late they came; see `study.measures.missing`."""
+    with_passengers = [number for number, train in timetable.trains.items() if train.revenue]
+    times = planned_times(stops, timetable, end_s)
+    return times.filter(pl.col("what") == "arrival", pl.col("train").is_in(with_passengers))
+
+
+def mean_late_s(run: RunRead) -> float:
+    """Of all planned arrivals of trains with passengers, s."""
+    return mean_of(arrivals_of(run.tables.stops, run.timetable, run.summary.get("latest_end_s"))["late_s"])
+
+
+def lost_min(stops: pl.DataFrame, timetable: Timetable, end_s: float | None = None) -> float:
     """Train-minutes lost: by how much trains came late to their last stop, together."""
-    return float(last_calls(stops)["late_arrival_s"].clip(0).sum()) / 60.0
+    last = pl.DataFrame(
+        [(train.number, train.calls[-1].station_id) for train in timetable.trains.values()],
+        schema=("train", "station"),
+        orient="row",
+    )
+    times = arrivals_of(stops, timetable, end_s).join(last, on=["train", "station"], how="semi")
+    return float(times["late_s"].clip(0).sum()) / 60.0
 
 
 def arrived_within(stops: pl.DataFrame, from_s: float, to_s: float, column: str = "arrival_s") -> int:
@@ -185,8 +204,7 @@ def loop_runs(runs: Runs) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for name in LOOPS:
         run = runs.of(name)
-        stops = run.tables.stops.filter("revenue")
-        late_s = mean_of(stops["late_arrival_s"])
+        stops, late_s = run.tables.stops.filter("revenue"), mean_late_s(run)
         arrived = arrived_of(stops)
         late_max_s = run.summary["late_s_max"]
         yield (
@@ -217,8 +235,7 @@ def dense_runs(runs: Runs) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for name, radio in zip(DENSE, ("0.2 s radio", "2 s radio"), strict=True):
         run = runs.of(name)
-        stops = run.tables.stops.filter("revenue")
-        late_s = mean_of(stops["late_arrival_s"])
+        stops, late_s = run.tables.stops.filter("revenue"), mean_late_s(run)
         left_late = stops.filter(pl.col("late_departure_s") > LATE_S).height
         yield (
             f"| {radio} | {arrived_of(stops)} | {run.summary['late_s_max']:.1f} s"
@@ -234,11 +251,11 @@ def cable_runs(runs: Runs) -> Iterator[str]:
     for name in CABLE:
         run = runs.of(name)
         stops = run.tables.stops
-        last = last_calls(stops)
+        last, lost = last_calls(stops), lost_min(stops, run.timetable, run.summary.get("latest_end_s"))
         yield (
             f"| {stated(name)} | {arrived_within(stops, *CUT_S, 'planned_arrival_s')}"
             f" | {arrived_within(stops, *CUT_S)} | {last['arrival_s'].drop_nulls().len()} of {last.height}"
-            f" | {lost_min(stops):.0f} | {run.summary['late_s_max'] / 3600:.2f} h |"
+            f" | {lost:.0f} | {run.summary['late_s_max'] / 3600:.2f} h |"
         )
 
 

@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from radio.envelope import CLOCK_SKEW_MAX_S
+from radio.messages import AnyMessage, Claim
 from wayside import barring, reentry
 from wayside.actions import Show
 from wayside.barring import person_key
@@ -76,9 +77,11 @@ def act(register: Register, event: Act, now_s: float) -> Step:
     return UNIT_ACTS[phase, register.unit(event.unit_id).standing, type(event)](register, event)
 
 
-def spoke(register: Register, unit_id: str) -> Step:
-    """A unit is heard of which a person has said something after it had reported: no word counts."""
-    if unit_id not in register.doubted:
+def spoke(register: Register, unit_id: str, message: AnyMessage) -> Step:
+    """A unit is heard of which a person has said something after it had reported: no word counts, unless it does not
+    know itself.
+    """
+    if unit_id not in register.doubted or (isinstance(message, Claim) and message.section_ids is None):
         return register, ()
     register = reentry.without_words(register.without_doubt(unit_id), unit_id)
     return register, (Show(Refused(unit_id=unit_id, why="it speaks for itself: no word counts")),)

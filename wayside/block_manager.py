@@ -99,8 +99,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if register.restoring:
         heard_s = {**register.reentry.heard_s, heard.unit_id: now_s}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s))
-    says_nothing = isinstance(heard.message, Claim) and heard.message.section_ids is None
-    register, taken_back = (register, ()) if says_nothing else acts.spoke(register, heard.unit_id)
+    register, taken_back = acts.spoke(register, heard.unit_id, heard.message)
     if register.plan.days is not None:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
@@ -315,11 +314,9 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
 def _does_not_know(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
     """Nobody knows what it holds: refused. One that counts as outside signs on so only where that is wrong."""
     standing = register.unit(heard.unit_id).standing
-    shown: tuple[Action, ...] = ()
     if isinstance(heard.message, Claim) and standing not in (Standing.UNKNOWN, Standing.DISPUTED):
         return register, ()
-    if standing is Standing.OUTSIDE:
-        register, shown = reentry.on_line_after_all(register, heard.unit_id, heard.epoch)
+    register, shown = reentry.on_line_after_all(register, heard.unit_id, heard.epoch)
     register, refusal = _refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)
     return register, (*shown, *refusal)
 
@@ -389,10 +386,8 @@ def _enter(
 def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
     unit_id = heard.unit_id
     unit, before = register.unit(unit_id), register.held_by(unit_id)
-    shown: tuple[Action, ...] = ()
-    forgot = not claimed and isinstance(heard.message, Claim) and reentry.cannot_be_outside(register, unit_id)
-    if forgot:
-        register, shown = reentry.said_outside(register, unit_id)
+    empty = not claimed and isinstance(heard.message, Claim)
+    register, shown = reentry.said_outside(register, unit_id) if empty else (register, ())
     added = tuple(section_id for section_id in claimed if section_id not in before)
     register = register.with_held(unit_id, (*before, *added))
     held = register.held_by(unit_id)
@@ -405,7 +400,7 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     same_boot = heard.epoch == unit.epoch
     after = Unit(standing, heard.epoch, token, unit.route_id, unit.correlation if same_boot else 0)
-    after = replace(after, unproven=not held and (forgot or unit.unproven))
+    after = replace(after, unproven=not held and (bool(shown) or unit.unproven))
     register = register.with_unit(unit_id, after)
     actions: list[Action] = [*shown]
     if added or after.standing is not unit.standing or after.epoch != unit.epoch:

@@ -307,9 +307,11 @@ def _forgot(register: Register, unit_id: str) -> bool:
 
 
 def said_outside(register: Register, unit_id: str) -> Step:
-    """A unit that is on the line as far as is known says that it is not: shown, and what it may be in is to be swept:
-    at once, or while the line is restored when it is known who speaks for which sections.
+    """A unit says that it is not on the line. If it is, as far as is known, that is shown, and what it may be in is
+    to be swept: at once, or while the line is restored when it is known who speaks for which sections.
     """
+    if not cannot_be_outside(register, unit_id):
+        return register, ()
     why = "it may have been on the line, and says that it is outside"
     shown_ = Show(Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=why))
     if register.restoring or register.held_by(unit_id):
@@ -330,10 +332,12 @@ def cannot_be_outside(register: Register, unit_id: str) -> bool:
 
 
 def on_line_after_all(register: Register, unit_id: str, epoch: int) -> Step:
-    """A unit that counts as outside is on the line, and may be anywhere: unknown again, and asked.
+    """If a unit counts as outside: it is on the line, and may be anywhere, so it is unknown again, and asked.
 
     Who holds anything of the line is told to stop, and is asked as well: the answer says what must be swept.
     """
+    if register.unit(unit_id).standing is not Standing.OUTSIDE:
+        return register, ()
     unit = Unit(Standing.UNKNOWN, epoch, barred=register.unit(unit_id).barred, taken_back=True)
     register, locked = to_be_swept(register.with_unit(unit_id, unit), register.plan.order)
     register = replace(register, ledger=register.ledger | {unit_id}, ask_at_s=0.0)

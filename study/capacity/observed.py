@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from network.model import Direction, SectionKind
+from network.model import Direction, Line, SectionKind
 from onboard import notes
 from radio.noted import Sent, TookEffect
 from simulation.events import MANAGER, Entry, Left
@@ -37,11 +37,37 @@ POINTS_COMMAND: Final = "PointsCommand"
 COUNTS_WAITING = False  # off: what is waited for while another has it is no part of an occupation
 
 
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A section as one unit's: by the register from `granted_s` until `freed_s`, and when it was in it by the truth, s.
+
+    `number`: the train for which it was had. `freed_s` is infinite, and `visit` None, where that never comes.
+    """
+
+    section_id: str
+    unit: str
+    number: str
+    token: int
+    granted_s: float
+    freed_s: float
+    visit: Visit | None
+
+
+def held_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> tuple[Held, ...]:
+    """Every section that the register had as a unit's, in the order of the grants."""
+    visits = visits_of(result, line, lengths_m)
+    found: list[Held] = []
+    for hold in _played(result).holds:
+        own = visits.get(hold.unit, ())
+        visit = _visit(hold, own)
+        had = hold.unit, _number(hold, visit, own), hold.token, hold.heard_s, hold.freed_s
+        found.append(Held(hold.section_id, *had, visit))
+    return tuple(found)
+
+
 def observed(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
     """The blocking times of a run, in order of their begin."""
-    register = _Register(result.begin_step / STEPS_PER_S)
-    for entry in result.journal.entries:
-        register.take(entry)
+    register = _played(result)
     lengths_m = {stock_id: float(kind.row[0]["length_m"]) for stock_id, kind in setup.trains.items()}
     visits = visits_of(result, setup.line, lengths_m)
     standing = _standing(result, setup, register.holds)
@@ -49,9 +75,17 @@ def observed(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
     portals = {section.id for section in setup.line.sections.values() if section.kind is SectionKind.PORTAL}
     found: list[Occupation] = []
     for hold in register.holds:
-        own = visits.get(hold.unit, []), standing[hold.unit]
-        found.append(occupation_of(_passage(hold, *own, portal=hold.section_id in portals), ends_s))
+        own = visits.get(hold.unit, ()), standing[hold.unit]
+        passage = _passage(hold, *own, portal=hold.section_id in portals)
+        found.append(occupation_of(passage, ends_s))
     return tuple(sorted(found, key=lambda o: (o.begin_s, o.section_id)))
+
+
+def _played(result: RunResult) -> _Register:
+    register = _Register(result.begin_step / STEPS_PER_S)
+    for entry in result.journal.entries:
+        register.take(entry)
+    return register
 
 
 @dataclass(slots=True)
@@ -75,6 +109,7 @@ class _Hold:
     wanted_s: float
     sent_s: float
     heard_s: float
+    token: int
     waited_s: float = 0.0
     held_s: float | None = None
     reported_s: float | None = None
@@ -128,12 +163,10 @@ class _Register:
                 self._sent(t_s, event)
             case TookEffect():
                 self._heard(event)
-            case said.Granted(unit_id=unit, section_ids=sections, route_id=route):
-                self._begin(t_s, unit, sections, route)
-            case said.Accepted(unit_id=unit, section_ids=sections):
-                self._exactly(t_s, unit, sections)
-            case said.ConfirmedByHand(unit_id=unit, section_ids=sections):
-                self._exactly(t_s, unit, sections)
+            case said.Granted(unit_id=unit, section_ids=sections, route_id=route, token=token):
+                self._begin(t_s, unit, sections, token, route)
+            case said.Accepted() | said.ConfirmedByHand():
+                self._exactly(t_s, event.unit_id, event.section_ids, event.token)
             case said.Freed(unit_id=unit, section_ids=sections):
                 self._end(t_s, unit, sections)
             case said.Outside(unit_id=unit):
@@ -195,7 +228,9 @@ class _Register:
         elif event.receiver == MANAGER and event.kind in (ROUTE_REQUEST, *SIGNS_ON):
             self._asks[event.source, event.kind in SIGNS_ON].heard = (event.epoch, event.sequence)
 
-    def _begin(self, t_s: float, unit: str, sections: tuple[str, ...], route_id: str = "") -> None:
+    def _begin(
+        self, t_s: float, unit: str, sections: tuple[str, ...], token: int, route_id: str = ""
+    ) -> None:
         """Sections are the unit's from now on. Wanted since it asked, or since the last of them was free."""
         asking = self._asks[unit, not route_id]
         first_s = t_s if asking.first_s is None else min(asking.first_s, t_s)
@@ -210,7 +245,8 @@ class _Register:
         wanted_s = min(max(first_s, max(free_s, default=-math.inf), self._begin_s), t_s)
         number, direction = self._train.get(unit, ("", Direction.DOWN))
         for section_id in new:
-            hold = _Hold(section_id, unit, number, direction, route_id, wanted_s, max(sent_s, wanted_s), t_s)
+            asked = wanted_s, max(sent_s, wanted_s), t_s
+            hold = _Hold(section_id, unit, number, direction, route_id, *asked, token)
             hold.waited_s = wanted_s - first_s if wanted_s > first_s else 0.0
             self._open[unit][section_id] = hold
             self.holds.append(hold)
@@ -218,10 +254,10 @@ class _Register:
     def _last(self, section_id: str) -> tuple[str, float]:
         return self._freed_s.get(section_id, ("", -math.inf))
 
-    def _exactly(self, t_s: float, unit: str, sections: tuple[str, ...]) -> None:
+    def _exactly(self, t_s: float, unit: str, sections: tuple[str, ...], token: int) -> None:
         """The register has just these as the unit's; what stood on the line as the day began is so from then on."""
         self._end(t_s, unit, tuple(s for s in self._open[unit] if s not in sections))
-        self._begin(t_s, unit, sections)
+        self._begin(t_s, unit, sections, token)
 
     def _end(self, t_s: float, unit: str, sections: tuple[str, ...]) -> None:
         for section_id in sections:
@@ -261,13 +297,25 @@ class _Register:
                 last.dropped = True
 
 
+def _visit(hold: _Hold, visits: Iterable[Visit]) -> Visit | None:
+    """How the unit was in the section while it had it; None: never."""
+    own = (v for v in visits if v.section_id == hold.section_id)
+    return next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.wanted_s), None)
+
+
+def _number(hold: _Hold, visit: Visit | None, visits: Sequence[Visit]) -> str:
+    """The train for which a section was had; who has told of none is the train that is in it, or was seen last."""
+    seen = [visit] if visit is not None else [v for v in visits if v.begin_s <= hold.heard_s] or visits[:1]
+    return hold.number or (seen[-1].number if seen else "")
+
+
 def _passage(
-    hold: _Hold, visits: Iterable[Visit], standing: tuple[Standing, ...], *, portal: bool
+    hold: _Hold, visits: Sequence[Visit], standing: tuple[Standing, ...], *, portal: bool
 ) -> Passage:
     """The moments of a hold: those of the register and the unit, and those of the truth."""
-    own = (v for v in visits if v.section_id == hold.section_id)
-    visit = next((v for v in own if v.begin_s <= hold.freed_s and v.rear_s >= hold.wanted_s), None)
-    if visit is None:  # never used
+    visit = _visit(hold, visits)
+    number = _number(hold, visit, visits)
+    if visit is None:
         visit = Visit(hold.section_id, math.inf, math.inf)
     leaves_s, rear_s = visit.leaves_s, visit.rear_s
     reported_s = hold.freed_s if hold.reported_s is None else hold.reported_s
@@ -282,7 +330,7 @@ def _passage(
     return Passage(
         hold.section_id,
         hold.unit,
-        hold.number,
+        number,
         hold.direction,
         hold.route_id,
         wanted_s,

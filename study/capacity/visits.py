@@ -25,12 +25,13 @@ from study.run.spans import rows_by_span, section_stretches
 class Visit:
     """A stock in a section, s, by the truth; minus infinity: it was there, infinite: it stays.
 
-    `begin_s` is when its front comes in, or when any of it is first seen in it.
+    `begin_s` is when its front comes in, or when any of it is first seen in it; `number` the train that it then is.
     """
 
     section_id: str
     begin_s: float
     enters_s: float
+    number: str = ""
     leaves_s: float = math.inf
     rear_s: float = math.inf
 
@@ -57,7 +58,7 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
             if visit is None:
                 portal = line.sections[section_id].kind is SectionKind.PORTAL
                 begin_s, enters_s = seen.begin(start_m, on_line_s[-1] if portal and on_line_s else -math.inf)
-                visit = within[unit][section_id] = Visit(section_id, begin_s, enters_s)
+                visit = within[unit][section_id] = Visit(section_id, begin_s, enters_s, span.number)
                 found[unit].append(visit)
             elif seen.front_m[0] < end_m:
                 visit.leaves_s = math.inf  # turned back: it is its front that is in it again

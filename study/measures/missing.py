@@ -53,8 +53,8 @@ def planned_times(
     missing = [
         (train.number, call.station_id, call.kind.value, what, planned_s, None, False)
         for train in trains
-        for call in train.calls
-        for what, planned_s in _planned(call)
+        for index, call in enumerate(train.calls)
+        for what, planned_s in _planned(call, first=index == 0)
         if (train.number, call.station_id, what) not in there
     ]
     times = pl.concat([came, pl.DataFrame(missing, schema=_TIMES, orient="row")])
@@ -64,8 +64,8 @@ def planned_times(
     return times.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
 
 
-def _planned(call: Call) -> Iterator[tuple[str, float]]:
-    if call.arrival_s is not None and call.kind is not CallKind.PASS:
+def _planned(call: Call, *, first: bool) -> Iterator[tuple[str, float]]:
+    if not first and call.arrival_s is not None and call.kind is not CallKind.PASS:
         yield "arrival", float(call.arrival_s)
     if call.departure_s is not None:
         yield "departure", float(call.departure_s)

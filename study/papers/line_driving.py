@@ -67,8 +67,10 @@ class Day:
 
     @property
     def late(self) -> frozenset[Key]:
-        """Hops of which the train came later than the plan allows."""
-        return frozenset(key_of(hop) for hop in self.hops if hop.late_s is not None and hop.late_s > LATE_S)
+        """Hops of which the train came later than the plan allows, or never."""
+        late_s = {key_of(hop): hop.late_s for hop in self.hops if hop.late_s is not None}
+        never = with_room(self.run) - late_s.keys()
+        return frozenset(key for key, by_s in late_s.items() if by_s > LATE_S) | never
 
     def least(self, allowed: Allowed, time_s: dict[Key, float] | None = None) -> tuple[HopLeast, ...]:
         """The hops beside what they could have cost at the least."""

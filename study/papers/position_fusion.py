@@ -220,8 +220,8 @@ def reproduce(options: Options) -> Reproduction:
     line = base_setup(MEDIAN_LINE)
     curved = [curved_row(line, one.rule) for one in sets if one.rule.carries == WITH_CURVATURE]
     remarks = [
-        "With curvature the half-width is that of what wheels may vary by, which units are told and do not see: of wheels"
-        " known neither to creep nor to have a slope it would be below the 2 m asked for (told beside).",
+        "With curvature the half-width is that of what wheels may vary by, which units are told and do not see: of"
+        " wheels known neither to creep nor to have a slope it would be below the 2 m asked for (told beside).",
         "A run is drawn from (seed, number): study.papers.fusion_runs.outcome(seed, number) is that run again.",
         *(f"OUT: {again(one)}" for one in found.broken),
         *(

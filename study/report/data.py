@@ -116,6 +116,16 @@ def limits_mps(
     return breaks_m, speed_mps
 
 
+def section_name(run: Run, section_id: str, *, japanese: bool = False) -> str:
+    """A section's id with the names of stations for their ids: NII.1 is Niiya 1, YSH-NII is Yoshii–Niiya."""
+    ends = [
+        " ".join(place_name(run, part, japanese=japanese) for part in end.split("."))
+        for end in section_id.split("-")
+    ]
+    named = any(part in run.line.stations for end in section_id.split("-") for part in end.split("."))
+    return "–".join(ends) if named else section_id
+
+
 def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
     """A station's name; a portal section's id."""
     station = run.line.stations.get(place)

@@ -12,7 +12,7 @@ from study.report.data import Run, place_name
 from study.report.drill import DrillShown
 from study.report.parts import Fact, signed
 from study.report.style import clock
-from study.run.summary import NEVER_CAME, TELEGRAM_COUNTS
+from study.run.summary import NEVER_CAME, OFF_MARK_M, TELEGRAM_COUNTS
 from vehicle.train_file import Receiver
 
 _WHAT_JA: Final[Mapping[str, str]] = {"arrival": "着", "departure": "発", NEVER_CAME: "未着"}
@@ -43,7 +43,7 @@ def headline(run: Run, facts: Mapping[str, Any], drill: DrillShown | None = None
         *_ending(facts),
         *_lateness(run, facts),
         *_margin(run, facts),
-        _stops(facts),
+        _stops(run, facts),
         energy_fact(facts, run.tables.energy),
         parts_fact(facts),
         Fact(
@@ -148,18 +148,24 @@ def _hop_named(run: Run, row: Mapping[str, Any], *, japanese: bool = False) -> s
     return f"{seconds}{share}, {row['train']} {here} – {there}"
 
 
-def _stops(facts: Mapping[str, Any]) -> Fact:
+def _stops(run: Run, facts: Mapping[str, Any]) -> Fact:
     mean_m, sigma_m, worst_m = (facts[f"stop_error_m_{name}"] for name in ("mean", "sigma", "max_abs"))
     if mean_m is None:
         return Fact("Stops", "none measured", False, "停止位置", "測定なし")
     sigma = "" if sigma_m is None else f", σ {sigma_m:.3f} m"
     mean = signed(mean_m, 3, "m")
+    off, at = facts["stops_off"], facts["stop_off_at"]
+    more = more_ja = ""
+    if at is not None:
+        place, place_ja = (place_name(run, at["station"], japanese=japanese) for japanese in (False, True))
+        more = f"; {off} more than {OFF_MARK_M:g} m off, the worst {at['train']} at {place}"
+        more_ja = f"、{OFF_MARK_M:g} m 超 {off} 回（最大は {at['train']} {place_ja}）"
     return Fact(
         "Stops",
-        f"{facts['stops']}: mean {mean}{sigma}, worst {worst_m:.3f} m from the mark",
-        False,
+        f"{facts['stops']}: mean {mean}{sigma}, worst {worst_m:.3f} m from the mark{more}",
+        at is not None,
         "停止位置",
-        f"{facts['stops']} 回、平均 {mean}{sigma}、最大誤差 {worst_m:.3f} m",
+        f"{facts['stops']} 回、平均 {mean}{sigma}、最大誤差 {worst_m:.3f} m{more_ja}",
     )
 
 

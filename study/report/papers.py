@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -22,6 +23,7 @@ from study.run.summary import TELEGRAM_COUNTS
 
 CHANGES_SHOWN: Final = 200
 EVENTS_SHOWN_MAX: Final = 4000
+REFUSED_AGAIN_S: Final = 30.0  # who is refused asks again within this
 # Of an event whose kind is here the page can do without, where there are too many.
 _LESSER_KINDS: Final = ("telegram", "refusal", "train", "reversal")
 
@@ -248,9 +250,22 @@ def _telegrams(telegrams: pl.DataFrame) -> tuple[Table, ...]:
     return tuple(found)
 
 
+def _refusals_once(events: pl.DataFrame) -> pl.DataFrame:
+    """Who is refused asks again: the same refusal by the same party is one line where it first was, with its count."""
+    refused = pl.col("kind") == "refusal"
+    again = [pl.col("source"), pl.col("text")]
+    soon = (pl.col("t_s") - pl.col("t_s").shift(1).over(again)).fill_null(math.inf) <= REFUSED_AGAIN_S
+    spells = events.with_columns((~soon).cum_sum().over(again).alias("spell"))
+    one = [*again, "kind", "spell"]
+    first = spells.with_columns(pl.len().over(one).alias("times")).filter(~(refused & soon))
+    count = pl.format("{} (× {})", pl.col("text"), pl.col("times"))
+    text = pl.when(refused & (pl.col("times") > 1)).then(count).otherwise(pl.col("text"))
+    return first.with_columns(text.alias("text")).select(events.columns)
+
+
 def _events(events: pl.DataFrame) -> Table:
     """What a person should hear of, by time; of very many, those of lesser kinds are counted and left out first."""
-    known = events.filter(pl.col("t_s").is_finite()).sort("t_s", maintain_order=True)
+    known = _refusals_once(events.filter(pl.col("t_s").is_finite()).sort("t_s", maintain_order=True))
     shown = known
     if len(known) > EVENTS_SHOWN_MAX:
         lesser = pl.col("kind").is_in(_LESSER_KINDS)

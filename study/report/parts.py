@@ -28,7 +28,10 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of a page: what it shows, how to read it, its figures, its tables (folded when long)."""
+    """A part of a page: what it shows, how to read it, its figures, its tables (folded when long).
+
+    Title and caption in Japanese too; where that is empty the English one stands for both.
+    """
 
     title: str
     caption: str
@@ -36,6 +39,8 @@ class Part:
     grids: tuple[Grid, ...] = ()
     folded: str = ""
     notes: tuple[str, ...] = field(default=())
+    title_ja: str = ""
+    caption_ja: str = ""
 
 
 def signed(value: float, digits: int = 0, unit: str = "") -> str:

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from study.capacity.occupation import Conflict, Occupation, Part
-from study.report.data import Run, sections_in_order
+from study.report.data import Run, section_name, sections_in_order
 from study.report.packing import packed, places_in
 from study.report.style import INK, RED, RULE, WIDTH_IN, TimeBand, draw_clock_axis, time_bands
 from study.run.blocking_table import read_blocking
@@ -49,18 +49,23 @@ COLOUR_OF: Final[Mapping[Part, str]] = {
 
 
 def draw_stairway(
-    run: Run, occupations: Sequence[Occupation], conflicts: Sequence[Conflict] = ()
+    run: Run,
+    occupations: Sequence[Occupation],
+    conflicts: Sequence[Conflict] = (),
+    *,
+    japanese: bool = False,
 ) -> Figure | None:
     """The stairway in the panels of the train graph; hatched in red: what two trains want at once. None: no time."""
     if not occupations:
         return None
     bands, grid = time_bands(*run.window_s)
     rows = _rows(run)
+    names = [section_name(run, section_id, japanese=japanese) for section_id in rows]
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(bands) + 0.7), layout="constrained")
     for axes, band in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands, strict=True):
         draw_clock_axis(axes, band, grid)
         axes.set_ylim(1.0, 0.0)
-        axes.set_yticks([(low + high) / 2 for low, high in rows.values()], list(rows), fontsize=6.5)
+        axes.set_yticks([(low + high) / 2 for low, high in rows.values()], names, fontsize=6.5)
         axes.tick_params(axis="y", length=0)
         for _, high in rows.values():
             axes.axhline(high, color=RULE, lw=0.5, zorder=0.6)

@@ -19,12 +19,14 @@ from simulation import events
 from simulation.events import EventType
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
+from study.capacity.observed import held_of
 from study.measures.passings import PlannedPassing
 from study.measures.running_times import PlannedLeg
+from study.run.blocking_table import blocks_table
 from study.run.energy import Make, energy_tables
 from study.run.energy_hours import energy_hours_of
 from study.run.margins import margins_of
-from study.run.spans import rows_by_span, section_stretches
+from study.run.spans import rows_by_span
 from study.run.stops import passed, stops_table
 from study.run.tables import RunTables, make_table
 from wayside import said
@@ -82,7 +84,7 @@ def tables_of(
     return RunTables(
         trajectory=_trajectory(result, spans),
         stops=stops,
-        blocks=_blocks(result, spans, line, lengths_m),
+        blocks=blocks_table(held_of(result, line, lengths_m)),
         blocking=make_table("blocking"),
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
@@ -132,103 +134,6 @@ def _trajectory(result: RunResult, spans: list[tuple[TraceSpan, NDArray[np.void]
         return make_table("trajectory")
     columns = {name: np.concatenate([frame[name] for frame in frames]) for name in frames[0]}
     return make_table("trajectory", columns)
-
-
-def _blocks(
-    result: RunResult,
-    spans: list[tuple[TraceSpan, NDArray[np.void]]],
-    line: Line,
-    lengths_m: Mapping[str, float],
-) -> pl.DataFrame:
-    """Grants and frees by the manager's own entries; occupation by the true positions."""
-    grants: list[dict[str, Any]] = []
-    open_grants: dict[tuple[str, str], dict[str, Any]] = {}
-    for entry in result.journal.entries:
-        event = entry.event
-        if isinstance(event, said.Granted | said.Accepted):
-            for section in event.section_ids:
-                if (section, event.unit_id) in open_grants:
-                    continue
-                grant: dict[str, Any] = {
-                    "section": section,
-                    "unit": event.unit_id,
-                    "train": _train_at(result, event.unit_id, entry.t_s),
-                    "token": event.token,
-                    "granted_s": entry.t_s,
-                    "released_s": None,
-                    "entered_s": None,
-                    "cleared_s": None,
-                }
-                open_grants[section, event.unit_id] = grant
-                grants.append(grant)
-        elif isinstance(event, said.Freed):
-            for section in event.section_ids:
-                if (section, event.unit_id) in open_grants:
-                    open_grants.pop((section, event.unit_id))["released_s"] = entry.t_s
-    occupied = _occupation(result, spans, line, lengths_m)
-    for grant in grants:
-        for entered_s, cleared_s in occupied.get((grant["section"], grant["unit"]), ()):
-            released_s = grant["released_s"]
-            if entered_s >= grant["granted_s"] - 1.0 and (released_s is None or entered_s <= released_s):
-                grant["entered_s"], grant["cleared_s"] = entered_s, cleared_s
-                break
-    if not grants:
-        return make_table("blocks")
-    return make_table("blocks", {name: [grant[name] for grant in grants] for name in grants[0]})
-
-
-def _train_at(result: RunResult, unit: str, t_s: float) -> str:
-    number = ""
-    for span in result.spans:
-        if result.stock_ids[span.slot] == unit and span.from_step / STEPS_PER_S <= t_s + 0.05:
-            number = span.number
-    return number
-
-
-def _occupation(
-    result: RunResult,
-    spans: list[tuple[TraceSpan, NDArray[np.void]]],
-    line: Line,
-    lengths_m: Mapping[str, float],
-) -> dict[tuple[str, str], list[tuple[float, float | None]]]:
-    """(entered, cleared) times, s, of each section by each unit, from the true front and the train's length.
-
-    A section in which a train ends stays occupied until the stock leaves it as its next train, or the line.
-    """
-    left_s = _times_left(result)
-    found: dict[tuple[str, str], list[tuple[float, float | None]]] = defaultdict(list)
-    still_in: dict[str, dict[str, float]] = defaultdict(dict)  # unit -> section -> entered
-    for span, rows in spans:
-        unit = result.stock_ids[span.slot]
-        time_s, front_m = rows["step"] / STEPS_PER_S, rows["position_m"]
-        rear_m = front_m - lengths_m[unit]
-        before, still_in[unit] = still_in[unit], {}
-        for section, start_m, end_m in section_stretches(span, line):
-            if front_m[-1] < start_m or rear_m[0] >= end_m:
-                continue
-            entered_s = before.pop(section, float(np.interp(start_m, front_m, time_s)))
-            if rear_m[-1] >= end_m:
-                found[section, unit].append((entered_s, float(np.interp(end_m, rear_m, time_s))))
-                continue
-            gone_s = next((t for t in left_s.get(unit, ()) if t >= time_s[-1]), None)
-            following = (s for s, _ in spans if s.slot == span.slot and s.from_step > rows["step"][-1])
-            next_s = next((s.from_step / STEPS_PER_S for s in following), None)
-            if gone_s is not None and (next_s is None or gone_s <= next_s):
-                found[section, unit].append((entered_s, gone_s))
-            elif next_s is None:
-                found[section, unit].append((entered_s, None))
-            else:
-                still_in[unit][section] = entered_s
-    return found
-
-
-def _times_left(result: RunResult) -> dict[str, list[float]]:
-    """Times, s, at which each unit was taken off the line."""
-    times: dict[str, list[float]] = defaultdict(list)
-    for entry in result.journal.entries:
-        if isinstance(entry.event, events.Left):
-            times[entry.event.unit_id].append(entry.t_s)
-    return times
 
 
 def _telegrams(result: RunResult) -> pl.DataFrame:

@@ -56,4 +56,6 @@ def late_part(setup: Setup) -> Part | None:
         f"Seed {setup.seed} draws this, and the same again: {counted}. When: the planned time that it is about.",
         grids=(Grid(_HEAD, rows, 3, 4),),
         folded=f"{len(rows)} things drawn",
+        title_ja="この日に生じさせた遅れの原因",
+        caption_ja=f"乱数の種 {setup.seed} から決まり、同じ種では同じになる。時刻はその計画上の時刻",
     )

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from network.errors import InputError
 from simulation.events import TagPassed
-from simulation.faults.devices import PowerFault
+from simulation.faults.devices import LostStore, PowerFault
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, LinkFault
 from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
@@ -106,6 +106,7 @@ class Single:
 SINGLES: Final[Mapping[str, Single]] = {
     "power_off": Single(60.0, {}),
     "restart": Single(None, {}),
+    "lost_store": Single(60.0, {}),
     "frozen": Single(30.0, {}),
     "clock": Single(60.0, {"offset_s": 30.0}),
     "doors": Single(30.0, {}),
@@ -146,6 +147,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "marker_missing": Single(600.0, {}),
 }
 # A person looks at the restored picture, and again, until the trains out of coverage have answered, too.
+COMMISSION_AFTER_S: Final = 20.0  # staff put into service again what has lost its durable state
 REENTRY_AFTER_S: Final = (30.0, 120.0, 300.0, 600.0, 1200.0)
 
 
@@ -155,9 +157,11 @@ def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, .
     A person takes part where nothing goes on without: a manager that has lost its power needs its picture accepted.
     """
     names = names_of(setup)
-    passages = alone(list[tuple[int, int]], partial(_passages, setup))
+    wanted = tuple(kinds or SINGLES)
+    of_tags = any(FAULTS[kind].aims_at == "tag" for kind in wanted)
+    passages = alone(list[tuple[int, int]], partial(_passages, setup)) if of_tags else []
     variations: list[Variation] = []
-    for kind in kinds or SINGLES:
+    for kind in wanted:
         single, fault = SINGLES[kind], FAULTS[kind]
         for target in _targets(fault, names):
             keys = dict(single.keys) | ({"id": _another(target, names)} if kind == "wrong_id" else {})
@@ -189,11 +193,15 @@ def _another(tag: str, names: Names) -> int:
 
 
 def _people(failure: Failure) -> tuple[tuple[int, Act], ...]:
-    if not isinstance(failure.fault, PowerFault) or failure.fault.target != MANAGER_ID:
-        return ()
-    on_again_s = failure.duration_s or 0.0
+    fault, on_again_s = failure.fault, failure.duration_s or 0.0
+    anew: tuple[tuple[int, Act], ...] = ()
+    if isinstance(fault, LostStore):
+        step = round((on_again_s + COMMISSION_AFTER_S) * STEPS_PER_S)
+        anew = ((step, Act(ActKind.COMMISSION, fault.target, NO_TIME, "staff")),)
+    if not isinstance(fault, PowerFault) or fault.target != MANAGER_ID:
+        return anew
     act = Act(ActKind.REENTER_ASSISTED, "", NO_TIME)
-    return tuple((round((on_again_s + after_s) * STEPS_PER_S), act) for after_s in REENTRY_AFTER_S)
+    return anew + tuple((round((on_again_s + after_s) * STEPS_PER_S), act) for after_s in REENTRY_AFTER_S)
 
 
 def _passages(setup: Setup) -> list[tuple[int, int]]:

@@ -14,6 +14,7 @@ from study.run.tables import PARTS_KWH, RunTables
 
 NEVER_CAME: Final = "missing arrival"
 TELEGRAM_COUNTS: Final = ("sent", "delivered", "lost", "dropped")
+OFF_MARK_M: Final = 0.35  # a stop farther from its mark than this is told: doors no longer meet their places
 ENERGIES: Final = ("traction", "regenerated", "auxiliary")
 
 
@@ -28,6 +29,8 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
       where. None when no train passed anything at a time planned.
     - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
     - stops and stop_error_m_mean, _sigma (of the sample, n - 1), _max_abs: over stops with a known error.
+    - stops_off: how many of them were more than OFF_MARK_M off; stop_off_at the worst of these {train, station,
+      error_m}, None where there is none.
     - energy_kwh {traction, regenerated, auxiliary} of trains and layovers; energy: `energy_summary`.
     - margins: `study.run.margins.smallest`; driving: `study.run.driving.driving_summary`.
     - comparisons: rows of that table.
@@ -53,6 +56,8 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
         "stop_error_m_mean": _number(error_m.mean()),
         "stop_error_m_sigma": _number(error_m.std()) if len(error_m) > 1 else None,
         "stop_error_m_max_abs": _number(error_m.abs().max()),
+        "stops_off": int((error_m.abs() > OFF_MARK_M).sum()),
+        "stop_off_at": worst_off(stops),
         "energy_kwh": {
             name: float(tables.energy[f"{name}_kwh"].sum()) + float(tables.layovers[f"{name}_kwh"].sum())
             for name in ENERGIES
@@ -103,6 +108,14 @@ def energy_summary(tables: RunTables) -> dict[str, Any]:
 
 def _per(kwh: dict[str, float], km: float) -> dict[str, float | None]:
     return {name: value / km if km > 0.0 else None for name, value in kwh.items()}
+
+
+def worst_off(stops: pl.DataFrame) -> dict[str, Any] | None:
+    """The stop that was farthest off its mark {train, station, error_m}. None: none was more than OFF_MARK_M off."""
+    off = stops.filter(pl.col("stop_error_m").abs() > OFF_MARK_M)
+    worst = off.sort(pl.col("stop_error_m").abs(), descending=True, maintain_order=True).head(1)
+    found = worst.select("train", "station", error_m="stop_error_m").to_dicts()
+    return found[0] if found else None
 
 
 def arrived_trains(stops: pl.DataFrame, timetable: Timetable) -> set[str]:

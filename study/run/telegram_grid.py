@@ -2,24 +2,23 @@
 
 What a party knows changes with telegrams and with nothing else, so between two of them it does not matter to it when
 something fails. On a grid of seconds a window of a few tenths between a word and its answer is found by luck; on this
-one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a party
-counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all of them.
+one it cannot be missed. Instants are those of the run as it is written, with its own faults and acts; a fault of a
+party counts at telegrams in which that party takes part, one of a link at those that go over it, any other at all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 
 from network.timetable import BecomesTrain, Stabled
 from radio.noted import Sent, TookEffect
-from simulation.faults.devices import PowerFault
-from simulation.faults.fault import Fault
+from simulation.faults.devices import PowerOff
 from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
 from simulation.faults.script import Failure
 from simulation.faults.table import FAULTS
@@ -28,9 +27,11 @@ from study.run.forks import alone
 from study.run.moving import NO_TIME, SINGLES, single_faults
 from study.run.run import simulated
 from study.run.sweep import Variation, Window
+from study.scenario.script_file import names_of
 
 BEFORE_S: Final = 60.0  # of what the script does first, and
-AFTER_S: Final = 300.0  # after the last of it: without a script, all of the run
+AFTER_S: Final = 300.0  # after the last of it
+LASTS_S: Final = 3600.0  # without a script, from the first telegram on
 FOLLOWS_S: Final = (
     1200.0  # trains that begin later than this after the last instant cannot show anything of it
 )
@@ -69,17 +70,24 @@ def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
     course = alone(_Course, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
     first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
-    last_s = max(course.script_s) + AFTER_S if course.script_s else max(steps) / STEPS_PER_S
+    last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
     first_s = first_s if window.from_s is None else window.from_s
     last_s = last_s if window.to_s is None else window.to_s
-    within = [t for t in course.telegrams if first_s * STEPS_PER_S <= t[0] <= last_s * STEPS_PER_S]
+    setup = shortened(setup, last_s + FOLLOWS_S)
+    names = names_of(setup)
+    parties = frozenset((*names.units, *names.devices))
+    within = [
+        (step, source, receiver)
+        for step, source, receiver in course.telegrams
+        if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S and {source, receiver} <= parties
+    ]
     variations = (
-        replace(v, instants=_instants(v, within))
+        replace(v, instants=_instants(v, within, parties))
         if v.instants is None
         else replace(v, instants=_inside(v.instants, first_s, last_s))
         for v in _faults(setup, chosen, within)
     )
-    return Grid(shortened(setup, last_s + FOLLOWS_S), tuple(v for v in variations if v.instants))
+    return Grid(setup, tuple(v for v in variations if v.instants))
 
 
 def _course(setup: Setup) -> _Course:
@@ -94,18 +102,13 @@ def _course(setup: Setup) -> _Course:
 
 
 def _faults(setup: Setup, chosen: Chosen, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
-    kinds: Mapping[str, type[Fault[Any]]] = FAULTS
     if chosen is Chosen.POWER:
-        yield from single_faults(setup, [name for name, kind in kinds.items() if _is_power(kind)])
+        yield from single_faults(setup, [PowerOff.kind])
     if chosen is Chosen.ALL:
-        yield from single_faults(setup, [name for name in kinds if name != Cut.kind])
+        yield from single_faults(setup, [name for name in FAULTS if name != Cut.kind])
     if chosen is not Chosen.POWER:
         for link in sorted({(source, receiver) for _, source, receiver in telegrams}):
             yield _cut(setup, *link)
-
-
-def _is_power(kind: type[Fault[Any]]) -> bool:
-    return issubclass(kind, PowerFault) and not kind.momentary
 
 
 def _cut(setup: Setup, source: str, receiver: str) -> Variation:
@@ -114,10 +117,11 @@ def _cut(setup: Setup, source: str, receiver: str) -> Variation:
     return Variation(f"{Cut.kind} {source}{ONE_WAY}{receiver}", ((0, failure),), (), stocks)
 
 
-def _instants(variation: Variation, telegrams: list[tuple[int, str, str]]) -> tuple[int, ...]:
+def _instants(
+    variation: Variation, telegrams: list[tuple[int, str, str]], parties: frozenset[str]
+) -> tuple[int, ...]:
     """Before and after each telegram that this fault may have to do with: in a step, faults come after telegrams."""
     ((_, failure),) = variation.faults
-    parties = {party for _, source, receiver in telegrams for party in (source, receiver)}
     steps: set[int] = set()
     for step, source, receiver in telegrams:
         if isinstance(failure.fault, LinkFault):

@@ -94,7 +94,7 @@ class Running:
         if self.count < 3 or self._squares <= 0.0:
             return 0.0
         count = self.count
-        biased = self._cubes / count / (self._squares / count) ** 1.5
+        biased = self._cubes / count / math.pow(self._squares / count, 1.5)
         return biased * math.sqrt(count * (count - 1)) / (count - 2)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import polars as pl
 
-from branchline.running import _margin, _net  # pyright: ignore[reportPrivateUsage]
+from branchline.running import _margin, _net, _off_the_mark  # pyright: ignore[reportPrivateUsage]
 from study.report.facts import energy_fact
 
 BY = ("traction", "regenerated", "auxiliary", "net")
@@ -35,3 +35,11 @@ def test_the_smallest_margin_says_what_was_planned_and_what_was_left() -> None:
     assert _margin(margins) == "planned 18 s (1, AOK to SAW); least left as run 6 s (21, HMN to KTR)"
     assert _margin({"smallest_margin_s": planned}) == "planned 18 s (1, AOK to SAW)"
     assert _margin(None) == "-"
+
+
+def test_stops_off_their_marks_are_warned_of() -> None:
+    at = {"train": "7", "station": "JNY", "error_m": -8.91}
+    assert _off_the_mark({"stops": 1370, "stops_off": 22, "stop_off_at": at}) == (
+        "warning: 22 of 1370 stops more than 0.35 m off their marks, -8.91 m the worst (7 at JNY)"
+    )
+    assert _off_the_mark({"stops": 1370, "stops_off": 0, "stop_off_at": None}) is None

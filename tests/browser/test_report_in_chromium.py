@@ -6,6 +6,7 @@ Frames a second are reported and not asserted: how many there are depends on the
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -292,10 +293,86 @@ def test_a_table_stands_behind_each_chart_and_sorts(browser: Browser, weekday_re
         assert [int(text) for text in cells.all_inner_texts()] == sorted(counts, reverse=True)
 
 
+def test_two_hours_of_the_whole_day_are_its_first_and_of_a_chosen_train_its_own(
+    browser: Browser, weekday_report: Path
+) -> None:
+    with opened(browser, weekday_report) as page:
+        view, bounds = "branchline.graph.pane.view", "branchline.graph.pane.bounds"
+        page.get_by_role("button", name="2 h").click()
+        assert page.evaluate(f"{view}.x0 === {bounds}.x0")
+        assert page.evaluate(f"{view}.x1 - {view}.x0") == pytest.approx(7200.0)
+        page.evaluate("branchline.graph.choose(branchline.day.trains[20].number, true)")
+        page.get_by_role("button", name="2 h").click()
+        begins, ends = page.evaluate("branchline.day.trains[20].courses.map((c) => [c.from, c.to])[0]")
+        middle = page.evaluate(f"({view}.x0 + {view}.x1) / 2")
+        assert begins < middle < ends
+
+
+def test_the_graph_of_a_drill_opens_on_what_is_done_in_it(browser: Browser, weekday_report: Path) -> None:
+    """A fault of some minutes within a day is not lost in it; one before the first train widens the bounds."""
+    opening = """(marks) => import("branchline/graphpaper.js").then(({ openingOf }) => {
+      const { x0, x1 } = openingOf({ ...branchline.day, marks });
+      return [x0, x1];
+    })"""
+    with opened(browser, weekday_report) as page:
+        day = page.evaluate("[branchline.graph.pane.bounds.x0, branchline.graph.pane.bounds.x1]")
+        fault = {"kind": "F", "from": 36_000, "to": 36_300}
+        expectation = {"kind": "E", "from": 20_000, "to": None}
+        assert page.evaluate(opening, []) == day
+        assert page.evaluate(opening, [expectation]) == day
+        assert page.evaluate(opening, [fault, expectation]) == [34_200, 38_100]
+        begins, _ = page.evaluate(opening, [{"kind": "F", "from": 10_000, "to": 10_060}])
+        assert begins < 10_000
+
+
+def test_blocks_of_all_trains_stay_when_one_is_chosen_and_tracks_stand_apart(
+    browser: Browser, weekday_report: Path
+) -> None:
+    """Each train holds a section for as long as it runs; the two tracks of a station each have a row of their own."""
+    held = """(() => {
+      const { day, graph } = branchline;
+      day.stairway = day.trains.filter((t) => t.courses.length).map((train, i) => ({
+        section: day.sections[i % day.sections.length], train: train.number, part: "run", colour: "#41ab5d",
+        from: train.courses[0].from, to: train.courses[0].to,
+      }));
+      graph.options.stairway = true;
+    })()"""
+    ink = """(() => {
+      branchline.graph.layer.drawNow();
+      const c = branchline.graph.layer.canvas;
+      const { data } = c.getContext("2d").getImageData(0, 0, c.width, c.height);
+      let n = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i + 1] > data[i] + 8 && data[i + 1] > data[i + 2] + 8) n++;
+      return n;
+    })()"""
+    with opened(browser, weekday_report) as page:
+        assert page.evaluate(ink) < 1000
+        page.evaluate(held)
+        everyone = page.evaluate(ink)
+        page.evaluate("branchline.graph.choose(branchline.day.trains[8].number, false)")
+        assert page.evaluate(ink) > 0.7 * everyone > 1000
+        rows = page.evaluate(
+            """import("branchline/stairway.js").then(({ rowsOf }) => {
+              const rows = rowsOf(branchline.day.sections, { y: (m) => m / 100 });
+              return ["OGN.1", "OGN.2"].map((id) => rows.get(id));
+            })"""
+        )
+        assert min(row["height"] for row in rows) >= 7
+        assert abs(rows[0]["y"] - rows[1]["y"]) >= 7
+
+
+def test_a_sheet_is_full_and_they_are_few(browser: Browser, weekday_report: Path, tmp_path: Path) -> None:
+    """27 trains: four sheets of graph with minutes, and not one for each table."""
+    with opened(browser, weekday_report) as page:
+        page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)
+    sheets = re.findall(rb"/Type\s*/Page\b", (tmp_path / "report.pdf").read_bytes())
+    assert 4 < len(sheets) <= 22
+
+
 def test_paper_has_the_whole_day(browser: Browser, weekday_report: Path) -> None:
     with opened(browser, weekday_report) as page:
         page.evaluate("dispatchEvent(new Event('beforeprint'))")
-        assert page.locator(".print-only canvas").count() == 3
+        assert page.locator(".print-only canvas").count() == 4
         page.emulate_media(media="print")
         assert page.locator(".print-only canvas").first.is_visible()
         for paper in PAPERS:

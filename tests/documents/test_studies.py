@@ -82,7 +82,10 @@ def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
         scenario = load_scenario(find_drill(f"rtri/{name}"))
         stops = execute(scenario, Link.SIMULATED).tables.stops
         arrived = studies.arrived_within(stops, 36_001.0, 36_301.0)
-        found[scenario.setup.operation.interlocking] = arrived, studies.lost_min(stops)
+        found[scenario.setup.operation.interlocking] = (
+            arrived,
+            studies.lost_min(stops, scenario.setup.timetable),
+        )
     assert found[Interlocking.CENTRAL][0] == 0
     assert found[Interlocking.ONBOARD][0] == 1
     assert found[Interlocking.CENTRAL][1] > found[Interlocking.ONBOARD][1] + 2.0

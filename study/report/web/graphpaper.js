@@ -7,7 +7,9 @@ import { element } from "./tables.js";
 import { boundsOf, drawTrainGraph, gutterOf, nearestTrain, plotOf, scaleOf } from "./traingraph.js";
 import { clock } from "./view.js";
 
-const PRINTED_S = 6.5 * 3600;
+const PRINTED_S = 4.7 * 3600; // on a sheet, so that minutes can be read
+const PRINTED_PX = [1040, 600]; // a sheet, with its heading
+const AROUND_S = 1800; // what a drill's graph shows before and after what is done
 const STEP_S = 10;
 
 /** Where a place on the line is, in words: at a station or between two. */
@@ -31,6 +33,26 @@ export function latenessAt(train, t, words) {
   const s = Math.round(last.late);
   const key = s > 0 ? "tip_late" : s < 0 ? "tip_early" : "tip_on_time";
   return words.say(key, { s: Math.abs(s), place: words.place(last.call.station) });
+}
+
+/** What a graph opens on: the day; of a drill within a much longer day what was done, with some time around it. */
+export function openingOf(day) {
+  const bounds = boundsOf(day);
+  const done = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null);
+  if (!done.length) return bounds;
+  const x0 = Math.max(Math.min(...done.map((mark) => mark.from)) - AROUND_S, bounds.x0);
+  const last = Math.max(...done.map((mark) => Math.min(mark.to ?? mark.from, day.window[1])));
+  const x1 = Math.min(last + AROUND_S, bounds.x1);
+  return x1 - x0 > (bounds.x1 - bounds.x0) / 2 ? bounds : { ...bounds, x0, x1 };
+}
+
+/** A window of so many seconds about a time; without one, of a whole day its beginning, else the middle of what is seen. */
+export function spanAbout(view, bounds, seconds, about) {
+  const size = Math.min(seconds, bounds.x1 - bounds.x0);
+  const whole = view.x0 <= bounds.x0 && view.x1 >= bounds.x1;
+  const middle = about ?? (whole ? bounds.x0 : (view.x0 + view.x1) / 2);
+  const x0 = Math.min(Math.max(middle - size / 2, bounds.x0), bounds.x1 - size);
+  return { ...view, x0, x1: x0 + size };
 }
 
 /** Lines that say what a train does at a moment: the first is its number. */
@@ -58,7 +80,7 @@ export function makeGraphPaper(host, context) {
   const popup = element(doc, "div", { class: "popup", role: "dialog", hidden: true, "aria-label": words.say("event_here") });
   const stage = element(doc, "div", { class: "stage graph" });
   const pane = { bounds: boundsOf(day), least: { x: 120, y: (day.extent[1] - day.extent[0]) / 40 || 50 } };
-  pane.view = state.graphView ?? { ...pane.bounds };
+  pane.view = state.graphView ?? openingOf(day);
   const layer = makeLayer(stage, (canvas, width, height) => {
     options.gutter = gutterOf(canvas, day, words, width);
     drawTrainGraph(canvas, day, pane.view, options, width, height);
@@ -91,10 +113,11 @@ function tools(doc, paper, context) {
   const { pane, options, layer } = paper;
   const button = (text, label, onclick) => element(doc, "button", { type: "button", title: label, "aria-label": label, onclick }, text);
   const toWidth = (seconds) => () => {
-    const middle = options.moment?.t ?? (pane.view.x0 + pane.view.x1) / 2;
-    const factor = seconds / (pane.view.x1 - pane.view.x0);
-    const plot = pane.plot();
-    pane.zoom(factor, 1, plot.left + ((middle - pane.view.x0) / (pane.view.x1 - pane.view.x0)) * plot.width);
+    const chosen = context.day.byNumber.get(options.chosen);
+    const [from, to] = chosen ? spanOf(chosen) : [NaN, NaN];
+    const about = options.moment?.t ?? (Number.isNaN(from) ? undefined : (from + to) / 2);
+    pane.view = spanAbout(pane.view, pane.bounds, seconds, about);
+    pane.changed();
   };
   const box = (name) => element(doc, "label", {}, element(doc, "input", {
     type: "checkbox", checked: options[name], "data-option": name,
@@ -240,17 +263,18 @@ function step(paper, context, seconds) {
   context.say(told(context.day, hit, context.words).join(", "));
 }
 
-/** The whole day in pictures of at most 6.5 h, for paper. */
+/** The whole day in pictures of a sheet each, with minutes, for paper. */
 function bandsOf(doc, day, options) {
   const bounds = boundsOf(day);
   const count = Math.ceil((bounds.x1 - bounds.x0) / PRINTED_S);
   return Array.from({ length: count }, (_, i) => {
     const each = (bounds.x1 - bounds.x0) / count;
-    const canvas = element(doc, "canvas", { width: 2080, height: 880 });
+    const [width, height] = PRINTED_PX;
+    const canvas = element(doc, "canvas", { width: 2 * width, height: 2 * height });
     const context = canvas.getContext("2d");
     context.scale(2, 2);
-    const gutter = gutterOf(context, day, options.words, 1040);
-    drawTrainGraph(context, day, { ...bounds, x0: bounds.x0 + i * each, x1: bounds.x0 + (i + 1) * each }, { ...options, gutter, moment: null, chosen: null }, 1040, 440);
+    const gutter = gutterOf(context, day, options.words, width);
+    drawTrainGraph(context, day, { ...bounds, x0: bounds.x0 + i * each, x1: bounds.x0 + (i + 1) * each }, { ...options, gutter, minutes: true, moment: null, chosen: null }, width, height);
     return canvas;
   });
 }

@@ -214,7 +214,7 @@ function delays(doc, day, direction, context) {
   const { words } = context;
   const trains = day.trains.filter((train) => train.direction === direction);
   const stations = [...day.line.stations].sort((a, b) => direction * (a.m - b.m));
-  const details = element(doc, "details", { class: "table" }, element(doc, "summary", {}, `${words.say(direction > 0 ? "direction_down" : "direction_up")} · ${words.say("rows", { count: trains.length })}`));
+  const details = element(doc, "details", { class: "table delays-of" }, element(doc, "summary", {}, `${words.say(direction > 0 ? "direction_down" : "direction_up")} · ${words.say("rows", { count: trains.length })}`));
   const fill = () => {
     if (details.childElementCount > 1) return;
     const head = element(doc, "tr", {}, element(doc, "th", {}, words.say("train")), ...stations.map((s) => element(doc, "th", {}, words.place(s))));

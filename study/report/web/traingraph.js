@@ -37,7 +37,8 @@ export function scaleOf(view, plot) {
 export function boundsOf(day) {
   const [low, high] = day.extent;
   const margin = Math.max(0.03 * (high - low), 20);
-  const [from, to] = day.window;
+  const done = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null).map((mark) => mark.from);
+  const [from, to] = [Math.min(day.window[0], ...done), Math.max(day.window[1], ...done)];
   const room = Math.max(0.01 * (to - from), 10);
   return { x0: from - room, x1: to + room, y0: low - margin, y1: high + margin };
 }
@@ -75,7 +76,7 @@ export function drawTrainGraph(context, day, view, options, width, height) {
   if (options.run) drawRuns(context, day, view, scale);
   if (options.plan) drawPlans(context, day, view, scale);
   drawChosen(context, day, view, scale, options);
-  if (scale.px * 60 >= MINUTE_PX) drawMinutes(context, day, view, scale, plot, options);
+  if (options.minutes || scale.px * 60 >= MINUTE_PX) drawMinutes(context, day, view, scale, plot, options);
   drawNumbers(context, day, view, scale, plot, options);
   drawEvents(context, day, view, scale, plot, options);
   drawFaultNumbers(context, day, scale, plot);

@@ -390,7 +390,7 @@ def test_an_act_added_during_the_run_is_done_at_its_time_after_those_of_the_scri
     ]
 
 
-def test_a_script_can_be_taken_up_later_where_there_is_none() -> None:
+def test_a_script_can_be_taken_up_later() -> None:
     """As if it had been there from the beginning: the same items at the same steps, what is past at once."""
     failures = (
         Failure(Cut(target=Link("K1", "K2")), Trigger(at_s=12.0), 5.0),
@@ -405,8 +405,10 @@ def test_a_script_can_be_taken_up_later_where_there_is_none() -> None:
     assert due == [(100, "begin 1"), (120, "begin 0"), (170, "end 0")]
     assert world.switched == [("K1", False), ("K1", True)]
     assert [course.item for course in world.injector.courses] == list(failures)
-    with pytest.raises(ValueError, match="where there is none"):
-        world.injector.take_up(Script(failures), 200)
+    world.injector.take_up(Script((replace(failures[0], trigger=Trigger(at_s=25.0)),)), 200)  # behind those
+    world.run_to(250)
+    assert [course.item for course in world.injector.courses][:2] == list(failures)
+    assert [course.begun_s for course in world.injector.courses] == [12.0, 10.0, 25.0]
 
 
 def test_a_script_that_waits_for_events_cannot_be_taken_up() -> None:

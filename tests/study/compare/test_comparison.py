@@ -160,6 +160,17 @@ def test_the_graph_shows_what_moved_and_leaves_the_rest_pale(moved: Comparisons)
     assert {"321M", "322M"} <= numbers
 
 
+def test_every_part_of_a_report_has_its_title_and_what_it_says_of_tables_in_japanese(
+    moved: Comparisons,
+) -> None:
+    parts = parts_against(moved, graphs=False)
+    assert len(parts) >= 3
+    assert not any(part.title_ja.isascii() for part in parts)
+    assert not any(
+        part.caption and part.caption_ja.isascii() for part in parts[1:]
+    )  # the first one's is the verdict
+
+
 def test_parts_of_runs_that_do_not_differ_are_one(weekday: Run) -> None:
     same = compare((side(weekday), side(weekday, "again", digest="base")), 1.0)
     with drawing():

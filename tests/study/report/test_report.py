@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import pairwise
@@ -21,10 +22,12 @@ from matplotlib.figure import Figure
 from network.model import Direction
 from study.report.charts import draw_delays, draw_energy
 from study.report.curve import chosen_trains, draw_run_curve
-from study.report.data import Run, sections_in_order
+from study.report.data import Run, section_name, sections_in_order
+from study.report.facts import headline
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
-from study.report.papers import CHANGES_SHOWN, EVENTS_SHOWN_MAX, _changes, _events
+from study.report.papers import CHANGES_SHOWN, EVENTS_SHOWN_MAX, REFUSED_AGAIN_S, _changes, _events
+from study.report.parts import Fact
 from study.report.report import BYTES_AIMED, write_report
 from study.report.style import BAND_S_MAX, clock, drawing, spread, svg_of, time_bands, time_grid
 from study.run.summary import summarise
@@ -158,12 +161,71 @@ def test_of_very_many_events_those_of_lesser_kinds_are_left_out_and_counted() ->
     kinds = ["fault" if i % 1000 == 999 else "refusal" for i in range(count)]
     events = make_table(
         "events",
-        {"t_s": [float(i) for i in range(count)], "source": ["K1"] * count, "kind": kinds, "text": kinds},
+        {
+            "t_s": [float(i) for i in range(count)],
+            "source": ["K1"] * count,
+            "kind": kinds,
+            "text": [f"{kind} {i}" for i, kind in enumerate(kinds)],
+        },
     )
     shown = _events(events)
     assert len(shown.columns[0].values) == EVENTS_SHOWN_MAX
-    assert list(shown.columns[3].values).count("fault") == kinds.count("fault")
+    assert list(shown.columns[2].values).count("event_fault") == kinds.count("fault")
     assert shown.notes == (("and 7 more in events.parquet", "ほか 7 件は events.parquet にある"),)
+
+
+def test_who_asks_again_and_again_is_one_line_with_a_count() -> None:
+    """Two that are refused in turn, one of them once more much later; what is no refusal is told each time."""
+    told = [
+        (0.0, "manager", "refusal", "refused: K1"),
+        (0.2, "K1", "refusal", "route refused"),
+        (5.5, "manager", "refusal", "refused: K1"),
+        (6.0, "manager", "refusal", "refused: K2"),
+        (11.0, "manager", "refusal", "refused: K1"),
+        (12.0, "K1", "intervention", "service brake"),
+        (13.0, "K1", "intervention", "service brake"),
+        (11.5 + REFUSED_AGAIN_S, "manager", "refusal", "refused: K1"),
+    ]
+    columns = zip(("t_s", "source", "kind", "text"), map(list, zip(*told, strict=True)), strict=True)
+    shown = _events(make_table("events", dict(columns)))
+    assert list(zip(shown.columns[0].values, shown.columns[3].values, strict=True)) == [
+        (0.0, "refused: K1 (× 3)"),
+        (0.2, "route refused"),
+        (6.0, "refused: K2"),
+        (12.0, "service brake"),
+        (13.0, "service brake"),
+        (11.5 + REFUSED_AGAIN_S, "refused: K1"),
+    ]
+
+
+def test_stops_off_their_marks_stand_out(weekday: Run) -> None:
+    def told(error_m: float) -> Fact:
+        near = pl.when(pl.col("stop_error_m").is_not_null()).then(pl.lit(0.1)).otherwise(None)
+        stops = weekday.tables.stops.with_columns(near.alias("stop_error_m"))
+        first = stops["stop_error_m"].is_not_null().arg_max()
+        errors = stops["stop_error_m"].to_list()
+        errors[first or 0] = error_m
+        tables = replace(weekday.tables, stops=stops.with_columns(pl.Series("stop_error_m", errors)))
+        run = Run(weekday.line, weekday.timetable, tables)
+        return next(f for f in headline(run, summarise(tables, run.timetable)) if f.name == "Stops")
+
+    fine, off = told(0.2), told(-8.9)
+    assert not fine.bad and "off" not in fine.value
+    assert off.bad and "; 1 more than 0.35 m off, the worst " in off.value
+    assert "0.35 m 超 1 回" in off.value_ja
+
+
+def test_sections_have_the_names_of_their_stations(weekday: Run) -> None:
+    found = {section_name(weekday, section_id): section_id for section_id in weekday.line.sections}
+    assert len(found) == len(weekday.line.sections)
+    assert not any(
+        part in weekday.line.stations for name in found for part in name.replace("–", " ").split(" ")
+    )
+    assert {"Ogane 1", "Ogane W"} & set(found)
+    assert section_name(weekday, "P7") == "P7"
+    assert (
+        section_name(weekday, next(s for n, s in found.items() if n == "Ogane 1"), japanese=True) == "大金 1"
+    )
 
 
 def test_broken_invariants_are_red_and_told(tmp_path: Path, make_day: Callable[[str, str], Run]) -> None:

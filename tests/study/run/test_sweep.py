@@ -18,6 +18,7 @@ from simulation.faults.devices import Restart
 from simulation.faults.script import ActKind, Failure, Trigger
 from simulation.faults.table import FAULTS
 from simulation.late.settings import Late
+from simulation.people import People
 from simulation.setup import STEPS_PER_S
 from simulation.world import kernel
 from study.run.drill import find_drill, run_drill
@@ -171,7 +172,8 @@ def test_without_being_told_the_carrier_disagrees(
         return done, used, told
 
     monkeypatch.setattr("simulation.loop.advance", untold)
-    swept = sweep_of(two_trains, restart("K1"), every_s=0.4, from_s=TEN, to_s=TEN + 2.8)
+    at_once = replace(two_trains, setup=replace(two_trains.setup, people=People(times=0.0)))
+    swept = sweep_of(at_once, restart("K1"), every_s=0.4, from_s=TEN, to_s=TEN + 2.8)
     assert "crash CarrierDisagrees" in {outcome.label for outcome in swept.outcomes["restart K1"].values()}
     assert swept.bad
 

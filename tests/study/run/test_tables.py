@@ -109,6 +109,11 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     assert summary["stop_error_m_mean"] == pytest.approx(0.1)
     assert summary["stop_error_m_sigma"] == pytest.approx((0.32 / 3) ** 0.5)
     assert summary["stop_error_m_max_abs"] == 0.5
+    assert summary["stops_off"] == 1
+    off = summary["stop_off_at"]
+    assert off["error_m"] == 0.5
+    of = small_stops().filter(train=off["train"], station=off["station"])
+    assert of["stop_error_m"].to_list() == [0.5]
     assert summary["energy_kwh"] == {"traction": 14.5, "regenerated": 4.0, "auxiliary": 3.0}
     told = summary["energy"]
     assert told["running"] == pytest.approx(
@@ -131,7 +136,8 @@ def test_summary_of_an_empty_run_claims_nothing() -> None:
     assert summary["energy"]["net_kwh_per_car_km"] == {"trains": None, "all": None}
     assert summary["margins"] is None
     assert summary["stop_error_m_mean"] is summary["stop_error_m_sigma"] is None
-    assert summary["stop_error_m_max_abs"] is None
+    assert summary["stop_error_m_max_abs"] is summary["stop_off_at"] is None
+    assert summary["stops_off"] == 0
     assert summary["energy_kwh"]["traction"] == 0.0
 
 

@@ -1,4 +1,7 @@
-"""Random cases, each from its family and seed alone: one to six faults that all heal, and people who tell the truth.
+"""Random cases, each from its family and seed alone: one to twelve faults that all heal, and people who put them right.
+
+What trains carry, who goes first and how long people take are drawn too. Staff tell the truth; one person may say
+something wrong of a unit, which nobody else says.
 
 The faults begin within six minutes in which trains move: at a time, or at an event (and a little later) that falls into
 them when nothing fails. What fails (power, a link, points, …) is drawn first, each as likely, then one of its kinds
@@ -11,9 +14,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final
 
+from network.model import SectionKind
 from onboard.driving.laws.table import LAW_NAMES
 from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
+from simulation.setup import Setup
 from study.scenario.script_file import names_of
 from tests.system.chaos.case import Case, Manner
 from tests.system.chaos.course import Course, clock_tenths
@@ -21,9 +26,10 @@ from tests.system.chaos.draw import Draw
 from tests.system.chaos.families import Family, ground_of
 from tests.system.chaos.fault_fields import fields_of, target_of
 from tests.system.chaos.run_one import undisturbed
+from wayside.config import Order
 
 WINDOW_S: Final = 360.0
-FAULTS_MAX: Final = 6
+FAULTS_MAX: Final = 12
 WINDOW_MIN_S: Final = 30.0  # faults that meet show more than faults that follow one another
 DURATION_S: Final = (5.0, 240.0)
 EVENT_P: Final = 0.6
@@ -32,6 +38,18 @@ GIVE_BACK_P: Final = 0.15
 BY_HAND_P: Final = 0.2
 OTHER_LAW_P: Final = 0.3
 CENTRAL_P: Final = 0.3
+CARRIES_P: Final = 0.4
+CARRIES: Final = (
+    ("tags", "gnss"),
+    ("tags", "curvature"),
+    ("tags", "curvature", "gnss"),
+    ("tags", "beacons"),
+    ("curvature", "gnss"),
+)
+DISPATCH_P: Final = 0.3
+PEOPLE_P: Final = 0.5
+WRONG_P: Final = 0.2
+WRONG_PERSON: Final = "trackman"
 AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
 
 
@@ -54,7 +72,7 @@ def case_of(family: Family, seed: int, nets: Path) -> Case:
         ground,
         _head(family, seed, draw.of("head")),
         faults,
-        _give_back(times, names, draw.of("give back")),
+        (*_give_back(times, names, draw.of("give back")), *_wrong(times, scenario.setup, draw.of("wrong"))),
         Manner.drawn(seed, draw.of("staff")),
     )
 
@@ -102,6 +120,20 @@ def _give_back(times: _Times, names: Names, draw: Draw) -> tuple[dict[str, Any],
     )
 
 
+def _wrong(times: _Times, setup: Setup, draw: Draw) -> tuple[dict[str, Any], ...]:
+    """What one person says wrongly of a unit: that it is outside, or that it holds sections drawn by chance."""
+    if not draw.chance(WRONG_P):
+        return ()
+    sections = setup.line.sections.values()
+    portals = [section.id for section in sections if section.kind is SectionKind.PORTAL]
+    said = {"target": draw.one_of(sorted(setup.trains)), "person": WRONG_PERSON} | times.drawn(
+        draw.of("time")
+    )
+    if portals and draw.chance(0.5):
+        return ({"kind": "confirm_outside", "place": draw.one_of(portals)} | said,)
+    return ({"kind": "confirm_holding", "sections": [draw.one_of(sorted(setup.line.sections))]} | said,)
+
+
 def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     head: dict[str, Any] = {"seed": seed}
     if family is not Family.HOUR and draw.chance(0.5):
@@ -113,4 +145,13 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     law = draw.of("law")
     if law.chance(OTHER_LAW_P):
         head["driving"] = {"law": law.one_of(LAW_NAMES)}
+    if draw.of("carries").chance(CARRIES_P):
+        head["sensors"] = {"carries": list(draw.of("carried").one_of(CARRIES))}
+    dispatch = draw.of("dispatch")
+    if dispatch.chance(DISPATCH_P):
+        certificate, order = dispatch.chance(0.5), dispatch.one_of([order.value for order in Order])
+        head["dispatch"] = {"certificate": certificate, "order": order}
+    people = draw.of("people")
+    if people.chance(PEOPLE_P):
+        head["people"] = {"times": people.one_of((0.0, people.by_size(0.2, 6.0)))}
     return head

@@ -1,4 +1,4 @@
-"""Random cases of one to six faults that heal, with truthful staff: nothing unsafe happens, and every train arrives.
+"""Random cases of one to twelve faults that heal, with truthful staff: nothing unsafe happens, and every train arrives.
 
 A slice in every test, all of them in `make nightly`; each chunk leaves a line of figures at the end. A case that fails
 is made small and left as a drill; once its cause is mended it is kept in `replays/`, which are run here one by one.

@@ -198,19 +198,19 @@ test("values are written in their kind, and CSV quotes what needs it", () => {
   assert.equal(csvOf(table, words), 'train,kWh\r\n"a""b",1.5\r\n"c,d",\r\n');
 });
 
-test("blocking times are boxes of their section, all or those of the train chosen", () => {
+test("blocking times are boxes of their section; those of others than the train chosen are pale", () => {
   const day = dayOf(example());
   assert.deepEqual(partsOf(day), [["approach", "#c7e9c0"], ["run", "#41ab5d"]]);
   const view = { x0: 0, x1: 500, y0: 0, y1: 2000 };
   const scale = scaleOf(view, { left: 0, top: 0, width: 500, height: 200 });
   const drawn = (chosen, seen = view) => {
     const boxes = [];
-    const context = { fillRect: (...box) => boxes.push([context.fillStyle, ...box]) };
+    const context = { fillRect: (...box) => boxes.push([context.fillStyle, ...box, context.globalAlpha]) };
     drawStairway(context, day, seen, scale, chosen);
     return boxes;
   };
-  assert.deepEqual(drawn(null), [["#c7e9c0", 5, 0, 15, 90], ["#41ab5d", 20, 0, 20, 90]]);
-  assert.deepEqual(drawn("T2"), []);
-  assert.equal(drawn("T2", { ...view, x1: 1000 }).length, 1);
+  assert.deepEqual(drawn(null), [["#c7e9c0", 5, 0, 15, 90, 0.6], ["#41ab5d", 20, 0, 20, 90, 0.6]]);
+  assert.deepEqual(drawn("T2"), [["#c7e9c0", 5, 0, 15, 90, 0.2], ["#41ab5d", 20, 0, 20, 90, 0.2]]);
+  assert.deepEqual(drawn("T2", { ...view, x1: 1000 }).map((box) => box.at(-1)), [0.2, 0.2, 0.6]);
   for (const part of day.stairway.map((slice) => slice.part)) assert.equal(WORDS[`part_${part}`].length, 2);
 });

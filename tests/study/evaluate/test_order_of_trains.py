@@ -1,0 +1,25 @@
+"""Late days in blocks and minutes: every rule has the same days, and all trains come to their ends."""
+
+from __future__ import annotations
+
+import pytest
+
+from study.evaluate import order_of_trains
+from study.evaluate.order_of_trains import config_of, lost_min
+from wayside.config import Order
+
+MIN_A_DAY = 1440.0
+
+
+@pytest.mark.parametrize("order", Order)
+def test_a_day_on_which_nothing_is_late_loses_nothing(order: Order, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(order_of_trains, "SHARE", 0.0)
+    assert lost_min(config_of("busy_line", order), 1) == 0.0
+
+
+@pytest.mark.parametrize("order", Order)
+def test_all_trains_of_a_late_day_come_to_their_ends(order: Order) -> None:
+    """One that never came would alone lose a day and more."""
+    config = config_of("karasuyama_weekday", order)
+    assert 0.0 < lost_min(config, 1) < MIN_A_DAY / 2.0
+    assert lost_min(config, 1) == lost_min(config, 1)

@@ -1,0 +1,131 @@
+"""The grid of telegrams: instants lie round telegrams, faults come beside a drill's own, and what is bad replays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from radio.noted import Sent, TookEffect
+from simulation.setup import STEPS_PER_S
+from study.run.drill import find_drill, run_drill
+from study.run.run import Link
+from study.run.sweep import Window, sweep
+from study.run.sweep_report import replay_of, table_of
+from study.run.telegram_grid import Chosen, grid_of, shortened
+from study.scenario.scenario import Scenario, load_scenario
+
+pytestmark = pytest.mark.system
+
+NAME = "rtri/12_terminal_power"
+
+
+@pytest.fixture(scope="module")
+def drill() -> Scenario:
+    return load_scenario(find_drill(NAME))
+
+
+def short(drill: Scenario, chosen: Chosen, from_s: float = 36_040.0, to_s: float = 36_050.0) -> Any:  # noqa: ANN401
+    return grid_of(drill.setup, chosen, Window(from_s=from_s, to_s=to_s))
+
+
+def test_instants_lie_before_and_after_what_its_target_says_and_hears(drill: Scenario) -> None:
+    entries = run_drill(NAME, Link.SIMULATED).run.result.journal.entries
+    grid = short(drill, Chosen.POWER)
+    assert {v.name for v in grid.variations} <= {
+        f"power_off {p}" for p in ("K1", "block-manager", "A-E", "B-W")
+    }
+    for variation in grid.variations:
+        party = variation.name.split()[1]
+        told = {
+            round(e.t_s * STEPS_PER_S)
+            for e in entries
+            if isinstance(e.event, Sent | TookEffect)
+            and party in (e.event.source, e.event.receiver)
+            and 36_040.0 <= e.t_s <= 36_050.0
+        }
+        assert variation.instants == tuple(sorted(told | {step - 1 for step in told}))
+        assert told
+
+
+def test_links_are_cut_one_way_and_only_round_their_own_telegrams(drill: Scenario) -> None:
+    grid = short(drill, Chosen.LINKS)
+    names = {v.name for v in grid.variations}
+    assert "cut K1 -> B-W" in names
+    assert grid.runs == sum(len(v.instants or ()) for v in grid.variations)
+    assert all(" -> " in name for name in names)
+
+
+def test_every_kind_is_on_the_grid(drill: Scenario) -> None:
+    kinds = {v.name.split()[0] for v in short(drill, Chosen.ALL, 36_000.0, 36_060.0).variations}
+    assert {"power_off", "restart", "frozen", "cut", "no_output", "stuck", "gnss_jump", "miss"} <= kinds
+
+
+def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byte(
+    drill: Scenario, tmp_path: Path
+) -> None:
+    grid = short(drill, Chosen.POWER, 36_040.0, 36_043.0)
+    swept = sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script)
+    runs = [(v, step) for v in grid.variations for step in (v.instants or ())]
+    assert sum(table_of(swept).values()) == len(runs) > 3
+    for number, (variation, step) in enumerate(runs[:: len(runs) // 3]):
+        file = tmp_path / f"replay_{number}.toml"
+        text = replay_of(drill, variation.at(step), file.stem, "found", beside=True)
+        file.write_text(text, "utf-8")
+        result = run_drill(str(file), Link.SIMULATED).run.result
+        assert len(result.courses) > 1  # the drill's own, and this one
+        assert result.digest == swept.outcomes[variation.name][step].digest
+
+
+def test_without_a_script_it_is_about_the_first_hour() -> None:
+    grid = grid_of(load_scenario(find_drill("rtri/01_normal")).setup, Chosen.POWER, Window())
+    assert {v.name.split()[0] for v in grid.variations} == {"power_off"}
+    assert 50 < grid.runs < 400
+
+
+def test_trains_that_come_later_are_left_out() -> None:
+    day = load_scenario("karasuyama_weekday").setup
+    assert shortened(day, 1e9) is day
+    cut = shortened(day, 7.0 * 3600.0)
+    assert 0 < len(cut.timetable.trains) < len(day.timetable.trains)
+    assert all(train.calls[0].first_s <= 7.0 * 3600.0 for train in cut.timetable.trains.values())
+    assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
+
+
+def test_the_command_counts_outcomes_and_takes_no_other_words(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    window = ("--from", "10:00:40", "--to", "10:00:42")
+    ended = main("drill", NAME, "--at", "telegrams", *window, "--json", "--out", str(tmp_path / "grid"))
+    figures = json.loads(ended.out)
+    assert figures["runs"] == sum(figures["by_kind"].values()) > 0
+    assert figures["wall_s"] >= 0.0
+    assert (tmp_path / "grid" / "sweep.csv").is_file()
+    for words, key in (
+        (("--at", "seconds"), "--at"),
+        (("--at", "telegrams", "--faults", "many"), "--faults"),
+    ):
+        ended = main("drill", NAME, *words)
+        assert ended.code == 2
+        assert key in ended.err
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("name", "chosen"),
+    [
+        ("rtri/01_normal", Chosen.LINKS),
+        ("rtri/12_terminal_power", Chosen.POWER),
+        ("karasuyama/12_terminal_power", Chosen.LINKS),
+    ],
+)
+def test_nothing_bad_on_a_slice_of_the_grid(
+    name: str, chosen: Chosen, record_property: Callable[[str, object], None]
+) -> None:
+    grid = grid_of(load_scenario(find_drill(name)).setup, chosen, Window())
+    swept = sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script)
+    record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
+    assert not swept.bad
