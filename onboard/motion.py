@@ -268,14 +268,13 @@ class Motion:
 
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
-        row = self.row
-        if self._stood_m is not None and abs(row.odometer_m - self._stood_m) < STANDS_WITHIN_M:
-            return self._lose("a tag was passed while the tachometer shows a stand", wheels_lie=True)
         known = self._tags.get(tag_id)
+        if self._shows_stand() and not (known and self._reaches(known[1])):
+            return self._lose("a tag was passed while the tachometer shows a stand", wheels_lie=True)
         if known is None:
             self._fixes.tag_of_another_path()
             return self._lose(f"tag {tag_id} where none can be")
-        index, tag = known
+        row, (index, tag) = self.row, known
         found = bool(row.position_known != 1)
         heard, correction_m = self._doubt.hear(tag, odometer_m)
         if heard is Heard.OUT:
@@ -291,6 +290,15 @@ class Motion:
         self._fixes.tag_believed()
         self._found = self._found or found
         return [TagPassed(index, found)]
+
+    def _shows_stand(self) -> bool:
+        """Whether the tachometer shows that the train has not moved since it came to a stand."""
+        return self._stood_m is not None and abs(self.row.odometer_m - self._stood_m) < STANDS_WITHIN_M
+
+    def _reaches(self, tag: PathTag) -> bool:
+        """Whether a tag lies under the front as it stands: it may be read at the last or the first centimetre."""
+        row, within_m = self.row, self._parameters.tag_accuracy_m
+        return bool(row.position_known == 1 and abs(tag.position_m - row.position_m) <= within_m)
 
     def events(self, bits: int) -> list[Sensed]:
         """What the compiled tick reported."""

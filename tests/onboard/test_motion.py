@@ -163,12 +163,25 @@ def test_a_tag_where_none_can_be_is_a_position_fault(motion: Motion, tag_id: int
 def test_a_tag_passed_while_the_tachometer_shows_a_stand_is_a_fault_of_the_tachometer(
     motion: Motion, further_m: float
 ) -> None:
-    """No train that stands passes a tag: it moves and does not know, whatever the tag would tell of its place."""
-    motion.row.odometer_m, motion.row.position_m = 500.0, 310.0
+    """No train that stands passes a tag ahead: it moves and does not know, though its bounds would hold the place."""
+    motion.row.odometer_m, motion.row.position_m = 500.0, 309.0
+    motion.row.bound_ahead_m = motion.row.bound_behind_m = 5.0
     motion.events(EVENT_STOPPED)
     assert motion.tag_read(602, 500.0 + further_m) == [PositionLost()]
     assert (motion.row.position_known, motion.row.intervention) == (0, EMERGENCY_INTERVENTION)
     assert [type(note).__name__ for note in motion.taken_notes()][-1] == "PositionFault"
+
+
+@pytest.mark.parametrize("away_m", [-0.4, 0.0, 0.4])
+def test_a_tag_under_a_train_that_stands_is_no_fault(motion: Motion, away_m: float) -> None:
+    """Where stations are as far apart as a tag from its mark, one lies under the mark of the other.
+
+    It is read in the last or the first centimetre, where the tachometer shows a stand.
+    """
+    motion.row.odometer_m, motion.row.position_m = 500.0, 310.0 + away_m
+    motion.events(EVENT_STOPPED)
+    assert motion.tag_read(602, 500.0) == [TagPassed(4, found=False)]
+    assert (motion.row.position_known, motion.row.intervention) == (1, NO_INTERVENTION)
 
 
 def test_a_tag_passed_after_a_start_is_a_tag(motion: Motion) -> None:
