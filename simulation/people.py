@@ -10,7 +10,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Annotated, Final
 
-from network.files.chances import DelayFactor, LogSigma0, PersonTime
+from network.files.chances import DelayFactor, PeopleSigma, PersonTime
 from network.files.kinds import about
 from network.files.toml_input import Record
 
@@ -27,7 +27,7 @@ class People(Record):
         ),
     ] = 1.0
     sigma: Annotated[
-        LogSigma0,
+        PeopleSigma,
         about(
             "standard deviation of the logarithm; 0: always the mean", "assumed: one in six over 1.5 times"
         ),

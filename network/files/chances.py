@@ -25,8 +25,8 @@ LOG_SIGMA: Final = Quantity(
     ((0.01, 3.0),),
     "assumed: a hundredth; from a twentieth to twentyfold",
 )
-LOG_SIGMA_0: Final = Quantity(
-    "standard deviation of a logarithm", "", ((0.0, 2.0),), "assumed: always the mean; a sevenfold is common"
+PEOPLE_SIGMA: Final = Quantity(
+    "scatter of people's times", "", ((0.0, 2.0),), "assumed: always the mean; a sevenfold is common"
 )
 PERSON_TIME: Final = Quantity(
     "time that a person takes", "s", ((0.0, 1800.0),), "assumed: half an hour for one act"
@@ -44,7 +44,7 @@ MtbfOperations = Annotated[float, MTBF_OPERATIONS]
 Confidence = Annotated[float, CONFIDENCE]
 DrawnValue = Annotated[float, DRAWN_VALUE]
 LogSigma = Annotated[float, LOG_SIGMA]
-LogSigma0 = Annotated[float, LOG_SIGMA_0]
+PeopleSigma = Annotated[float, PEOPLE_SIGMA]
 PersonTime = Annotated[float, PERSON_TIME]
 Shape = Annotated[float, SHAPE]
 DelayFactor = Annotated[float, DELAY_FACTOR]

@@ -188,15 +188,19 @@ def _needs(
 ) -> Iterator[tuple[_Claim, _Claim]]:
     """Each section that the second train needs and the first one holds: the one's claim and the other's.
 
-    Who leaves a place that the first train held came there after it: by the leg before, or it signed on there. It came
-    also after what the first holds as it goes on, if that is the place to which the first departs.
+    Who leaves a place that the first train held came there after it: by the leg before, or it signed on there. Who
+    comes to the place to which the first departs comes also after what the first holds as it goes on from there.
     """
     needs = [_need(one, second, {}) for one in second.leg.occupations if math.isfinite(one.begin_s)]
     start = second.leg.start
-    if WAY_IN_COUNTS and start is not None and start.section_id in holds:
-        place_id, onward = _onward(first, dwell_min_s)
-        if place_id == start.section_id:
-            holds = {hold.occupation.section_id: hold for hold in onward} | holds
+    place_id, onward = _onward(first, dwell_min_s)
+    comes_to = {one.section_id for one in second.leg.occupations}
+    comes_after = WAY_IN_COUNTS and start is not None and start.section_id in holds
+    if start is not None and comes_after:
+        comes_to.add(start.section_id)
+    if place_id in comes_to:  # what it has there and back it has until it comes back
+        holds = holds | {hold.occupation.section_id: hold for hold in onward}
+    if start is not None and comes_after:
         later_s = _sum(_run_s(second), _stood_s(start, dwell_min_s))
         if second.before:
             came = Event(second.before[0], arrival=True)

@@ -77,6 +77,7 @@ class Passage:
     waited_s: float = 0.0
 
 
+LAST_STANDS = True  # off: the last train of the day passes the terminus at which its day ends
 _COMING = (Part.REQUEST, Part.AIR, Part.GRANT, Part.APPROACH, Part.RUN, Part.LENGTH, Part.BOUND, Part.RELEASE)
 
 
@@ -103,7 +104,9 @@ def occupation_of(passage: Passage, ends_s: float = math.inf) -> Occupation:
     stretches = [Slice(part, *ends) for part, ends in zip(_COMING, pairwise(times), strict=True)]
     slices = [piece for stretch in stretches for piece in _painted(stretch, passage)]
     joined = list(_joined(slices)) or [Slice(Part.RUN, end_s, end_s)]
-    if passage.enters_s <= end_s < passage.leaves_s:  # who comes to a stand as the day ends does not pass
+    if (
+        LAST_STANDS and passage.enters_s <= end_s < passage.leaves_s
+    ):  # who comes to a stand as the day ends does not pass
         joined += [Slice(s.part, end_s, end_s) for s in passage.standing if abs(s.begin_s - end_s) <= TOUCH_S]
     return Occupation(
         passage.section_id,

@@ -34,6 +34,7 @@ from wayside.config import (
     manager_config,
 )
 from wayside.register import Register, start
+from wayside.said import BoundaryPassed
 
 TRAINS: Final = 20
 ROUNDS: Final = 2  # that each of the twenty makes
@@ -105,6 +106,7 @@ class Day:
         self._hear(unit_id, HoldingReport((move.section_id,), token), now_s)
         if move.leaves:
             self._hear(unit_id, SignOff(unit_id, token), now_s)
+            self.register, _ = step(self.register, BoundaryPassed(move.section_id), now_s)
         return True
 
     def _hear(self, unit_id: str, message: AnyMessage, now_s: float) -> None:

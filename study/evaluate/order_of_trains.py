@@ -23,6 +23,7 @@ from study.sweep.statistics import difference_of, mean_of
 from wayside.block_manager import Heard, step
 from wayside.config import ManagerConfig, Order, manager_config
 from wayside.register import start
+from wayside.said import BoundaryPassed
 
 SHARE: Final = 0.01  # assumed: of departures at which doors stay open
 MEAN_S: Final = 480.0  # assumed: exponential
@@ -88,6 +89,7 @@ def lost_min(config: ManagerConfig, seed: int) -> float:
             hear(k, HoldingReport((move.section_id,), token), now_s)
             if move.leaves:
                 hear(k, SignOff(journeys[k].unit_id, token), now_s)
+                register, _ = step(register, BoundaryPassed(move.section_id), now_s)
         at[k] += 1
         moves = journeys[k].moves
         if at[k] == len(moves) or moves[at[k]].train != move.train:

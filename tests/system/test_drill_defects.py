@@ -228,7 +228,10 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "restarts_at_full_speed",
             "K2 runs at low speed until position and holdings are known",
         ),
-        "14c_manager_and_units_one_each": ("starts_with_every_section_free", "no invariant is broken"),
+        "14c_manager_and_units_one_each": (
+            "starts_with_every_section_free",
+            "nothing is granted before persons have accepted the picture",
+        ),
         "15_crew_comes_late": (
             "forgets_that_it_was_on_the_line",
             "the unit is not taken for one that holds nothing",
@@ -288,7 +291,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         ),
         "72_jammed_at_the_terminus": (
             "releases_by_the_odometer",
-            "nothing is given back before the driver has spoken",
+            "nothing of the arrival is given back before the driver has spoken",
         ),
         "73_restart_without_tags": (believes_no_fix_after_a_restart, "a fix tells the position"),
         "80_cable_cut_central": (reaches_over_a_cut, "nothing is granted while the cable is cut"),

@@ -15,6 +15,7 @@ from onboard.unit import Answer
 from simulation.agenda import Agenda
 from simulation.cabs import Cabs
 from simulation.journal import Journal
+from simulation.people import People
 from simulation.setup import Setup
 from simulation.world.cable import Cable
 from simulation.world.points import WaysideWorld
@@ -105,7 +106,8 @@ class Units:
 def cabs(monkeypatch: pytest.MonkeyPatch) -> tuple[Cabs, Units]:
     units = Units()
     truth = SimpleNamespace(sight_m=0.0)
-    trains = SimpleNamespace(stock_ids=("K1",), truths=(truth,))
+    at_once = SimpleNamespace(people=People(times=0.0), seed=1, today=())
+    trains = SimpleNamespace(stock_ids=("K1",), truths=(truth,), setup=at_once)
     made: Any = (trains, units, SimpleNamespace(machines={}), SimpleNamespace(), Agenda(), Journal())
     monkeypatch.setattr(Cabs, "_look", lambda *_: None)
     return Cabs(*made), units

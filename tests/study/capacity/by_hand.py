@@ -33,21 +33,7 @@ stock = "K1"
 trains = ["T1"]
 """
 
-SCENARIO = """
-id = "two_blocks"
-name = "Two blocks by hand"
-line = "rtri_test_line"
-timetable = "two_blocks_times.toml"
-
-[trains]
-default = "ev_e301"
-load_share_mean = 0.0
-load_share_spread = 0.0
-
-[air]
-delay_min_s = 0.1
-delay_mean_s = {delay_s}
-
+STONE = """
 [patch.train.ev_e301.set]
 "body.mass_empty_t" = 80.0
 "body.rotating_mass_factor" = 0.0
@@ -66,7 +52,25 @@ delay_mean_s = {delay_s}
 "brakes.dead_time_s" = 0.0
 "brakes.lag_s" = 0.0
 "brakes.jerk_max_mps3" = 0.0
+"""
 
+SCENARIO = """
+id = "two_blocks"
+name = "Two blocks by hand"
+line = "rtri_test_line"
+timetable = "two_blocks_times.toml"
+
+[trains]
+default = "ev_e301"
+load_share_mean = 0.0
+load_share_spread = 0.0
+
+[air]
+delay_min_s = 0.1
+delay_mean_s = {delay_s}
+"""
+
+POINTS = """
 [patch.line.times]
 "points.P5.throw_time_s" = {throw_share}
 "points.P7.throw_time_s" = {throw_share}
@@ -77,6 +81,7 @@ def two_blocks(folder: Path, *, throw_share: float = 1.0, delay_s: float = 0.1) 
     """The setup; points take `throw_share` of 6 s to throw."""
     (folder / "two_blocks_times.toml").write_text(TIMES, "utf-8")
     file = folder / "two_blocks.toml"
-    text = SCENARIO.replace("{throw_share}", str(throw_share)).replace("{delay_s}", str(delay_s))
-    file.write_text(text, "utf-8")
+    text = POINTS.replace("{throw_share}", str(throw_share))
+    head = SCENARIO.replace("{delay_s}", str(delay_s))
+    file.write_text(head + STONE + text, "utf-8")
     return load_scenario(str(file)).setup

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -19,8 +19,9 @@ from study.capacity.theory import occupations
 from study.scenario.scenario import load_scenario
 
 VALLEY: Final = Path(__file__).parents[2] / "examples" / "line"
+Run = tuple[str, str, str, str, tuple[str, str], tuple[str, str]]
 # Two sets to and fro: they pass each other at Mori, and turn back at Asa and Kawa with a layover of ten minutes.
-RUNS: Final = (
+RUNS: Final[tuple[Run, ...]] = (
     ("1", "stabled", "4", "down", ("ASA", "10:00"), ("KWA", "10:09:30")),
     ("2", "stabled", "3", "up", ("KWA", "10:00"), ("ASA", "10:09:30")),
     ("3", "2", "6", "down", ("ASA", "10:20"), ("KWA", "10:29:30")),
@@ -30,21 +31,21 @@ RUNS: Final = (
 )
 
 
-def _times() -> str:
+def valley_times(trains: Sequence[Run] = RUNS) -> str:
     head = '[timetable]\nid = "valley_times"\nline = "valley"\ndwell_min_s = 20\nassumed = ["all"]\n'
     track = {"down": "1", "up": "2"}
-    trains = [
+    made = [
         f'[[trains]]\nnumber = "{number}"\ndirection = "{direction}"\n'
         f'begins = "{before if before == "stabled" else f"from:{before}"}"\n'
         f'ends = "{after if after == "stabled" else f"becomes:{after}"}"\n'
         f'calls = [{{ station = "{a}", departure = "{at}" }}, {{ station = "MRI", track = "{track[direction]}",'
         f' arrival = "{at[:3]}{int(at[3:]) + 4:02}", departure = "{at[:3]}{int(at[3:]) + 5:02}:30" }},'
         f' {{ station = "{b}", arrival = "{by}" }}]\n'
-        for number, before, after, direction, (a, at), (b, by) in RUNS
+        for number, before, after, direction, (a, at), (b, by) in trains
     ]
     sets = (("S1", '"1", "4", "5"'), ("S2", '"2", "3", "6"'))
     diagrams = [f'[[diagrams]]\nstock = "{stock}"\ntrains = [{runs}]\n' for stock, runs in sets]
-    return "\n".join((head, *trains, *diagrams))
+    return "\n".join((head, *made, *diagrams))
 
 
 def _headways(
@@ -58,7 +59,7 @@ def _headways(
 def _setup(folder: Path, line: Callable[[str], str] = str, more: str = "") -> Setup:
     folder.mkdir(exist_ok=True)
     (folder / "valley.toml").write_text(line((VALLEY / "valley.toml").read_text("utf-8")), "utf-8")
-    (folder / "valley_times.toml").write_text(_times(), "utf-8")
+    (folder / "valley_times.toml").write_text(valley_times(), "utf-8")
     day = (VALLEY / "valley_day.toml").read_text("utf-8")
     (folder / "valley_day.toml").write_text(f"{day}\n{more}", "utf-8")
     return load_scenario(str(folder / "valley_day.toml")).setup

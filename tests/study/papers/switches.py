@@ -176,7 +176,7 @@ def creeping_reflections_claimed_to_be_held(patch: pytest.MonkeyPatch) -> None:
 
 @switch
 def faults_do_nothing(patch: pytest.MonkeyPatch) -> None:
-    def nothing(_trouble: position_sets.Trouble, _stock_id: str, _key: int) -> list[Moment]:
+    def nothing(*_: object) -> list[Moment]:
         return []
 
     patch.setattr(position_sets, "moments_of", nothing)

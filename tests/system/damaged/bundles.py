@@ -21,6 +21,7 @@ from onboard.unit_records import UnitParameters
 from radio.air import AirParameters
 from simulation.battery_settings import BatterySettings
 from simulation.gnss_settings import Gnss
+from simulation.people import People
 from simulation.sensor_settings import Beacons, Curvature, Lidar
 from simulation.settings import Dispatch, Driving, Interlocking, Limits, Operation, Sensors
 from study.scenario.scenario_file import ScenarioFile
@@ -175,6 +176,7 @@ def _scenario() -> Data:
                 "limits": Limits(),
                 "operation": Operation(interlocking=Interlocking.CENTRAL, centre="B"),
                 "dispatch": Dispatch(),
+                "people": People(),
                 "battery": BatterySettings(start_of={"K1": 0.9}),
             }.items()
         },
