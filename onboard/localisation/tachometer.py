@@ -102,8 +102,10 @@ def doubt_tachometer(unit: UnitRow, train: TrainRow, speed_mps: float, step_s: f
     silent = speed_mps == 0.0 and before_mps == 0.0 and unit.notch > 0.0
     braked = unit.emergency != 0 or unit.notch <= -0.5 * train.brake_notches
     deaf = speed_mps > 0.0 and braked and unit.acceleration_mps2 > -ANSWERS_MPS2
+    # Power notches are whole, hence no train under power keeps its speed to the last bit.
+    stuck = speed_mps > 0.0 and speed_mps == before_mps and unit.notch > 0.0
     doubt_s = unit.tachometer_doubt_s
-    unit.tachometer_doubt_s = doubt_s + step_s if silent or deaf else 0.0
+    unit.tachometer_doubt_s = doubt_s + step_s if silent or deaf or stuck else 0.0
     limit_s = TACHOMETER_DOUBT_S
     if lost or gained or doubt_s < limit_s <= unit.tachometer_doubt_s:
         return EVENT_TACHOMETER

@@ -48,6 +48,22 @@ def test_a_speed_that_does_not_answer_the_brake_is_reported(unit: np.recarray) -
     assert sum(shown(unit, *[10.0] * 60)) == 1
 
 
+@pytest.mark.parametrize("notch", [1.0, 5.0])
+@pytest.mark.parametrize("stuck_mps", [0.3, 3.6, 18.0])
+def test_a_speed_that_stays_the_same_under_power_is_reported_once(
+    unit: np.recarray, stuck_mps: float, notch: float
+) -> None:
+    unit.speed_mps, unit.notch = stuck_mps, notch
+    found = shown(unit, *[stuck_mps] * 100)
+    assert sum(found) == 1
+    assert (found.index(True) + 1) * STEP_S == pytest.approx(TACHOMETER_DOUBT_S, abs=2 * STEP_S)
+
+
+def test_a_train_that_hardly_gains_speed_under_full_power_is_no_fault(unit: np.recarray) -> None:
+    unit.speed_mps, unit.notch = 18.0, TRAIN.power_notches
+    assert not any(shown(unit, *(18.0 + 1e-6 * i for i in range(1, 600))))
+
+
 def test_standing_with_the_brakes_applied_is_no_fault(unit: np.recarray) -> None:
     unit.notch = -TRAIN.brake_notches
     assert not any(shown(unit, *[0.0] * 600))
