@@ -31,6 +31,11 @@ from wayside.config import MANAGER_ID
 from wayside.said import BoundaryPassed, ConfirmOutside
 
 PORTAL_RETRY_S: Final = 10.0
+_IS_TO: Final[Mapping[Pause, str]] = {
+    Pause.ENTRY: "its crew to take it in through the portal",
+    Pause.SIGN_OFF: "its crew to sign off",
+    Pause.LEAVE: "its train to leave the line",
+}
 
 
 class Stage(Enum):
@@ -132,9 +137,15 @@ class Duties:
                 continue
             number = self._duties[stock_id][self._next[stock_id] - 1].train.number
             stands = bool(self._trains.plants[slot].speed_mps == 0.0)
-            why = self._cabs.waits_for(slot)
+            why = self._crew_is_to(slot) or self._cabs.waits_for(slot)
             waiting.append(Waiting(stock_id, number, self.place(slot), why, stands))
         return waiting
+
+    def _crew_is_to(self, slot: int) -> str:
+        """What the crew is about to do at a portal, while its unit works; empty: nothing."""
+        if not self._cabs.answers(slot):
+            return ""
+        return next((said for pause, said in _IS_TO.items() if (pause, slot) in self._due), "")
 
     def overdue_s(self, now_s: float) -> float:
         """For how long the train that is most behind its plan should have gone on, s; 0 where none is."""

@@ -43,6 +43,10 @@ class Cause(StrEnum):
     ARRIVAL_BY_EYE = "arrival by eye"  # its driver is to confirm that the whole train has arrived (到着確認)
     TURN_BACK = "turn back"  # its driver changes ends (折返し)
     NEXT_TRAIN = "next train"  # its crew takes up the next train number
+    NUMBER = "train number"  # its crew is yet to enter it, at its portal or after a boot (列車番号の入力)
+    ENTRY = "entry"  # signed on, its crew takes it in through the portal
+    SIGN_OFF = "sign-off"  # its crew is yet to sign off (在線抹消)
+    LEAVING = "leaving"  # signed off, it goes out through the portal
     STARTING = "starting"  # the way is free, and its brakes release
     STABLED = "stabled"  # stands after its last train (留置)
 

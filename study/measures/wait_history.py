@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 from onboard.notes import MissionBegun
 from simulation import events
 from simulation.events import MANAGER, Entry
+from simulation.world.roster import Duty
 from wayside import said
 
 
@@ -51,6 +52,7 @@ class Changes:
 NO_POWER: Final = "no power"
 FROZEN: Final = "frozen"
 MOVING: Final = "moving"
+ON_LINE: Final = "on the line"
 
 
 class History:
@@ -61,6 +63,9 @@ class History:
         self._points: dict[str, Changes] = defaultdict(Changes)
         self._ails: dict[str, Changes] = defaultdict(Changes)
         self._trains: dict[str, Changes] = defaultdict(Changes)
+        self._begun_s: dict[tuple[str, str], float] = {}  # by stock and train number
+        self._line: dict[str, Changes] = defaultdict(Changes)
+        self._entered_s: dict[tuple[str, str], float] = {}
         for entry in entries:
             self._take(entry)
 
@@ -79,6 +84,12 @@ class History:
                 self._ails[device].put(t_s, "")
             case MissionBegun(train=train):
                 self._trains[entry.who].put(t_s, train)
+                self._begun_s.setdefault((entry.who, train), t_s)
+            case events.Entered(unit_id=unit, train=train):
+                self._entered_s.setdefault((unit, train), t_s)
+                self._line[unit].put(t_s, ON_LINE)
+            case events.Left(unit_id=unit):
+                self._line[unit].put(t_s, "")
             case _:
                 self._register(entry)
 
@@ -151,3 +162,22 @@ class History:
     def train_of(self, unit: str, t_s: float) -> str:
         """The train number of a stock at a moment; before its first train, and without one, empty."""
         return self._trains[unit].at(t_s)[0]
+
+    def ahead(self, duty: Duty, drawn: Mapping[str, Sequence[Duty]]) -> Iterator[tuple[float, float]]:
+        """Trains that have the portal of a duty before it: when each comes before it, and is in it, s."""
+        portal = duty.mission.spans[0].section_id
+        own = self._begun_s.get((duty.stock_id, duty.train.number), math.inf), duty.comes_s
+        for each in (each for duties in drawn.values() for each in duties):
+            if (
+                each.stock_id == duty.stock_id
+                or not each.enters
+                or each.mission.spans[0].section_id != portal
+            ):
+                continue
+            key = each.stock_id, each.train.number
+            if (self._begun_s.get(key, math.inf), each.comes_s) < own:
+                yield each.comes_s, self._entered_s.get(key, math.inf)
+
+    def on_line(self, unit: str, t_s: float) -> bool:
+        """Whether a stock is truly on the line at a moment."""
+        return self._line[unit].at(t_s)[0] == ON_LINE

@@ -103,6 +103,10 @@ _ENGLISH: Final[Mapping[Cause, str]] = {
     Cause.ARRIVAL_BY_EYE: "{train} waits {place} for its driver to confirm that the whole train has arrived.",
     Cause.TURN_BACK: "{train} stands {place} while its driver changes ends for {reason}.",
     Cause.NEXT_TRAIN: "{train} stands {place} while its crew takes up {reason}.",
+    Cause.NUMBER: "{train} waits {place} for its crew to enter the train number.",
+    Cause.ENTRY: "{train} waits {place} for its crew to take it in: it is signed on.",
+    Cause.SIGN_OFF: "{train} waits {place} for its crew to sign off.",
+    Cause.LEAVING: "{train} is signed off {place} and is about to leave the line.",
     Cause.STARTING: "{train} is about to start {place}: the way is free and the brakes release.",
     Cause.STABLED: "{unit} is stabled {place} after {train}, its last train.",
 }
@@ -138,6 +142,10 @@ _JAPANESE: Final[Mapping[Cause, str]] = {
     Cause.ARRIVAL_BY_EYE: "{train}は{place}で運転士の到着確認を待っています。",
     Cause.TURN_BACK: "{train}は{place}で折返し中です（次は{reason}）。",
     Cause.NEXT_TRAIN: "{train}は{place}で次の列車{reason}に替わるところです。",
+    Cause.NUMBER: "{train}は{place}で乗務員による列車番号の入力を待っています。",
+    Cause.ENTRY: "{train}は在線登録を終え、{place}で乗務員による進入を待っています。",
+    Cause.SIGN_OFF: "{train}は{place}で乗務員による在線抹消の扱いを待っています。",
+    Cause.LEAVING: "{train}は在線抹消を終え、{place}から線区を出るところです。",
     Cause.STARTING: "{train}は{place}から発車するところです（進路は開通、ブレーキ緩解中）。",
     Cause.STABLED: "{unit}は最後の列車{train}の後、{place}に留置されています。",
 }

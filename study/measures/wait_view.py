@@ -82,6 +82,7 @@ class View:
     emergency: bool = False
     mismatch: str = ""
     powered: bool = True
+    numberless: bool = False  # it has booted, and its crew has not entered the train number yet
     frozen: bool = False
     set_back: bool = False
     cable_cut: bool = False  # what it said last was lost in the cable
@@ -117,7 +118,7 @@ class View:
 
 
 def _mission(view: View, t_s: float, event: notes.MissionBegun) -> None:
-    view.train = event.train
+    view.train, view.numberless = event.train, False
     view.duty = next((duty for duty in view.duties if duty.train.number == event.train), None)
     view.at = 0
     view.doing = Doing.STANDING if view.signed_on else Doing.SIGNING_ON
@@ -323,8 +324,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[View, float, Any], None]]] = {
     Sent: _sent,
     Lost: _set(cable_cut=True),
     TookEffect: _took_effect,
-    events.PowerOff: _set(powered=False),
-    events.PowerOn: _set(powered=True, emergency=True),
+    events.PowerOff: _set(powered=False, numberless=False),
+    events.PowerOn: _set(powered=True, emergency=True, numberless=True),
     events.FaultBegan: _fault,
     events.FaultOver: _fault_over,
 }

@@ -159,12 +159,13 @@ class _Finder:
 
     def _off_line(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
-        if view.doing in (Doing.SIGNING_ON, Doing.STANDING) and view.duty is not None:
+        if view.doing in (Doing.SIGNING_ON, Doing.STANDING, Doing.RUNNING) and view.duty is not None:
             portal = view.duty.mission.spans[0].section_id
-            if not view.powered:
-                return self._make(Cause.UNIT_OFF, section=portal), math.inf
+            ails = self._no_unit()
+            if ails is not None:
+                return self._make(ails, section=portal), math.inf
             if view.signed_on:
-                return self._make(Cause.PORTAL, section=portal, since_s=view.signed_on_s), math.inf
+                return self._portal(t_s, portal)
             wait, until_s = self._request(Asked.SIGN_ON, t_s, (portal,))
             return replace(wait, section=wait.section or portal), until_s
         following = view.next_duty
@@ -176,7 +177,27 @@ class _Finder:
             until_s = following.comes_s if late else following.enter_s
             cause = Cause.LATE if late else Cause.OUTSIDE
             return self._make(cause, train=train, section=portal, until_s=until_s), until_s
-        return self._make(Cause.QUEUE, section=portal, until_s=None), math.inf
+        return self._before_its_number(following, t_s)
+
+    def _before_its_number(self, following: Duty, t_s: float) -> tuple[Wait, float]:
+        """At its portal: behind others, or its crew is yet to enter the train number."""
+        known: Known = {"train": following.train.number, "section": following.mission.spans[0].section_id}
+        ahead = list(self._history.ahead(following, self._drawn))
+        queues_until_s = max((s for comes_s, s in ahead if comes_s <= t_s < s), default=t_s)
+        if queues_until_s > t_s:
+            return self._make(Cause.QUEUE, **known), queues_until_s
+        until_s = min((comes_s for comes_s, _ in ahead if comes_s > t_s), default=math.inf)
+        return self._make(self._no_unit() or Cause.NUMBER, **known), until_s
+
+    def _portal(self, t_s: float, portal: str) -> tuple[Wait, float]:
+        """Signed on, before its portal: a train stands there, or its crew takes it in."""
+        view, pieces = self._view, self._setup.line.pieces
+        for other in self._drawn:
+            at = self._where.piece(other, t_s)
+            there = at is not None and pieces[at[0]].section_id == portal
+            if other != view.unit and there and self._history.on_line(other, t_s):
+                return self._make(Cause.PORTAL, section=portal, since_s=view.signed_on_s), math.inf
+        return self._make(Cause.ENTRY, section=portal), math.inf
 
     # on the line ----------------------------------------------------------------------------------------------
 
@@ -187,12 +208,16 @@ class _Finder:
             return None
         return self._make(Cause.DWELL, until_s=view.doors_until_s), view.doors_until_s
 
+    def _no_unit(self) -> Cause | None:
+        """Why the unit does nothing, if so."""
+        view, number = self._view, Cause.NUMBER if self._view.numberless else None
+        return Cause.UNIT_OFF if not view.powered else Cause.UNIT_FROZEN if view.frozen else number
+
     def _out_of_order(self) -> tuple[Wait, float] | None:
         view = self._view
-        if not view.powered:
-            return self._make(Cause.UNIT_OFF), math.inf
-        if view.frozen:
-            return self._make(Cause.UNIT_FROZEN), math.inf
+        ails = self._no_unit()
+        if ails is not None:
+            return self._make(ails), math.inf
         if view.mismatch:
             return self._make(Cause.CONTRADICTION, reason=view.mismatch, party=MANAGER), math.inf
         if view.unfit or view.unable:
@@ -219,10 +244,10 @@ class _Finder:
                 return self._at_stop(t_s)
 
     def _signing_off(self, t_s: float) -> tuple[Wait, float]:
-        for asked in (Asked.SIGN_OFF, Asked.REPORT):
-            if asked in self._view.requests:
-                return self._request(asked, t_s)
-        return self._make(Cause.ANSWER, asked=Asked.SIGN_OFF, party=MANAGER), math.inf
+        if Asked.SIGN_OFF in self._view.requests:
+            return self._request(Asked.SIGN_OFF, t_s)
+        cause = Cause.LEAVING if self._view.doing is Doing.GONE else Cause.SIGN_OFF
+        return self._make(cause), math.inf
 
     def _finished(self) -> tuple[Wait, float]:
         """Between two trains: the driver changes ends, or the crew takes up the next number."""

@@ -145,6 +145,10 @@ CAUSES: Final[Mapping[Cause, str]] = {
     Cause.ARRIVAL_BY_EYE: "到着確認待ち",
     Cause.TURN_BACK: "折返し",
     Cause.NEXT_TRAIN: "次列車へ",
+    Cause.NUMBER: "列番入力待ち",
+    Cause.ENTRY: "進入",
+    Cause.SIGN_OFF: "在線抹消扱い",
+    Cause.LEAVING: "進出",
     Cause.STARTING: "発車",
     Cause.STABLED: "留置",
 }

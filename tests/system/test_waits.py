@@ -63,6 +63,10 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"its run to ": (*ON_LINE_UNIT, Cause.EMERGENCY),
     r"a tag or another fix: its position is unknown": (*ON_SIGHT, *BEFORE_ITS_TIME, Cause.EMERGENCY),
     r"the track ahead: ": (*ON_SIGHT, Cause.ANSWER),
+    r"its crew to enter the train number": (Cause.NUMBER,),
+    r"its crew to take it in through the portal": (Cause.ENTRY,),
+    r"its crew to sign off": (Cause.SIGN_OFF,),
+    r"its train to leave the line": (Cause.LEAVING,),
     r"its unit to be switched on": (Cause.UNIT_OFF,),
     r"its unit, which is frozen": (Cause.UNIT_FROZEN,),
 }
