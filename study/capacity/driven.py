@@ -15,6 +15,7 @@ from onboard.duty.timekeeping import cruise_for
 from onboard.reach import Ground
 from onboard.records import BehaviourRow
 from onboard.unit_records import UnitParameters
+from simulation.people import Pause
 from simulation.setup import Setup, behaviour_row
 from simulation.ways import ground_of
 from study.capacity.clearing import Clearing
@@ -60,14 +61,15 @@ class Driving:
         """A train of the plan whose stock is ready for it at a time, s."""
         duty, mission = planned.duty, planned.duty.mission
         plan = plan_of(mission, float(self.train.length_m))
-        begins_s, leaves_s = ready_s, ready_s
+        begins_s, leaves_s, asked_s = ready_s, ready_s, ready_s
         leg = plan.leg_beyond(plan.spans[0].section_id)
         asks_s: dict[str, float] = {}
         if duty.enters:
-            begins_s, ready_s = self._signs_on(planned, setting, max(ready_s, duty.enter_s))
+            begins_s, asked_s = self._signs_on(planned, setting, max(ready_s, duty.enter_s))
+            ready_s = asked_s + self.setup.people.mean_s(Pause.ENTRY)
         leaves_s = max(ready_s, mission.targets[0].departure_s or ready_s)
         if leg is not None:
-            asks_s[leg.route_id] = self._asks_s(mission.targets[0], ready_s, ready_s)
+            asks_s[leg.route_id] = self._asks_s(mission.targets[0], asked_s, asked_s)
             leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
         stays = [Stay(0, ready_s, leaves_s)]
         course = [np.array([[ready_s, mission.targets[0].mark_m, 0.0]])]
@@ -101,12 +103,15 @@ class Driving:
         )
         return made.ended(self._done_s(made))
 
-    def _signs_on(self, planned: PlannedTrain, setting: Setting, begins_s: float) -> tuple[float, float]:
-        """When a stock signs on at its portal and when it stands in it, s: as soon as it may, or as late as it can."""
+    def _signs_on(self, planned: PlannedTrain, setting: Setting, stands_s: float) -> tuple[float, float]:
+        """When a stock at its portal since a time has its number, and is signed on, s: as soon or as late as it can."""
+        people = self.setup.people
+        begins_s = stands_s + people.mean_s(Pause.SIGN_ON)
         plan = plan_of(planned.duty.mission, float(self.train.length_m))
         leg = plan.leg_beyond(plan.spans[0].section_id)
         if self.rules.late and leg is not None:
             way_s = setting.way_free_s(plan, leg, 0.0)
+            way_s = max(way_s, people.mean_s(Pause.ENTRY))  # set while the train comes in
             begins_s = max(begins_s, planned.stands[0].departs_s - way_s - self.links.ask_s)
         return begins_s, begins_s + self.links.ask_s
 

@@ -182,6 +182,8 @@ class _Register:
             case notes.MissionBegun(train=train, direction=direction):
                 self._train[unit] = train, Direction[direction.upper()]
                 self._asks.pop((unit, False), None)
+                if not self._open[unit]:  # what it claimed as it left, or outside, was no wish to come in
+                    self._asks.pop((unit, True), None)
             case notes.Holds(section_ids=sections):
                 self._holds(t_s, unit, sections)
             case notes.RouteHeld() | notes.GaveBack() | notes.UnitRestarted():

@@ -21,6 +21,7 @@ from typing import Final
 from network.model import Position
 from onboard.reach import charger_at
 from simulation.loop import OPENING_S
+from simulation.people import Pause
 from simulation.setup import Setup
 from simulation.world.charge_control import READY_S, WORTH_S
 from study.capacity.driven import Driving, driving_of
@@ -62,7 +63,7 @@ class Theory:
 
     def of_day(self, journeys: Mapping[str, Sequence[Journey]]) -> tuple[Occupation, ...]:
         """The occupations of all stocks; the day ends with the last journey."""
-        ends_s = max((j.ends_s for run in journeys.values() for j in run), default=self.opens_s)
+        ends_s = max((self.over_s(j) for run in journeys.values() for j in run), default=self.opens_s)
         lie_right = frozenset[tuple[str, str]]() if self.rules.throws else self._lie_right(journeys)
         found = [
             occupation_of(passage, ends_s)
@@ -78,7 +79,7 @@ class Theory:
 
         Where the first begins on a track it is the stock's from then on, where the last ends until then.
         """
-        ends_s = journeys[-1].ends_s
+        ends_s = self.over_s(journeys[-1])
         return tuple(occupation_of(p, ends_s) for p in self.passages(stock_id, journeys, lie_right))
 
     def setting(self, stock_id: str, lie_right: frozenset[tuple[str, str]] = frozenset()) -> Setting:
@@ -115,6 +116,8 @@ class Theory:
                 ready_s = run[-1].ends_s if run else self.opens_s
                 if run and not train.duty.enters:
                     ready_s += self.setup.operation.change_ends_s
+                elif run:
+                    ready_s = self.over_s(run[-1])
                 run.append(driving.journey(train, setting, ready_s))
             found[stock_id] = tuple(run)
         return found
@@ -135,6 +138,15 @@ class Theory:
                 right.add((number, points_id))
             lies[points_id] = position
         return frozenset(right)
+
+    def over_s(self, journey: Journey) -> float:
+        """When nothing follows of a journey, s. At a portal its crew signs off, it is heard and answered, and then it
+        goes through the portal, whose contact sees it.
+        """
+        if not journey.leaves:
+            return journey.ends_s
+        people = self.setup.people
+        return journey.ends_s + people.mean_s(Pause.SIGN_OFF) + self.links.ask_s + people.mean_s(Pause.LEAVE)
 
     # the moments of one journey ---------------------------------------------------------------------------------------
 
@@ -157,7 +169,7 @@ class Theory:
             if index + 1 == len(spans) and journey.leaves:  # it signs off where it stands
                 stands_s = journey.stays[-1].arrives_s
                 leaves_s = rear_s = stands_s
-                freed_s = journey.ends_s + self.links.ask_s  # heard, answered, and then it leaves
+                freed_s = self.over_s(journey)
                 yield replace(passage, leaves_s=leaves_s, rear_s=rear_s, reported_s=stands_s, freed_s=freed_s)
                 continue
             yield replace(
@@ -189,7 +201,8 @@ class Theory:
         if journey.enters:
             sent_s = wanted_s + links.request_s
             heard_s = sent_s + links.delay_s
-            enters_s = held_s = wanted_s + links.ask_s
+            held_s = wanted_s + links.ask_s
+            enters_s = held_s + self.setup.people.mean_s(Pause.ENTRY)
         return Passage(
             span.section_id,
             journey.stock_id,

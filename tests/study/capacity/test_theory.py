@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from radio.air import AirParameters, DelayShape
+from simulation.people import Pause, People
 from simulation.setup import Setup
 from study.capacity.links import Links
 from study.capacity.occupation import Occupation, Part, conflicts_of
@@ -85,7 +86,7 @@ def by_id(found: tuple[Occupation, ...]) -> dict[str, Occupation]:
 
 
 def test_two_blocks_agree_with_the_pencil_to_a_tenth_of_a_second(tmp_path: Path) -> None:
-    found = by_id(occupations(two_blocks(tmp_path)))
+    found = by_id(occupations(_at_once(two_blocks(tmp_path))))
     assert set(found) == set(BY_HAND)
     for section_id, hand in BY_HAND.items():
         slices = found[section_id].slices
@@ -93,6 +94,36 @@ def test_two_blocks_agree_with_the_pencil_to_a_tenth_of_a_second(tmp_path: Path)
         for made, (part, length_s) in zip(slices, hand, strict=True):
             assert made.length_s == pytest.approx(length_s, abs=0.1), (section_id, part)
         assert found[section_id].length_s == pytest.approx(sum(s for _, s in hand), abs=0.1), section_id
+
+
+def _at_once(setup: Setup) -> Setup:
+    """The same with people who take no time."""
+    return replace(setup, people=People(times=0.0))
+
+
+@pytest.mark.parametrize("rules", [AS_UNITS, MINIMAL, VIRTUAL_BLOCKS])
+def test_a_portal_is_had_while_the_crew_takes_its_train_in(tmp_path: Path, rules: Rules) -> None:
+    """The crew enters the number before the portal is asked for; the route beyond is set as the train comes in."""
+    setup = replace(two_blocks(tmp_path), people=People(sign_on_s=30.0, entry_s=5.0))
+    slow, quick = (by_id(occupations(one, rules)) for one in (setup, _at_once(setup)))
+    assert slow["PW"].enters_s - slow["PW"].begin_s == pytest.approx(0.2 + 5.0, abs=1e-6)
+    assert slow["PW"].length_s - quick["PW"].length_s == pytest.approx(5.0 - 0.2, abs=1e-6)
+    if rules is AS_UNITS:
+        assert slow["PW"].begin_s - quick["PW"].begin_s == pytest.approx(30.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("rules", [AS_UNITS, MINIMAL])
+def test_a_portal_is_had_until_the_crew_has_left_through_it(rules: Rules) -> None:
+    setup = load_scenario("karasuyama_weekday").setup
+    taken_s = setup.people.mean_s(Pause.SIGN_OFF) + setup.people.mean_s(Pause.LEAVE)
+    slow, quick = (
+        {one.number: one for one in occupations(made, rules) if one.section_id == "HSK.MU"}
+        for made in (setup, _at_once(setup))
+    )
+    assert slow.keys() == quick.keys() != set()
+    for number, one in slow.items():
+        left_s = one.end_s - one.enters_s, quick[number].end_s - quick[number].enters_s
+        assert left_s[0] - left_s[1] == pytest.approx(taken_s, abs=1e-6)
 
 
 def test_parts_and_costs_make_up_the_whole(tmp_path: Path) -> None:
