@@ -239,9 +239,10 @@ def test_data_that_is_not_there_is_asked_for_by_name(tmp_path: Path, monkeypatch
 def test_every_row_passes_and_what_is_between_the_two_is_taken_apart() -> None:
     result = reproduction("trainruns")(Options())
     assert [row.case for row in result.rows if not row.passed] == []
-    assert [row.paper for row in result.rows] == [PUBLISHED[OWN, path] for path in PATHS]
+    own = [row for row in result.rows if not row.case.startswith(result.null.case(""))]
+    assert [row.paper for row in own] == [PUBLISHED[OWN, path] for path in PATHS]
     by_name = {figure.name: figure.value for figure in result.figures}
-    for path, row in zip(PATHS, result.rows, strict=True):
+    for path, row in zip(PATHS, own, strict=True):
         parts = [by_name[f"{path}: {part}, s"] for part in ("steps", "laws", "load")]
         assert row.beside == pytest.approx(row.ours + sum(parts), abs=0.03)
         assert by_name[f"{path}: plant, s"] > 0.0  # no whole train is faster than the least running time
