@@ -45,9 +45,7 @@ def left(register: Register, unit_id: str) -> Step:
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
     # Entering again gives a new token, so nothing said before this counts then.
-    register = register.with_unit(
-        unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred, has_left=True)
-    )
+    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred))
     return register, (
         Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
         Show(Outside(unit_id=unit_id, token=unit.token, was=unit.standing.value)),
@@ -56,6 +54,7 @@ def left(register: Register, unit_id: str) -> Step:
 
 def boundary_passed(register: Register, portal: str) -> Step:
     """The train of the portal's holder has left, whatever its unit says; shown if that holds more than the portal."""
+    register = replace(register, left_through=register.left_through | {portal})
     unit_id = register.holders.get(portal)
     if unit_id is None:
         return register, ()
@@ -67,9 +66,8 @@ def boundary_passed(register: Register, portal: str) -> Step:
 
 
 def may_have_crossed(register: Register, heard: Heard[Claim]) -> bool:
-    """Whether a claim of a unit that has left may have been made before, and come after the boundary's contact."""
-    unit = register.unit(heard.unit_id)
-    return unit.has_left and heard.epoch == unit.epoch and heard.correlation == 0
+    """Whether a claim of a portal may have been made by the train that has left it since, whoever's that was."""
+    return heard.correlation == 0 and not register.left_through.isdisjoint(heard.message.section_ids or ())
 
 
 def sign_off_again(register: Register, heard: Heard[SignOff]) -> Step:

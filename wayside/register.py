@@ -38,7 +38,7 @@ class Unit:
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
     `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
     for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
-    asked all the same; `has_left`: its train is known to have left the line; `taken_back`: they were wrong, or it was.
+    asked all the same; `taken_back`: they were wrong, or it was.
     `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
     """
 
@@ -51,7 +51,6 @@ class Unit:
     by: str = ""
     barred: bool = False
     silent: bool = False
-    has_left: bool = False
     taken_back: bool = False
     unproven: bool = False
 
@@ -115,14 +114,14 @@ class Reentry:
 class Register:
     """State of the block manager. `epoch` is its boot, `counter` counts the tokens given in it.
 
-    `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of
-    the line has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept
-    over power cuts; it blocks and never frees. `bars`: units that persons have barred, kept over power cuts.
-    `unswept`: sections that a silent unit may be in although persons say that it is elsewhere, kept over power cuts:
-    to be passed on sight. `doubted`: units that reported and of which a person now says something, each with how
-    often it was asked in vain since. `trips`: how far each unit is in its day, kept over power cuts, `kept` the order
-    in which all can finish, as last proven, `sought` the last search that found none, and `now_s` when the last
-    telegram came; all where `plan.days` are.
+    `started_s`: time of the first event of this boot. `restoring`: the block state was lost and no picture of the line
+    has been accepted and completed yet. `ledger`: units that are on the line as far as is known, kept over power cuts;
+    it blocks and never frees. `bars`: units that persons have barred, kept over power cuts. `unswept`: sections that a
+    silent unit may be in although persons say that it is elsewhere, kept over power cuts: to be passed on sight.
+    `left_through`: portals by which a train has left in this boot. `doubted`: units that reported and of which a person
+    now says something, each with how often it was asked in vain since. `trips`: how far each unit is in its day, kept
+    over power cuts, `kept` the order in which all can finish, as last proven, `sought` the last search that found none,
+    and `now_s` when the last telegram came; all where `plan.days` are.
     """
 
     plan: Plan
@@ -136,6 +135,7 @@ class Register:
     ledger: frozenset[str] = frozenset()
     bars: Bars = NO_BARS
     unswept: frozenset[str] = frozenset()
+    left_through: frozenset[str] = frozenset()
     doubted: Mapping[str, int] = field(default_factory=dict[str, int])
     reentry: Reentry = field(default_factory=Reentry)
     trips: Mapping[str, Trip] = field(default_factory=dict[str, Trip])

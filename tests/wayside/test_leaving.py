@@ -209,3 +209,25 @@ def test_a_claim_that_crosses_the_contact_at_the_boundary_is_asked_again() -> No
     assert desk.register.defined
     desk.hear("u1", Claim(("P9",), 1), correlation=block_manager.ASKED_AGAIN)
     assert desk.standing("u1") is Standing.DISPUTED, "asked after the contact, it does stand there"
+
+
+def test_a_claim_that_crosses_the_contact_while_its_manager_starts_again_is_asked_again() -> None:
+    """Found on a grid: half a second without power, just as the train is counted out; whose it was is not known."""
+    desk = Desk(epoch=2)
+    desk.act(BoundaryPassed("P9"))
+    crossed: Heard[Claim] = Heard("u1", 1, True, 0, Claim(("P9",), 1))
+    desk.register, actions = block_manager.step(desk.register, crossed, 30.0)
+    assert [a.message for a in actions if isinstance(a, Send)] == [ClaimQuery()]
+    assert desk.register.holders == {}
+    desk.hear("u1", Claim((), 1), correlation=block_manager.ASKED_AGAIN)
+    assert desk.standing("u1") is Standing.OUTSIDE
+
+
+def test_without_asking_again_what_crossed_is_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(leaving, "may_have_crossed", lambda *_: False)
+    for check in (
+        test_a_claim_that_crosses_the_contact_at_the_boundary_is_asked_again,
+        test_a_claim_that_crosses_the_contact_while_its_manager_starts_again_is_asked_again,
+    ):
+        with pytest.raises(AssertionError):
+            check()

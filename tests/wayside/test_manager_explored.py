@@ -72,7 +72,6 @@ class Seen:
                 unit.barred,
                 unit.silent,
                 unit.taken_back,
-                unit.has_left,
                 unit.token == register.token_max,
             )
             for unit in map(register.unit, UNITS)
@@ -94,6 +93,7 @@ class Seen:
             said,
             doubted,
             register.unswept,
+            register.left_through,
             register.ledger,
             register.restoring,
             register.bars,
