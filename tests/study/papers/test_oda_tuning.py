@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
 from radio.chance import generator
 from study.papers.oda_tuning import (
     FULL_SHARE,
+    NULL,
     PATTERN_MPS2,
     RUNS,
     WET_BRAKE,
@@ -22,7 +24,9 @@ from study.papers.oda_tuning import (
     is_right,
     reaches,
     reproduce,
+    stop_rows,
     tune,
+    untuned,
 )
 from study.papers.reproduction import Options, Reproduction, reproduction
 from study.papers.table4_stops import oda_train
@@ -63,6 +67,14 @@ def test_a_train_learns_for_itself_and_stops_better_on_days_that_it_has_not_seen
     )
     assert after < before
     assert tuned.hidden != tune(oda_train(), 3, "train 2").hidden
+
+
+def test_the_null_method_fails_by_its_stops_and_not_because_it_is_held_against_itself() -> None:
+    tuned = tune(oda_train(), 3, "train 1")
+    perfect = replace(tuned, held_out_m={**tuned.held_out_m, Tuning.NONE: np.zeros(RUNS)})
+    for train, fails in ((tuned, True), (perfect, False)):
+        (row,) = NULL.rows(stop_rows([untuned(train)]))
+        assert row.passed is fails
 
 
 def test_held_out_stops_are_others_than_those_learned_from() -> None:
