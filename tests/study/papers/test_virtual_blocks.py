@@ -42,6 +42,14 @@ def test_blocks_of_routes_had_whole_must_not_gain_as_much() -> None:
     assert not high.passed
 
 
+def test_trains_that_cross_have_a_track_each() -> None:
+    """Standard paths take one track both ways; who departs would then have come there after the other: 126 s more."""
+    (found,) = virtual_blocks.curves_of("busy_line", (1,), 1)
+    down_s, up_s = found.points[0].stretch.meeting_s
+    assert down_s == pytest.approx(up_s, abs=1.0)
+    assert down_s < 0.0  # the way out is set while the other still runs in
+
+
 def test_the_picture(tmp_path: Path) -> None:
     written = write_curves([curve({1: 900.0, 5: 220.0, 80: 80.0})], tmp_path / "out")
     assert written[0].read_bytes()[:4] == b"\x89PNG"
