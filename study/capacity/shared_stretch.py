@@ -83,7 +83,10 @@ def _least(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], w
 
 
 def _meets(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], way: Direction) -> float:
-    """From the arrival of the opposing train to the departure of one in a direction, whatever tracks they are on."""
+    """From the arrival of the opposing train to the departure of one in a direction.
+
+    Each has a track of its own, also where both are laid out by one: else who departs would have come there after it.
+    """
     ahead = [v for v in visits_at(legs, tracks) if v.direction is way.opposite]
     behind = [v for v in visits_at(copies, tracks) if v.direction is way]
     found: list[float] = []
@@ -92,7 +95,7 @@ def _meets(legs: Sequence[Leg], copies: Sequence[Leg], tracks: frozenset[str], w
             arrival, departure = first.arrival, second.departure
             if arrival is None or departure is None:
                 continue
-            held = arrival.leg.occupations
+            held = [hold for hold in arrival.leg.occupations if hold.section_id not in tracks]
             one = least_between(HeadwayKind.ARRIVAL_DEPARTURE, arrival, departure, held)
             found += [] if one is None else [one.least_s]
     return max(found)

@@ -57,9 +57,12 @@ def reproduce(options: Options) -> Reproduction:
     tried = tuple(_tried(scenario.setup))
     if options.quick:
         tried = (*tried[:2], *(one for one in tried if one.what == REGENERATION))
-    runs = [(one, _run(scenario, one.change)) for one in tried]
-    figures = [_figure(one, run) for one, run in runs]
-    limited = next((one, run) for one, run in runs if one.what == REGENERATION)
+    figures: list[tuple[float, Figure]] = []
+    limited: list[Row] = []
+    for one in tried:  # a run holds a day's tables: not all of them at once
+        run = _run(scenario, one.change)
+        figures.append(_figure(one, run))
+        limited += [_limited_row(day, one, run)] if one.what == REGENERATION else []
     remarks = (
         "Assumptions are changed one at a time; a set that has too little waits for its charge, so that a bad"
         " assumption shows as lateness or as trains that do not arrive before it shows as a lower margin.",
@@ -77,7 +80,7 @@ def reproduce(options: Options) -> Reproduction:
         "battery-day",
         "A Karasuyama weekday on batteries",
         tuple(_parameters(scenario.setup)),
-        (*_rows(day), _limited_row(day, *limited), *NULL.rows(_rows(_run(scenario, _no_chargers)))),
+        (*_rows(day), *limited, *NULL.rows(_rows(_run(scenario, _no_chargers)))),
         remarks,
         (_home(day), *(figure for _, figure in figures)),
         null=NULL,

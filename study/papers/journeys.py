@@ -262,13 +262,14 @@ REMARKS: Final = (
 
 def reproduce(options: Options) -> Reproduction:
     """All cases; `options.quick`: the first train of the line alone. Draws the seconds below `options.out`."""
+    library = None if options.quick else reference_folder(options, "ttobench")
     setup = load_scenario(SCENARIO, options.seed).setup
     cases = list(line_cases(setup, quick=options.quick))
     remarks: list[str] = [*REMARKS]
-    if options.quick:
+    if library is None:
         remarks.append("A short slice: one train of the line, and no track of TTOBench.")
     else:
-        cases += track_cases(reference_folder(options, "ttobench"))
+        cases += track_cases(library)
     if options.out is not None:
         written = write_seconds(cases, Path(options.out))
         remarks.append(f"Wrote {', '.join(path.name for path in written)}.")

@@ -73,8 +73,10 @@ CASES: Final = (
 )
 CONSTANT: Final = Case("constant 9.6 km/h", 9.6, 9.6, 3.86, 9.6)
 OVER: Final = "{}: shown when settled less GNSS, km/h"
+# A train that slows shows more than it runs behind any mean, whatever the sensor.
 NULL: Final = NullMethod(
-    "a perfect speed sensor behind the two means", tuple(OVER.format(case.name) for case in CASES)
+    "a perfect speed sensor behind the two means",
+    tuple(OVER.format(case.name) for case in CASES if case.acceleration_mps2 >= 0.0),
 )
 
 
@@ -242,6 +244,8 @@ def reproduce(options: Options) -> Reproduction:
         + ", ".join(f"{case.over_kmh / KMH * MEANS * CYCLE_S:.2f}" for case in CASES)
         + " m, of groups about a metre long: rows that come into sight one after another could do it, as could cycles"
         " longer than 20 ms. Here all rows are in sight at 30 m and cycles are even; neither was fitted.",
+        "The tram that slows in the second passage shows 0.2 km/h too much behind two means of its true speed: what"
+        " is shown there says as little of the LiDAR, and the null method has no row of it.",
         "The paper has one passage of each; ours are distributions over phases of the scan and noise.",
         "Where no point hits a marker for a tenth of a second, equation 3 gives 0 and the way is lost: the rare "
         "passages with errors of several km/h.",

@@ -47,6 +47,7 @@ from simulation.sensors.sighting_model import (
     sighted_distances,
 )
 from simulation.settings import Vision
+from study.papers.line_stops import NEAR_M, NEAR_SHARE
 from study.papers.reproduction import NullMethod, Options, Parameter, Reproduction, Row
 from study.run.run import CarrierKind, Link, execute
 from study.scenario.scenario import load_scenario
@@ -77,8 +78,6 @@ TRACK_MPS: Final = 4.0 / 3.6
 LIGHT_SCENARIO: Final = "karasuyama_stressed"  # wheels 1 % off, so that what is not seen shows in the stops
 LIGHT_PLACES_M: Final = (15.0, 69.0)
 REACH_LEAST_M: Final = 20.0  # Oda, 3.2.3: the least of its detection distances
-NEAR_M: Final = 0.35  # as line-stops asks of tuned trains
-NEAR_SHARE: Final = 0.99
 FALSE_SHARE: Final = 0.05
 MODEL_PLACES_M: Final = (0.55, 1.05, 2.05)
 

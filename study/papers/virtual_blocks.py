@@ -36,7 +36,7 @@ LATER_S: Final = 10_800.0  # copies of the trains are laid out so much later: he
 PAPER_GAIN_PERCENT: Final = 40.0
 PAPER_BLOCKS: Final = 5
 MORE: Final = ": more trains at the same mean speed with moving blocks, %"
-NULL: Final = NullMethod("fixed blocks", (MORE,))
+NULL: Final = NullMethod("as many blocks, of routes that are had whole", (MORE,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +50,17 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A stretch of a line by number of blocks. `as_units`: routes are had whole and given back at the arrival tag."""
+    """A stretch of a line by number of blocks.
+
+    `had_whole`: the same line, with one block and with the most, by trains that take a route whole and give it back at
+    the arrival tag, as units do.
+    """
 
     scenario: str
     name: str
     wait_s: float
     points: tuple[Point, ...]
-    as_units: Point
+    had_whole: tuple[Point, Point]
 
     def gain_percent(self, blocks: int) -> float:
         """How many more trains than with one block run at the same mean speed, %."""
@@ -84,7 +88,7 @@ def reproduce(options: Options) -> Reproduction:
         _parameters(counts),
         (
             *(row for curve in curves for row in rows_of(curve)),
-            *NULL.rows(row for curve in curves for row in rows_of(fixed(curve))),
+            *NULL.rows(gain_row(without_idea(curve)) for curve in curves),
         ),
         (*_REMARKS, *((f"quick: {SCENARIOS[0]} alone, {counts} blocks",) if options.quick else ())),
         tuple(figure for curve in curves for figure in _figures(curve)),
@@ -105,13 +109,12 @@ def curves_of(name: str, counts: Sequence[int], seed: int) -> tuple[Curve, ...]:
 
     points = tuple(point(blocks, VIRTUAL_BLOCKS) for blocks in counts)
     where = f"{setup.line.name}, {low.name} - {high.name}"
-    return (Curve(name, where, wait_s, points, point(1, MINIMAL)),)
+    return (Curve(name, where, wait_s, points, (point(1, MINIMAL), point(counts[-1], MINIMAL))),)
 
 
-def fixed(curve: Curve) -> Curve:
-    """The curve as if every number of blocks were one."""
-    one = curve.points[0]
-    return replace(curve, points=tuple(replace(one, blocks=point.blocks) for point in curve.points))
+def without_idea(curve: Curve) -> Curve:
+    """The curve by trains that make nothing of the blocks which there are."""
+    return replace(curve, points=curve.had_whole)
 
 
 def _longest(line: Line) -> tuple[Station, Station]:
@@ -154,18 +157,23 @@ def _parameters(counts: Sequence[int]) -> tuple[Parameter, ...]:
     )
 
 
+def gain_row(curve: Curve) -> Row:
+    """The gain of moving blocks."""
+    gain = curve.gain_percent(curve.points[-1].blocks)
+    return Row(
+        f"{curve.name}{MORE}",
+        PAPER_GAIN_PERCENT,
+        round(gain, 1),
+        gain >= PAPER_GAIN_PERCENT,
+        "at least the paper's",
+    )
+
+
 def rows_of(curve: Curve) -> tuple[Row, ...]:
-    """What is judged of a curve: the gain of moving blocks, and what five of them give of it."""
-    last = curve.points[-1].blocks
-    gain, share = curve.gain_percent(last), curve.share_percent(PAPER_BLOCKS)
+    """What is judged of a curve: the gain of moving blocks, and what five virtual ones give of it."""
+    share = curve.share_percent(PAPER_BLOCKS)
     return (
-        Row(
-            f"{curve.name}{MORE}",
-            PAPER_GAIN_PERCENT,
-            round(gain, 1),
-            gain >= PAPER_GAIN_PERCENT,
-            "at least the paper's",
-        ),
+        gain_row(curve),
         Row(
             f"{curve.name}: of that with five virtual blocks, %",
             "most",
@@ -186,7 +194,7 @@ def _figures(curve: Curve) -> tuple[Figure, ...]:
         )
         for point in curve.points
     ]
-    whole = curve.as_units
+    whole = curve.had_whole[0]
     said = (
         f"trains an hour at today's speed with routes had whole and given back at the arrival tag, as units do;"
         f" following {whole.stretch.following_s[0]:.0f} s down, {whole.stretch.following_s[1]:.0f} s up"

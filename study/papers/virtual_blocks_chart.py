@@ -28,7 +28,7 @@ def draw_curves(curves: Sequence[Curve]) -> Figure:
         left.plot(counts, gains, "o-", ms=4, lw=1.4, color=colour, label=curve.name)
         following = [point.stretch.following_s[0] / 60.0 for point in curve.points]
         right.plot(counts, following, "o-", ms=4, lw=1.4, color=colour, label=f"{curve.name}, down")
-        whole_min = curve.as_units.stretch.following_s[0] / 60.0
+        whole_min = curve.had_whole[0].stretch.following_s[0] / 60.0
         right.plot([counts[0]], [whole_min], "x", ms=7, color=colour, label="as units do: route had whole")
     left.axhline(40.0, color=INK, lw=1.0, ls=(0, (4, 3)))
     left.annotate(

@@ -87,6 +87,7 @@ def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> 
     place = mountain_line(stations=harada_loop_track.STATIONS)
     blind = harada_loop_track.run_loop(place, 1, Curvature(mismatch_per_m=MISMATCH_OFF))
     assert "entering the loop is noticed" in missed(harada_loop_track.rows_of(blind, blind))
+    assert blind.fixes_inside > 0  # it fails by what it takes, not because nothing was noticed
 
 
 def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> None:

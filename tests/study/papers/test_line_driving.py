@@ -71,7 +71,36 @@ def test_a_law_that_comes_later_is_found_out(present: Day) -> None:
     assert hidden.mean_early_s == pytest.approx(EARLY_S)
     assert missed((present, hidden)) == [f"hops on which a law is late and {PRESENT} is not, s late"]
     assert later_than(hidden, present)
+    row = next(row for row in punctuality_rows((present, hidden)) if not row.passed)
+    assert "hops, on which a train can run at most" in row.criterion
     assert all(late_s > LATE_S for late_s in later_than(hidden, present).values())
+
+
+@pytest.mark.parametrize("seconds_a_second", [0.5, 1.0, 4.0])
+def test_a_margin_is_found_however_steeply_a_law_answers(
+    seconds_a_second: float, present: Day, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def day_at(_scenario: object, _law: str, margin_s: float) -> Day:
+        early_s = EARLY_S + seconds_a_second * (margin_s - 12.34)
+        return replace(later_by(present, present.mean_early_s - early_s), time_margin_s=margin_s)
+
+    monkeypatch.setattr(line_driving, "day_of", day_at)
+    found = punctual_day(load_scenario(SLICE), PRESENT)
+    assert abs(found.mean_early_s - EARLY_S) <= WITHIN_S
+    assert found.runs <= line_driving.ROUNDS
+
+
+def test_of_a_law_that_leaps_over_the_mean_the_nearest_day_counts(
+    present: Day, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def day_at(_scenario: object, _law: str, margin_s: float) -> Day:
+        early_s = EARLY_S - 0.4 if margin_s < 10.7 else EARLY_S + 0.5
+        return replace(later_by(present, present.mean_early_s - early_s), time_margin_s=margin_s)
+
+    monkeypatch.setattr(line_driving, "day_of", day_at)
+    found = punctual_day(load_scenario(SLICE), PRESENT)
+    assert found.mean_early_s == pytest.approx(EARLY_S - 0.4)
+    assert found.runs == line_driving.ROUNDS
 
 
 def test_a_day_that_breaks_something_is_no_day(present: Day) -> None:

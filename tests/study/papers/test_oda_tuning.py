@@ -9,11 +9,13 @@ from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
 from radio.chance import generator
 from study.papers.oda_tuning import (
     FULL_SHARE,
+    NULL,
     PATTERN_MPS2,
     RUNS,
     WET_BRAKE,
     WET_SHARE,
     Hidden,
+    Tuned,
     Tuning,
     a_stop,
     by_the_mean,
@@ -22,7 +24,9 @@ from study.papers.oda_tuning import (
     is_right,
     reaches,
     reproduce,
+    stop_rows,
     tune,
+    untuned,
 )
 from study.papers.reproduction import Options, Reproduction, reproduction
 from study.papers.table4_stops import oda_train
@@ -63,6 +67,17 @@ def test_a_train_learns_for_itself_and_stops_better_on_days_that_it_has_not_seen
     )
     assert after < before
     assert tuned.hidden != tune(oda_train(), 3, "train 2").hidden
+
+
+@pytest.mark.parametrize(("delivered_m", "fails"), [(0.4, True), (0.3, False)])
+def test_the_null_method_fails_by_its_stops_and_not_because_it_is_held_against_itself(
+    delivered_m: float, fails: bool
+) -> None:
+    errors_m = {tuning: np.full(RUNS, 0.1) for tuning in Tuning} | {Tuning.NONE: np.full(RUNS, delivered_m)}
+    new = Learned("A", 1.0)
+    train = Tuned(Hidden(1.0, 0.1, 0.0), new, {}, errors_m, np.ones(RUNS, dtype=bool), 0, 0)
+    (row,) = NULL.rows(stop_rows([untuned(train)]))
+    assert row.passed is fails
 
 
 def test_held_out_stops_are_others_than_those_learned_from() -> None:

@@ -172,8 +172,9 @@ def test_the_slice_is_proven_and_our_bound_is_below_every_run_of_the_authors() -
         assert isinstance(row.ours, dict)
         assert isinstance(row.paper, float)
         assert row.ours["bound_kwh"] <= row.ours["energy_kwh"] <= row.paper
-        # On 300 intervals of the longer track theirs is the dearer by more than is asked, which the remarks explain.
-        assert row.passed == ("Fribourg" not in row.case) == ("missed by" not in row.criterion)
+        # 1 % is asked of 1000 intervals alone: on 300 theirs is the dearer by more, which the remarks explain.
+        assert row.criterion.startswith("within 1 %" if "on 1000 intervals" in row.case else "within 2 %")
+        assert row.passed
     assert all(row.passed for case, row in rows.items() if "simpler" in case)
 
 
@@ -184,6 +185,13 @@ def test_a_run_below_our_bound_fails_its_cross_check() -> None:
     check = CROSS_CHECKS[0]
     track, train = tracks[check.track], trains[CROSS_TRAIN]
     assert cross_row(track, train, check).passed
+    fine, coarse = (
+        cross_row(track, train, replace(check, energy_kwh=1.015 * 306.06, intervals=intervals))
+        for intervals in (check.intervals, 300)
+    )
+    assert coarse.passed
+    assert not fine.passed
+    assert "missed by 0.48 points: ours is less" in fine.criterion
     below = cross_row(track, train, replace(check, energy_kwh=0.995 * 306.06))
     assert not below.passed
     assert "missed" not in below.criterion
