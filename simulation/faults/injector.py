@@ -45,6 +45,7 @@ ACTS: Final = 1_000_000  # what people do is numbered from here on, faults from 
 LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
+HaulAway = Callable[[str], None]  # stock id
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
 Commission = Callable[[str, int], None]  # stock id, for the so many-th time
 ShowVehicle = Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
@@ -65,6 +66,7 @@ class Injector:
         unit_power: Switch,
         unit_freeze: Switch,
         give_back: GiveBack,
+        haul_away: HaulAway,
         unit_clock: SetClock,
         unit_vehicle: ShowVehicle,
         unit_commission: Commission,
@@ -78,6 +80,7 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
+        self._haul_away = haul_away
         self._unit_commission = unit_commission
         self._record = ServiceRecord(wayside.sections_of)
         self._world = World(
@@ -232,6 +235,8 @@ class Injector:
             case ActKind.REPAIR_POINTS:
                 self._end_all(PointsFault.changes, act.target)
                 self._wayside.repair(self._world.step, act.target, Position(act.position))
+            case ActKind.HAUL_AWAY:
+                self._haul_away(act.target)
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
             case ActKind.ACCEPT_PICTURE:
