@@ -217,17 +217,11 @@ class Injector:
         acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections)
         self._journal.write(self._world.step / STEPS_PER_S, act.person, acted)
         match act.kind:
-            case ActKind.CONFIRM_OUTSIDE:
-                outside = ConfirmOutside(act.target, act.person, act.place)
-                self._wayside.input(self._world.step, MANAGER_ID, outside)
-            case ActKind.TAKE_BACK:
-                self._wayside.input(self._world.step, MANAGER_ID, TakeBack(act.target, act.person))
+            case ActKind.CONFIRM_OUTSIDE | ActKind.CONFIRM_HOLDING | ActKind.TAKE_BACK:
+                self._wayside.input(self._world.step, MANAGER_ID, _word_on_unit(act))
             case ActKind.BAR_UNIT | ActKind.UNBAR_UNIT:
                 said = BarUnit if act.kind is ActKind.BAR_UNIT else UnbarUnit
                 self._wayside.input_all(self._world.step, said(act.target, act.person))
-            case ActKind.CONFIRM_HOLDING:
-                entry = ConfirmHolding(act.target, act.sections, act.person)
-                self._wayside.input(self._world.step, MANAGER_ID, entry)
             case ActKind.POWER_ON:
                 self._end_all(PowerFault.changes, act.target)
             case ActKind.COMMISSION:
@@ -291,6 +285,17 @@ class Injector:
             )
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
+
+
+def _word_on_unit(act: Act) -> Input:
+    """What a controller enters of one unit at the manager."""
+    match act.kind:
+        case ActKind.CONFIRM_OUTSIDE:
+            return ConfirmOutside(act.target, act.person, act.place)
+        case ActKind.CONFIRM_HOLDING:
+            return ConfirmHolding(act.target, act.sections, act.person)
+        case _:
+            return TakeBack(act.target, act.person)
 
 
 def _triggers_of(script: Script, faults: int = 0, acts: int = 0) -> dict[int, Trigger]:
