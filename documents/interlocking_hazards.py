@@ -302,8 +302,11 @@ HAZARDS: Final = (
         (
             "rtri/58_portal_answer_lost",
             "rtri/58b_portal_unit_power",
+            "rtri/58c_hauled_out_of_its_portal",
+            "rtri/58d_hauled_away_uncounted",
             "karasuyama/58_portal_answer_lost",
             "karasuyama/58b_portal_unit_power",
+            "karasuyama/58c_hauled_out_of_its_portal",
         ),
         ("a portal is free as soon as its train may leave",),
     ),

@@ -321,6 +321,16 @@ class Duties:
             self._books.stable(slot, step)
             self._stage[slot] = Stage.DONE
 
+    def haul_away(self, slot: int, step: int) -> None:
+        """Staff take a train off the line whose unit has no power; nothing where it does not stand in a portal alone.
+
+        Neither they nor the train tell the manager of it: the contact at the boundary does, or persons do.
+        """
+        under = self._trains.sections_under().get(self._trains.stock_ids[slot], ())
+        stands = self._stage[slot] is Stage.ON_LINE and float(self._trains.plants[slot].speed_mps) == 0.0
+        if stands and slot in self._on_board.unpowered and self._portals.issuperset(under):
+            self._leave(slot, step)
+
     def _leave(self, slot: int, step: int) -> None:
         """Off the line, as the contact at its boundary and the driver see; only then is the portal left."""
         stock_id = self._trains.stock_ids[slot]

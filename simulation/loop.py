@@ -147,6 +147,7 @@ class Simulation:
             self._unit_power,
             self._unit_freeze,
             self._give_back,
+            self._haul_away,
             self._unit_clock,
             self._unit_vehicle,
             self._unit_commission,
@@ -424,6 +425,10 @@ class Simulation:
     def _give_back(self, stock_id: str, hold_s: float) -> None:
         """The crew sets back the route ahead."""
         self._cabs.set_back(self.trains.slot_of[stock_id], self._step, hold_s)
+
+    def _haul_away(self, stock_id: str) -> None:
+        """Staff take a train without power off the line."""
+        self._duties.haul_away(self.trains.slot_of[stock_id], self._step)
 
     # the end ------------------------------------------------------------------------------------------------------
 

@@ -45,6 +45,7 @@ ACTS: Final = 1_000_000  # what people do is numbered from here on, faults from 
 LOOKS_AGAIN_S: Final = 10.0  # assumed: a controller who waits for a picture to be complete
 Switch = Callable[[str, bool], None]  # stock id, on
 GiveBack = Callable[[str, float], None]  # stock id, s until the next request
+HaulAway = Callable[[str], None]  # stock id
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
 Commission = Callable[[str, int], None]  # stock id, for the so many-th time
 ShowVehicle = Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
@@ -65,6 +66,7 @@ class Injector:
         unit_power: Switch,
         unit_freeze: Switch,
         give_back: GiveBack,
+        haul_away: HaulAway,
         unit_clock: SetClock,
         unit_vehicle: ShowVehicle,
         unit_commission: Commission,
@@ -78,6 +80,7 @@ class Injector:
         self._journal = journal
         self._agenda = agenda
         self._give_back = give_back
+        self._haul_away = haul_away
         self._unit_commission = unit_commission
         self._record = ServiceRecord(wayside.sections_of)
         self._world = World(
@@ -214,17 +217,11 @@ class Injector:
         acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections)
         self._journal.write(self._world.step / STEPS_PER_S, act.person, acted)
         match act.kind:
-            case ActKind.CONFIRM_OUTSIDE:
-                outside = ConfirmOutside(act.target, act.person, act.place)
-                self._wayside.input(self._world.step, MANAGER_ID, outside)
-            case ActKind.TAKE_BACK:
-                self._wayside.input(self._world.step, MANAGER_ID, TakeBack(act.target, act.person))
+            case ActKind.CONFIRM_OUTSIDE | ActKind.CONFIRM_HOLDING | ActKind.TAKE_BACK:
+                self._wayside.input(self._world.step, MANAGER_ID, _word_on_unit(act))
             case ActKind.BAR_UNIT | ActKind.UNBAR_UNIT:
                 said = BarUnit if act.kind is ActKind.BAR_UNIT else UnbarUnit
                 self._wayside.input_all(self._world.step, said(act.target, act.person))
-            case ActKind.CONFIRM_HOLDING:
-                entry = ConfirmHolding(act.target, act.sections, act.person)
-                self._wayside.input(self._world.step, MANAGER_ID, entry)
             case ActKind.POWER_ON:
                 self._end_all(PowerFault.changes, act.target)
             case ActKind.COMMISSION:
@@ -232,6 +229,8 @@ class Injector:
             case ActKind.REPAIR_POINTS:
                 self._end_all(PointsFault.changes, act.target)
                 self._wayside.repair(self._world.step, act.target, Position(act.position))
+            case ActKind.HAUL_AWAY:
+                self._haul_away(act.target)
             case ActKind.GIVE_BACK:
                 self._give_back(act.target, act.hold_s)
             case ActKind.ACCEPT_PICTURE:
@@ -286,6 +285,17 @@ class Injector:
             )
             self._words.append(word)
             self._agenda.put(step, Due.SCRIPT, f"word {len(self._words) - 1}")
+
+
+def _word_on_unit(act: Act) -> Input:
+    """What a controller enters of one unit at the manager."""
+    match act.kind:
+        case ActKind.CONFIRM_OUTSIDE:
+            return ConfirmOutside(act.target, act.person, act.place)
+        case ActKind.CONFIRM_HOLDING:
+            return ConfirmHolding(act.target, act.sections, act.person)
+        case _:
+            return TakeBack(act.target, act.person)
 
 
 def _triggers_of(script: Script, faults: int = 0, acts: int = 0) -> dict[int, Trigger]:

@@ -50,6 +50,9 @@ class ActKind(Enum):
     )
     BAR_UNIT = "bar_unit"  # controller or staff: nothing that this unit says is to count
     UNBAR_UNIT = "unbar_unit"  # what it says is to count again
+    HAUL_AWAY = (
+        "haul_away"  # staff: a train without power is taken off the line, out of the portal where it stands
+    )
     GIVE_BACK = "give_back"  # crew: sets back the route ahead, not entered, and asks for none for a while
 
 

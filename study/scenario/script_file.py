@@ -138,6 +138,7 @@ _ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.ENTER_SECTION: frozenset({"target", "sections"}),
     ActKind.REENTER_BY_HAND: frozenset({"pace_s"}),
     ActKind.REENTER_ASSISTED: frozenset({"pace_s"}),
+    ActKind.HAUL_AWAY: frozenset({"target"}),
     ActKind.GIVE_BACK: frozenset({"target", "hold_s"}),
 }
 
@@ -157,6 +158,7 @@ def _act(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.COMMISSION: (*names.units, *names.devices),
         ActKind.REPAIR_POINTS: names.points,
         ActKind.ENTER_SECTION: ("", *names.units),
+        ActKind.HAUL_AWAY: names.units,
         ActKind.GIVE_BACK: names.units,
     }
     _check_keys(file, key, table, _ACT | _ACT_KEYS[kind], kind.value)

@@ -24,6 +24,7 @@ from simulation.world.books import Books
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
+from wayside.said import BoundaryPassed
 
 ENTER_S, LEAD_S = 36_000.0, 210.0
 AT_ONCE = People(times=0.0)
@@ -380,3 +381,33 @@ def test_what_is_seen_of_a_unit_that_is_frozen_off_or_has_a_timer(yard: Yard) ->
     assert yard.cabs.answers(0)
     yard.cabs.power_off(0, AT)
     assert not yard.cabs.answers(0) and not yard.cabs.wakes(0)
+
+
+def test_a_train_without_power_is_hauled_out_of_its_portal(yard: Yard) -> None:
+    """The contact counts it out; nobody else hears of it, and its unit signs nothing off."""
+    yard.duties.take_up(0, AT)
+    yard.accept(0, AT)
+    yard.cabs.power_off(0, AT + 10)
+    yard.sent.clear()
+    yard.duties.haul_away(0, AT + 20)
+    assert yard.trains.active() == []
+    assert yard.stage(0) is Stage.DONE
+    assert yard.inputs[2:] == [BoundaryPassed("PW")]
+    assert yard.sent == []
+    yard.duties.haul_away(0, AT + 30)
+    assert len(yard.inputs) == 3, "it is gone already"
+
+
+@pytest.mark.parametrize("why", ["it has power", "it moves", "it stands beyond its portal"])
+def test_nobody_hauls_a_train_away_when(yard: Yard, why: str) -> None:
+    yard.duties.take_up(0, AT)
+    yard.accept(0, AT)
+    if why != "it has power":
+        yard.cabs.power_off(0, AT + 10)
+    if why == "it moves":
+        yard.trains.plants[0].speed_mps = 0.1
+    if why == "it stands beyond its portal":
+        yard.trains.truths[0].position_m += yard.trains.kinds[0].length_m
+    yard.duties.haul_away(0, AT + 20)
+    assert yard.trains.active() == [0]
+    assert yard.stage(0) is Stage.ON_LINE

@@ -128,6 +128,20 @@ def frees_a_portal_at_the_sign_off(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def counts_no_train_out(patch: pytest.MonkeyPatch) -> None:
+    """The contact at the boundary says nothing."""
+    patch.setattr(leaving, "boundary_passed", lambda register, _portal: (register, ()))
+
+
+@switch
+def one_person_suffices(patch: pytest.MonkeyPatch) -> None:
+    def entered(register: Register, unit_id: str) -> frozenset[str] | None:
+        return reentry.entered_for(register, unit_id) if reentry.words_for(register, unit_id) else None
+
+    patch.setattr(reentry, "agreed", entered)
+
+
+@switch
 def bars_nobody(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(barring, "said", lambda bars, *_, **__: bars)
 

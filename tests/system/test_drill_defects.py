@@ -280,6 +280,11 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "57_motors_on_a_gradient": (leaves_whatever_lies_ahead, "it does not leave"),
         "58_portal_answer_lost": ("frees_a_portal_at_the_sign_off", "no invariant is broken"),
         "58b_portal_unit_power": ("frees_a_portal_at_the_sign_off", "no invariant is broken"),
+        "58c_hauled_out_of_its_portal": (
+            "counts_no_train_out",
+            "the contact at the boundary frees the portal",
+        ),
+        "58d_hauled_away_uncounted": ("one_person_suffices", "one person's word frees nothing"),
         "59_unit_barred": ("frees_what_a_barred_unit_holds", "no invariant is broken"),
         "70_no_fix_before_the_mark": (
             "releases_by_the_odometer",

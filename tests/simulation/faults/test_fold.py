@@ -87,6 +87,7 @@ class World:
             lambda unit, on: self.power.update({unit: on}),
             lambda unit, frozen: self.frozen.update({unit: frozen}),
             lambda _unit, _hold_s: None,
+            lambda _unit: None,
             lambda unit, clock: self.clocks.update({unit: clock}),
             lambda _unit, part, good: self.vehicle.update({part: good}),
             lambda _unit, _number: None,

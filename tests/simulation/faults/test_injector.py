@@ -59,6 +59,7 @@ class World:
         self.commissioned: list[tuple[str, int]] = []
         self.lost: list[str | int] = []
         self.memories: list[bytes] = []
+        self.hauled: list[str] = []
         self.clocks: list[tuple[str, Clock]] = []
         self.shown: list[tuple[str, str, bool]] = []
         shown = [Command(on_line=True, held=("3", "5")), Command(on_line=False, held=("PW",))]
@@ -102,6 +103,7 @@ class World:
             lambda unit_id, on: self.switched.append((unit_id, on)),
             lambda unit_id, frozen: self.frozen.append((unit_id, frozen)),
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
+            self.hauled.append,
             lambda unit_id, clock: self.clocks.append((unit_id, clock)),
             lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
             lambda unit_id, number: self.commissioned.append((unit_id, number)),
@@ -323,6 +325,7 @@ def test_other_acts_reach_whom_they_are_meant_for() -> None:
         Act(ActKind.ENTER_SECTION, "K2", Trigger(at_s=1.0), sections=("3",)),
         Act(ActKind.ACCEPT_PICTURE, "", Trigger(at_s=1.0)),
         Act(ActKind.GIVE_BACK, "K1", Trigger(at_s=1.0), "crew", hold_s=60.0),
+        Act(ActKind.HAUL_AWAY, "K2", Trigger(at_s=1.0), "staff"),
         Act(ActKind.CONFIRM_OUTSIDE, "K2", Trigger(at_s=1.0), "staff", place="PW"),
         Act(ActKind.TAKE_BACK, "K2", Trigger(at_s=1.0), "staff"),
         Act(ActKind.CONFIRM_HOLDING, "K2", Trigger(at_s=1.0), "staff", ("3",)),
@@ -336,6 +339,7 @@ def test_other_acts_reach_whom_they_are_meant_for() -> None:
         ("block-manager", AcceptPicture("controller")),
     ]
     assert world.given_back == [("K1", 60.0)]
+    assert world.hauled == ["K2"]
 
 
 def test_a_person_who_switches_on_ends_every_power_cut_of_the_device() -> None:
