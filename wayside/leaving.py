@@ -46,7 +46,7 @@ def left(register: Register, unit_id: str) -> Step:
     register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
     # Entering again gives a new token, so nothing said before this counts then.
     register = register.with_unit(
-        unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred, has_left=True)
+        unit_id, Unit(Standing.OUTSIDE, unit.epoch, claim_needed=unit.claim_needed, has_left=True)
     )
     return register, (
         Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),

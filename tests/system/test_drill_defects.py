@@ -281,6 +281,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "58_portal_answer_lost": ("frees_a_portal_at_the_sign_off", "no invariant is broken"),
         "58b_portal_unit_power": ("frees_a_portal_at_the_sign_off", "no invariant is broken"),
         "59_unit_barred": ("frees_what_a_barred_unit_holds", "no invariant is broken"),
+        "59b_unit_claims_falsely": ("bars_nobody", "the line goes on while it is mad"),
         "70_no_fix_before_the_mark": (
             "releases_by_the_odometer",
             "nothing is given back before the driver has spoken",

@@ -104,6 +104,7 @@ class World:
             lambda unit_id, hold_s: self.given_back.append((unit_id, hold_s)),
             lambda unit_id, clock: self.clocks.append((unit_id, clock)),
             lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
+            lambda _unit_id, _sections: None,
             lambda unit_id, number: self.commissioned.append((unit_id, number)),
         )
         self.injector.start(0)
