@@ -42,9 +42,9 @@ def _table() -> Iterator[str]:
 
 
 def _key(name: str, info: FieldInfo) -> str:
-    quantity = next(item for item in info.metadata if isinstance(item, Quantity))
+    quantity = next((item.text() for item in info.metadata if isinstance(item, Quantity)), "a name")
     default = "" if info.default is PydanticUndefined else f", {info.default} if not given"
-    return f"`{name}`: {info.description}, {quantity.text()}{default}"
+    return f"`{name}`: {info.description}, {quantity}{default}"
 
 
 def _families() -> Iterator[str]:

@@ -143,7 +143,7 @@ CAUGHT: Final = (
         "onboard/test_fixes.py::test_and_nowhere_else",
     ),
     Caught(
-        "a barred boot is challenged",
+        "a boot that persons spoke for is challenged",
         "wayside.block_manager",
         "wayside/test_acts.py::test_what_a_boot_says_that_persons_spoke_for_is_challenged",
     ),

@@ -316,8 +316,13 @@ HAZARDS: Final = (
         "its claim stops the line until two persons bar it and two say where it is; what it holds stays its own",
         ("wayside.barring", "wayside.acts", "wayside.point_terminal"),
         (Checker.INSIDE_HOLDING, Checker.ONE_TRAIN_A_SECTION),
-        ("rtri/59_unit_barred", "karasuyama/59_unit_barred"),
-        ("a barred unit's sections are free",),
+        (
+            "rtri/59_unit_barred",
+            "rtri/59b_unit_claims_falsely",
+            "karasuyama/59_unit_barred",
+            "karasuyama/59b_unit_claims_falsely",
+        ),
+        ("a barred unit's sections are free", "nobody can be barred"),
     ),
     Hazard(
         "Everything stands for ever",

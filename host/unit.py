@@ -13,6 +13,7 @@ import msgspec
 
 from host.parties import Parties
 from host.party import Advance, Codec, PartySpec, Role
+from host.speech import Speech
 from host.store import Store, raise_epoch
 from network.errors import InputError
 from onboard.duty.records import Command, DutyState, Told
@@ -21,6 +22,7 @@ from onboard.notes import Note
 from onboard.unit import Answer, Report, Telegram, Unit
 from radio.envelope import AGE_MAX_S, Endpoint
 from radio.keys import KeyRing
+from radio.messages import Claim
 
 
 class UnitConfig(msgspec.Struct, frozen=True, tag="unit"):
@@ -47,7 +49,10 @@ _CONFIG: Final = msgspec.json.Decoder(UnitConfig)
 
 def unit_of(config: UnitConfig, keys: KeyRing, epoch: int, *, perhaps_on_line: bool | None = None) -> Unit:
     """A unit that has just been switched on; `perhaps_on_line` as in `onboard.unit`."""
-    endpoint = Endpoint(keys, epoch, config.telegram_age_max_s)
+    return _unit(config, Endpoint(keys, epoch, config.telegram_age_max_s), perhaps_on_line=perhaps_on_line)
+
+
+def _unit(config: UnitConfig, endpoint: Endpoint, *, perhaps_on_line: bool | None) -> Unit:
     return Unit(
         config.device_id, config.manager_id, config.parameters, endpoint, perhaps_on_line=perhaps_on_line
     )
@@ -87,7 +92,9 @@ class HostedUnit:
         self._store: Final = store
         self._durable = raise_epoch(store)
         self._kept = _was_on_line(self._durable.spare)
-        self._unit: Final = unit_of(config, keys, self._durable.epoch, perhaps_on_line=self._kept)
+        self._manager_id: Final = config.manager_id
+        self._speech: Final = Speech(keys, self._durable.epoch, config.telegram_age_max_s)
+        self._unit: Final = _unit(config, self._speech, perhaps_on_line=self._kept)
 
     @property
     def epoch(self) -> int:
@@ -101,7 +108,10 @@ class HostedUnit:
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], report: Report) -> Answer:
         """Act at `now_s` on what happened, telegrams and timers."""
+        before, self._speech.claims_besides = self._speech.claims_besides, report.claims_besides
         answer = self._unit.advance(now_s, telegrams, report)
+        if not set(report.claims_besides) <= set(before):
+            answer = msgspec.structs.replace(answer, telegrams=(*answer.telegrams, *self._unasked(now_s)))
         on_line = self.state.authority.perhaps_on_line
         if on_line is not self._kept:
             self._kept = on_line
@@ -109,6 +119,14 @@ class HostedUnit:
             self._durable = msgspec.structs.replace(self._durable, spare=spare)
             self._store.save(self._durable)
         return answer
+
+    def _unasked(self, now_s: float) -> tuple[Telegram, ...]:
+        """The claim with which false ones begin; none of a unit that does not know what it holds."""
+        authority = self.state.authority
+        if authority.perhaps_on_line and not authority.held:
+            return ()
+        data = self._speech.seal(self._manager_id, Claim(authority.held, 0), now_s)
+        return (Telegram(self._manager_id, data),)
 
 
 class UnitParty:

@@ -42,10 +42,14 @@ TIMES_ALIKE_S: Final = 1e-6
 
 
 class Report(msgspec.Struct, frozen=True):
-    """What reaches the unit besides telegrams: where the train is now, and what happened, in order."""
+    """What reaches the unit besides telegrams: where the train is now, and what happened, in order.
+
+    `claims_besides`: for its host alone, what a fault has it claim that it does not hold.
+    """
 
     place: Place
     happened: tuple[Person | Sensed, ...] = ()
+    claims_besides: tuple[str, ...] = ()
 
 
 class Telegram(msgspec.Struct, frozen=True):

@@ -115,6 +115,11 @@ class Cabs:
         self._on_board.clocks[slot] = clock
         self.tell(slot, step)
 
+    def claim_besides(self, slot: int, step: int, section_ids: tuple[str, ...]) -> None:
+        """A unit claims these besides what it holds, at once and whenever it is asked; none: it is sane again."""
+        self._on_board.claims_besides[slot] = section_ids
+        self.tell(slot, step)
+
     def vehicle_shows(self, slot: int, step: int, part: VehiclePart, value: float) -> None:
         """A part of the vehicle is in order or not, or is there in part: its inputs at the unit change."""
         self.tell(slot, step, self._on_board.vehicle_shows(slot, part, value))

@@ -144,7 +144,7 @@ class FaultBegan(Noted, frozen=True, kw_only=True, tag="fault"):
 
     kind: str
     target: str
-    parameters: dict[str, float] = msgspec.field(default_factory=dict)
+    parameters: dict[str, float | str] = msgspec.field(default_factory=dict)
 
 
 class FaultOver(Noted, frozen=True, kw_only=True, tag="fault_over"):
@@ -152,7 +152,7 @@ class FaultOver(Noted, frozen=True, kw_only=True, tag="fault_over"):
 
     kind: str
     target: str
-    parameters: dict[str, float] = msgspec.field(default_factory=dict)
+    parameters: dict[str, float | str] = msgspec.field(default_factory=dict)
 
 
 class Acted(Noted, frozen=True, kw_only=True, tag="act"):

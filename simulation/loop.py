@@ -150,6 +150,7 @@ class Simulation:
             self._haul_away,
             self._unit_clock,
             self._unit_vehicle,
+            self._unit_claims,
             self._unit_commission,
         )
 
@@ -414,6 +415,10 @@ class Simulation:
             self._platforms.fault(slot, self._step, closed=bool(value))
         else:
             self._cabs.vehicle_shows(slot, self._step, part, value)
+
+    def _unit_claims(self, stock_id: str, section_ids: tuple[str, ...]) -> None:
+        """A unit claims sections besides what it holds, or does so no more."""
+        self._cabs.claim_besides(self.trains.slot_of[stock_id], self._step, section_ids)
 
     def _charger_is(self, station_id: str, works: bool) -> None:
         """A charger fails or is mended; every unit is asked anew whether its train can go on."""

@@ -108,7 +108,7 @@ def _shut_out(register: Register, event: BarUnit) -> Register:
     """
     unit_id, unit = event.unit_id, register.unit(event.unit_id)
     register = register.without_doubt(unit_id)
-    silenced = Unit(Standing.UNKNOWN, unit.epoch, unit.token, claim=unit.claim, barred=True)
+    silenced = Unit(Standing.UNKNOWN, unit.epoch, unit.token, claim=unit.claim, claim_needed=True)
     if register.restoring:
         heard_s = {other: at_s for other, at_s in register.reentry.heard_s.items() if other != unit_id}
         register = replace(register, reentry=replace(register.reentry, heard_s=heard_s, accepted_by=""))
@@ -171,7 +171,9 @@ def _set_outside(register: Register, event: ConfirmOutside) -> Step:
     unit_id, before = event.unit_id, register.unit(event.unit_id)
     freed, left = register.held_by(unit_id), _may_be_in(register, unit_id)
     silent = unit_id in register.ledger
-    unit = Unit(Standing.OUTSIDE, before.epoch, by=event.person, barred=before.has_spoken, silent=silent)
+    unit = Unit(
+        Standing.OUTSIDE, before.epoch, by=event.person, claim_needed=before.has_spoken, silent=silent
+    )
     register = reentry.without_words(register, unit_id).with_held(unit_id, ()).with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, left)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, by=event.person))] if freed else []
@@ -205,7 +207,7 @@ def _set_by_hand(register: Register, event: ConfirmHolding) -> Step:
     freed = tuple(section_id for section_id in left if section_id in was_held)
     register, token = reentry.without_words(register, unit_id).next_token()
     register = register.with_held(unit_id, event.section_ids)
-    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, barred=before.has_spoken, silent=True)
+    unit = Unit(Standing.BY_HAND, before.epoch, token, by=by, claim_needed=before.has_spoken, silent=True)
     register = register.with_unit(unit_id, unit)
     register, swept = reentry.to_be_swept(register, left)
     shows = [Show(Freed(unit_id=unit_id, section_ids=freed, token=token, by=by))] if freed else []
@@ -241,7 +243,7 @@ def _take_back(register: Register, event: TakeBack) -> Step:
     unit = register.unit(event.unit_id)
     if not unit.by:
         return register, (_refused(event, "it has said so itself"),)
-    unknown = Unit(Standing.UNKNOWN, unit.epoch, barred=unit.barred, taken_back=True)
+    unknown = Unit(Standing.UNKNOWN, unit.epoch, claim_needed=unit.claim_needed, taken_back=True)
     register = register.with_unit(event.unit_id, unknown)
     # It may be on the line after all, so one person's word does not suffice the next time.
     register = replace(register, ledger=register.ledger | {event.unit_id}, ask_at_s=0.0)

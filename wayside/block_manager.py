@@ -103,7 +103,7 @@ def _heard(register: Register, heard: Heard[AnyMessage], now_s: float) -> Step:
     if register.plan.days is not None:
         register = replace(register, now_s=now_s)
     unit = register.unit(heard.unit_id)
-    if unit.barred and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
+    if unit.claim_needed and heard.epoch <= unit.epoch and not isinstance(heard.message, Claim):
         return register, (*taken_back, Send(heard.unit_id, ClaimQuery(), heard.correlation))
     handler = TELEGRAMS.get((unit.standing, type(heard.message)), _not_for_manager)
     register, actions = handler(register, heard)

@@ -45,7 +45,7 @@ def left(register: Register, unit_id: str) -> Step:
     unit, held = register.unit(unit_id), register.held_by(unit_id)
     register = reentry.released(register.with_held(unit_id, ()), unit_id, held)
     # Entering again gives a new token, so nothing said before this counts then.
-    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, barred=unit.barred))
+    register = register.with_unit(unit_id, Unit(Standing.OUTSIDE, unit.epoch, claim_needed=unit.claim_needed))
     return register, (
         Show(Freed(unit_id=unit_id, section_ids=held, token=unit.token)),
         Show(Outside(unit_id=unit_id, token=unit.token, was=unit.standing.value)),

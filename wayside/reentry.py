@@ -338,7 +338,7 @@ def on_line_after_all(register: Register, unit_id: str, epoch: int) -> Step:
     """
     if register.unit(unit_id).standing is not Standing.OUTSIDE:
         return register, ()
-    unit = Unit(Standing.UNKNOWN, epoch, barred=register.unit(unit_id).barred, taken_back=True)
+    unit = Unit(Standing.UNKNOWN, epoch, claim_needed=register.unit(unit_id).claim_needed, taken_back=True)
     register, locked = to_be_swept(register.with_unit(unit_id, unit), register.plan.order)
     register = replace(register, ledger=register.ledger | {unit_id}, ask_at_s=0.0)
     why = "it counts as outside, and signs on without knowing what it holds"

@@ -36,9 +36,10 @@ class Unit:
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request;
-    `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `barred`: it spoke
-    for itself before they did, so of that boot only a fresh claim counts; `silent`: it may be on the line, so it is
-    asked all the same; `taken_back`: they were wrong, or it was.
+    `claim`: what it says it holds, while that is disputed. `by`: who said so, where persons did; `claim_needed`:
+    of this boot only a fresh claim counts, since it spoke for itself before persons did; `silent`: it may be on the
+    line, so it is asked all the same; `taken_back`: they were
+    wrong, or it was.
     `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
     """
 
@@ -49,7 +50,7 @@ class Unit:
     correlation: int = 0
     claim: tuple[str, ...] | None = None
     by: str = ""
-    barred: bool = False
+    claim_needed: bool = False
     silent: bool = False
     taken_back: bool = False
     unproven: bool = False
@@ -57,7 +58,7 @@ class Unit:
     @property
     def has_spoken(self) -> bool:
         """Whether it spoke for itself, be it before persons spoke for it."""
-        return self.barred or self.standing in (Standing.REPORTED, Standing.LEAVING)
+        return self.claim_needed or self.standing in (Standing.REPORTED, Standing.LEAVING)
 
 
 UNKNOWN_UNIT = Unit(Standing.UNKNOWN)

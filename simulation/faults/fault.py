@@ -55,6 +55,7 @@ class World:
     unit_freeze: Callable[[str, bool], None]  # stock id, frozen
     unit_clock: Callable[[str, Clock], None]  # stock id, its clock from now on
     unit_vehicle: Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
+    unit_claims: Callable[[str, tuple[str, ...]], None]  # stock id, what it claims besides what it holds
     lose_store: Callable[[str], None]  # of a device or unit without power: its durable state is gone
     step: int = 0
     chance: np.random.Generator = field(default_factory=np.random.default_rng)  # of the fault that begins
@@ -83,6 +84,10 @@ class Fault(Record, Generic[V]):
         """What should stand in place of a target that does not exist; empty if it does."""
         known = self.targets(names)
         return "" if self.target in known else f"a {self.aims_at}: {one_of(known, self.target)}"
+
+    def wrong_names(self, _names: Names) -> dict[str, str]:
+        """By key of its own, what should stand in place of a name that does not exist."""
+        return {}
 
     def begun(self, _world: World, /) -> Self:
         """The fault as it takes hold; a kind that keeps something of the moment returns a copy that has it."""

@@ -48,6 +48,7 @@ GiveBack = Callable[[str, float], None]  # stock id, s until the next request
 HaulAway = Callable[[str], None]  # stock id
 SetClock = Callable[[str, Clock], None]  # stock id, its clock from now on
 Commission = Callable[[str, int], None]  # stock id, for the so many-th time
+ClaimBesides = Callable[[str, tuple[str, ...]], None]  # stock id, sections that it does not hold
 ShowVehicle = Callable[[str, VehiclePart, float], None]  # stock id, what shows, and what it shows
 
 
@@ -69,6 +70,7 @@ class Injector:
         haul_away: HaulAway,
         unit_clock: SetClock,
         unit_vehicle: ShowVehicle,
+        unit_claims: ClaimBesides,
         unit_commission: Commission,
     ) -> None:
         self._faults = list(script.faults)
@@ -84,7 +86,7 @@ class Injector:
         self._unit_commission = unit_commission
         self._record = ServiceRecord(wayside.sections_of)
         self._world = World(
-            trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle, self._lose_store
+            trains, wayside, unit_power, unit_freeze, unit_clock, unit_vehicle, unit_claims, self._lose_store
         )
         self._in_force = InForce()
         self._courses: dict[int, Course] = {}

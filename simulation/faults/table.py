@@ -13,6 +13,7 @@ from simulation.faults.fault import Fault
 from simulation.faults.links import Cut, DeadZone, Delay, Duplicate, Flip, Loss, Reorder
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
+from simulation.faults.speech import FalseClaims
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon
 from simulation.sensors.gnss import GnssAntenna, GnssJammed, GnssJump, GnssReflections, GnssTimeTag
@@ -27,6 +28,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     Restart,
     Frozen,
     WrongClock,
+    FalseClaims,
     Cut,
     Loss,
     Delay,

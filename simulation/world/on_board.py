@@ -73,6 +73,9 @@ class OnBoard:
         self.numberless: Final[set[int]] = set()  # slots whose unit has power, and no train number yet
         self.charging: Charging | None = None
         self.clocks: Final = [Clock()] * len(trains.stock_ids)
+        self.claims_besides: Final[
+            dict[int, tuple[str, ...]]
+        ] = {}  # what mad units claim that they do not hold
         self._setup: Final = setup
         self._trains: Final = trains
         self._units: Final = units
@@ -109,7 +112,7 @@ class OnBoard:
             motion.charge = self.charging.watch_of(slot)
             self.charging.now(slot, own_s)
         by_eye = [told for event in happened if isinstance(event, AtMark) for told in motion.at_mark(event)]
-        report = Report(motion.place(), (*happened, *by_eye))
+        report = Report(motion.place(), (*happened, *by_eye), self.claims_besides.get(slot, ()))
         answer = self._units.advance(self._trains.stock_ids[slot], own_s, telegrams, report)
         motion.obey(answer.command, own_s)
         laid = motion.taken_plan()

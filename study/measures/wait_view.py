@@ -273,7 +273,8 @@ def _fault(view: View, t_s: float, event: events.FaultBegan) -> None:
     if event.kind == "frozen":
         view.frozen = True
     elif event.kind == "clock":
-        view.clocks[repr(sorted(event.parameters.items()))] = t_s, event.parameters
+        numbers = {name: value for name, value in event.parameters.items() if not isinstance(value, str)}
+        view.clocks[repr(sorted(event.parameters.items()))] = t_s, numbers
 
 
 def _fault_over(view: View, _t_s: float, event: events.FaultOver) -> None:

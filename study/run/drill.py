@@ -169,8 +169,12 @@ def text_of(item: Failure | Act) -> str:
     if isinstance(item, Act):
         words = [f"{item.person}:", item.kind.value, item.target, " ".join(item.sections), item.position]
         return " ".join(word for word in words if word)
-    parameters = [f"{name} {value:g}" for name, value in item.fault.parameters().items()]
-    return ", ".join([f"{item.fault.kind} {item.fault.target}", *parameters])
+    return ", ".join([f"{item.fault.kind} {item.fault.target}", *map(_said, item.fault.parameters().items())])
+
+
+def _said(parameter: tuple[str, float | str]) -> str:
+    name, value = parameter
+    return f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}"
 
 
 def score_text(scores: Scores) -> str:

@@ -18,7 +18,9 @@ from simulation.faults.devices import LostStore, PowerFault
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, LinkFault
 from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
+from simulation.faults.speech import FalseClaims
 from simulation.faults.table import FAULTS
+from simulation.sensors.tag_reader import WrongId
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
 from study.run.drill import text_of
 from study.run.forks import alone
@@ -109,6 +111,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "lost_store": Single(60.0, {}),
     "frozen": Single(30.0, {}),
     "clock": Single(60.0, {"offset_s": 30.0}),
+    "false_claims": Single(60.0, {}),
     "doors": Single(30.0, {}),
     "brake": Single(30.0, {}),
     "motors": Single(60.0, {"cut_out": 64}),
@@ -164,7 +167,7 @@ def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, .
     for kind in wanted:
         single, fault = SINGLES[kind], FAULTS[kind]
         for target in _targets(fault, names):
-            keys = dict(single.keys) | ({"id": _another(target, names)} if kind == "wrong_id" else {})
+            keys = {**single.keys, **_named(fault, target, names)}
             failure = Failure(fault(target=target, **keys), NO_TIME, single.duration_s)
             before = None
             if fault.aims_at == "tag":
@@ -184,6 +187,17 @@ def _targets(kind: type[Fault[Any]], names: Names) -> tuple[str, ...]:
     if kind.kind != "cut":
         return (f"{ANY}{BOTH_WAYS}{ANY}",)
     return tuple(f"{unit}{BOTH_WAYS}{device}" for unit in names.units for device in names.devices)
+
+
+def _named(kind: type[Fault[Any]], target: str, names: Names) -> dict[str, Any]:
+    """Keys that name something of this line: the tag that another reads as, what is claimed in the line's middle."""
+    match kind.kind:
+        case WrongId.kind:
+            return {"id": _another(target, names)}
+        case FalseClaims.kind:
+            return {"section": names.sections[len(names.sections) // 2]}
+        case _:
+            return {}
 
 
 def _another(tag: str, names: Names) -> int:

@@ -116,6 +116,8 @@ def _fault(file: str, key: str, table: FaultTable, names: Names) -> Failure:
         raise InputError(file, f"{key}.{error.key}", error.value, expected) from error
     if expected := fault.wrong_target(names):
         raise InputError(file, f"{key}.target", table.target, expected)
+    for name, expected in fault.wrong_names(names).items():
+        raise InputError(file, f"{key}.{name}", getattr(fault, name), expected)
     if kind.momentary and table.duration_s is not None:
         raise InputError(
             file, f"{key}.duration_s", table.duration_s, f"no such key: {kind.kind} is over at once"

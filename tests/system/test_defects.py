@@ -84,6 +84,12 @@ DEFECTS: Final = (
         (Checker.ONE_TRAIN_A_SECTION, "T3 does not come into its section"),
     ),
     Defect(
+        "nobody can be barred",
+        "rtri/59b_unit_claims_falsely",
+        "bars_nobody",
+        ("two persons bar the mad unit", "and say where its train is", "the line goes on while it is mad"),
+    ),
+    Defect(
         "the block manager refuses everything",
         "rtri_test_line",
         "refuses_everything",

@@ -286,6 +286,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         ),
         "58d_hauled_away_uncounted": ("one_person_suffices", "one person's word frees nothing"),
         "59_unit_barred": ("frees_what_a_barred_unit_holds", "no invariant is broken"),
+        "59b_unit_claims_falsely": ("bars_nobody", "the line goes on while it is mad"),
         "70_no_fix_before_the_mark": (
             "releases_by_the_odometer",
             "nothing is given back before the driver has spoken",

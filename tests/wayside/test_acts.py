@@ -324,7 +324,7 @@ def test_words_of_a_unit_that_reported_that_make_no_sense(act: Act, why: str) ->
     assert desk.register == before
 
 
-def barred() -> Desk:
+def spoken_for() -> Desk:
     """u1 reported, fell silent, and two persons say that it left by P; its telegrams may still be on the air."""
     desk = Desk(Standing.REPORTED)
     desk.agree(outside)
@@ -345,14 +345,14 @@ def barred() -> Desk:
     ],
 )
 def test_what_a_boot_says_that_persons_spoke_for_is_challenged(message: AnyMessage, fresh: bool) -> None:
-    desk = barred()
+    desk = spoken_for()
     before = desk.register
     assert desk.hear(message, fresh=fresh) == [ClaimQuery()]
     assert desk.register == before
 
 
 def test_its_claim_counts_only_if_it_is_fresh() -> None:
-    desk = barred()
+    desk = spoken_for()
     assert desk.hear(Claim(("A", "B"), 1), fresh=False) == [ClaimQuery()]
     assert desk.standing is Standing.OUTSIDE
     (accepted,) = desk.hear(Claim(("A", "B"), 1))
@@ -363,7 +363,7 @@ def test_its_claim_counts_only_if_it_is_fresh() -> None:
 
 
 def test_its_next_boot_speaks_for_itself() -> None:
-    desk = barred()
+    desk = spoken_for()
     (accepted,) = desk.hear(SignOn("u1", ("P",)), epoch=2)
     assert isinstance(accepted, SignOnAccepted)
     assert desk.standing is Standing.REPORTED
@@ -398,8 +398,8 @@ def test_taken_back_its_own_word_counts_again() -> None:
     assert desk.register.defined
 
 
-def test_taken_back_a_barred_boot_stays_barred() -> None:
-    desk = barred()
+def test_taken_back_a_boot_that_persons_spoke_for_still_needs_its_claim() -> None:
+    desk = spoken_for()
     desk.act(TakeBack("u1", "Abe"))
     assert desk.hear(SignOn("u1", ("P",))) == [ClaimQuery()]
     assert desk.hear(Claim(("A", "B"), 1), fresh=False) == [ClaimQuery()]

@@ -69,7 +69,7 @@ class Seen:
                 unit.standing,
                 unit.claim,
                 bool(unit.by),
-                unit.barred,
+                unit.claim_needed,
                 unit.silent,
                 unit.taken_back,
                 unit.token == register.token_max,

@@ -21,6 +21,7 @@ from simulation.faults.links import Cut, Delay, Link
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
 from simulation.faults.script import Failure, Script, Trigger
+from simulation.faults.speech import FalseClaims
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.journal import Journal
 from simulation.people import People
@@ -44,6 +45,7 @@ class World:
     power: dict[str, bool] = field(default_factory=lambda: {"K1": True, "B-W": True})
     frozen: dict[str, bool] = field(default_factory=lambda: {"K1": False, "B-W": False})
     vehicle: dict[str, float] = field(default_factory=lambda: {"doors_closed": True, "brake_good": True})
+    claims: dict[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
     clocks: dict[str, Clock] = field(default_factory=lambda: {"K1": Clock(), "B-W": Clock()})
 
     def __post_init__(self) -> None:
@@ -90,6 +92,7 @@ class World:
             lambda _unit: None,
             lambda unit, clock: self.clocks.update({unit: clock}),
             lambda _unit, part, good: self.vehicle.update({part: good}),
+            lambda unit, sections: self.claims.update({unit: sections}),
             lambda _unit, _number: None,
         )
         self.injector.start(0)
@@ -121,6 +124,16 @@ def test_a_short_fault_inside_a_long_one_takes_only_itself_away() -> None:
         world.run_to(second * 10)
         gains.append(world.tachometer.gain)
     assert gains == [1.0, 0.8, 0.0, 0.8, 1.0]
+
+
+def test_a_unit_claims_what_every_fault_in_force_has_it_claim() -> None:
+    claims = (FalseClaims(target="K1", section="7"), FalseClaims(target="K1", section="9"))
+    world = World((failure(claims[0], 2.0, 60.0), failure(claims[1], 8.0, 6.0)))
+    claimed: list[tuple[str, ...]] = []
+    for second in (5, 10, 20, 70):
+        world.run_to(second * 10)
+        claimed.append(world.claims["K1"])
+    assert claimed == [("7",), ("7", "9"), ("7",), ()]
 
 
 def test_bounds_are_not_judged_until_the_last_of_a_tachometers_faults_is_over() -> None:

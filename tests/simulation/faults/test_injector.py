@@ -106,6 +106,7 @@ class World:
             self.hauled.append,
             lambda unit_id, clock: self.clocks.append((unit_id, clock)),
             lambda unit_id, part, good: self.shown.append((unit_id, part, good)),
+            lambda _unit_id, _sections: None,
             lambda unit_id, number: self.commissioned.append((unit_id, number)),
         )
         self.injector.start(0)

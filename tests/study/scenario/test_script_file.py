@@ -26,6 +26,10 @@ def scenario_of(tmp_path: Path, script: str) -> Scenario:
 
 REFUSED = {
     "unknown fault": ('[[fault]]\nkind = "explodes"\ntarget = "K1"\nstart = "10:00"\n', "fault[0].kind"),
+    "claims an unknown section": (
+        '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "X"\nstart = "10:00"\n',
+        "fault[0].section",
+    ),
     "unknown device": ('[[fault]]\nkind = "power_off"\ntarget = "K9"\nstart = "10:00"\n', "fault[0].target"),
     "unknown points": ('[[fault]]\nkind = "stuck"\ntarget = "P1"\nstart = "10:00"\n', "fault[0].target"),
     "unknown tag": ('[[fault]]\nkind = "miss"\ntarget = "9"\nstart = "10:00"\n', "fault[0].target"),

@@ -60,8 +60,10 @@ def fields_of(kind: type[Fault[Any]], names: Names, draw: Draw) -> dict[str, Any
 
 def _value(
     kind: type[Fault[Any]], name: str, info: FieldInfo, names: Names, draw: Draw
-) -> float | int | bool:
+) -> float | int | bool | str:
     low, high = RANGES.get((kind.kind, name), (*bounds_of(kind, name), ""))[:2]
+    if name == "section":
+        return draw.one_of(names.sections)
     if info.annotation is bool:
         return draw.chance(0.5)
     if info.annotation is int:

@@ -1,7 +1,7 @@
 """Random cases, each from its family and seed alone: one to twelve faults that all heal, and people who put them right.
 
 What trains carry, who goes first and how long people take are drawn too. Staff tell the truth; one person may say
-something wrong of a unit, which nobody else says.
+something wrong of a unit, which nobody else says, and two may bar a unit that is in order.
 
 The faults begin within six minutes in which trains move: at a time, or at an event (and a little later) that falls into
 them when nothing fails. What fails (power, a link, points, …) is drawn first, each as likely, then one of its kinds
@@ -48,6 +48,7 @@ CARRIES: Final = (
 )
 DISPATCH_P: Final = 0.3
 PEOPLE_P: Final = 0.5
+BARRED_P: Final = 0.15
 WRONG_P: Final = 0.2
 WRONG_PERSON: Final = "trackman"
 AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
@@ -72,7 +73,11 @@ def case_of(family: Family, seed: int, nets: Path) -> Case:
         ground,
         _head(family, seed, draw.of("head")),
         faults,
-        (*_give_back(times, names, draw.of("give back")), *_wrong(times, scenario.setup, draw.of("wrong"))),
+        (
+            *_give_back(times, names, draw.of("give back")),
+            *_barred(times, names, draw.of("barred")),
+            *_wrong(times, scenario.setup, draw.of("wrong")),
+        ),
         Manner.drawn(seed, draw.of("staff")),
     )
 
@@ -118,6 +123,15 @@ def _give_back(times: _Times, names: Names, draw: Draw) -> tuple[dict[str, Any],
         {"kind": "give_back", "target": draw.one_of(names.units), "person": "crew", "hold_s": hold_s}
         | times.drawn(draw),
     )
+
+
+def _barred(times: _Times, names: Names, draw: Draw) -> tuple[dict[str, Any], ...]:
+    """Two persons who bar a unit that is in order, as if its key were stolen; staff unbar it."""
+    if not draw.chance(BARRED_P):
+        return ()
+    said = {"kind": "bar_unit", "target": draw.one_of(names.units)} | times.drawn(draw)
+    later_s = said.get("after_s", 0.0) + draw.between(1.0, 20.0, 1)
+    return said | {"person": "controller"}, said | {"person": WRONG_PERSON, "after_s": later_s}
 
 
 def _wrong(times: _Times, setup: Setup, draw: Draw) -> tuple[dict[str, Any], ...]:

@@ -3,8 +3,9 @@
 They look round every few seconds of the journal and act through the injector's door, so that what they did can be
 written down as acts of a drill. Switching on what is off; putting into service again what has lost its durable state;
 winding points that lie in no position, or that do not move, to where no train is in the way; the picture of the line
-after the manager's restart, again and again until it is accepted; and for a unit that stays silent two of them enter
-where its train truly is and what it shows that it holds.
+after the manager's restart, again and again until it is accepted; barring a unit that claims what is not so, and
+unbarring it; and for a unit that stays silent, or is barred, two of them enter where its train truly is and what it
+shows that it holds.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from network.model import SectionKind
 from simulation.events import Entry, PowerOff, PowerOn, Uncommissioned
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.loop import Simulation
+from simulation.mad_units import MadUnits
 from simulation.pauses import Pauses
 from simulation.people import Pause
 from simulation.setup import STEP_S
@@ -24,7 +26,7 @@ from tests.system.chaos.case import Manner
 from tests.system.chaos.draw import Draw
 from wayside.config import MANAGER_ID, ReentryMode
 from wayside.register import Stage
-from wayside.said import Accepted, ConfirmedByHand, Outside, PictureChanged, Started
+from wayside.said import Accepted, Barred, ConfirmedByHand, Outside, PictureChanged, Started
 
 LOOKS_EVERY_S: Final = 7.3
 AGAIN_S: Final = 40.0
@@ -49,11 +51,13 @@ class Staff:
         self._silent_s: dict[str, float] = {}
         self._again_s: dict[str, float] = {}
         self._tries: Counter[str] = Counter()
+        self._mad = MadUnits(simulation.trains.slot_of, self._held)
         simulation.journal.watch(self.see)
 
     def see(self, entry: Entry) -> None:
         """An entry of the journal was written."""
         t_s, event = entry.t_s, entry.event
+        self._mad.see(entry)
         match event:
             case PowerOff():
                 self._off_s.setdefault(event.device_id, t_s)
@@ -67,6 +71,8 @@ class Staff:
                 self._again_s.clear()
             case PictureChanged(stage=Stage.DEFINED.value):
                 self._restored_from_s = None
+            case Barred() if entry.who == MANAGER_ID:
+                self._silent_s[event.unit_id] = t_s
             case Accepted() | Outside() | ConfirmedByHand():
                 self._silent_s.pop(event.unit_id, None)
             case _:
@@ -81,6 +87,9 @@ class Staff:
                 self._act(t_s, ActKind.POWER_ON, device_id, STAFF)
         for points_id, machine in self._simulation.wayside.machines.items():
             self._see_to_points(t_s, points_id, machine)
+        for kind, unit_id in self._mad.due(t_s, self._manner.silent_s):
+            for person in (CONTROLLER, STAFF):
+                self._act(t_s, kind, unit_id, person)
         if MANAGER_ID in self._off_s:
             return
         restores = self._restored_from_s is not None and t_s - self._restored_from_s > self._manner.picture_s

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from shutil import copytree
 from typing import Final
 
 import pytest
@@ -33,6 +34,8 @@ FOLDER: Final = Path(__file__).parent / "replays"  # a folder each, as `replay.w
 REPLAYS: Final = tuple(
     sorted(path.name for path in FOLDER.glob("*") if (path / f"{path.name}.toml").is_file())
 )
+
+PEOPLE: Final = ("", "[people]\ntimes = 0.0\n")
 
 Record = Callable[[str, object], None]
 
@@ -69,7 +72,13 @@ def test_all(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path, record_
     _run(*chunk, nets, tmp_path, record_property)
 
 
+@pytest.mark.parametrize("people", PEOPLE, ids=["as-stated", "at-once"])
 @pytest.mark.parametrize("name", REPLAYS)
-def test_what_failed_once_does_not_fail_again(name: str) -> None:
-    drill = run_drill(str(FOLDER / name / f"{name}.toml"), Link.SIMULATED)
-    assert [v.happened for v in drill.verdicts if not v.passed] == []
+def test_what_failed_once_does_not_fail_again(name: str, people: str, tmp_path: Path) -> None:
+    """With people as its file states them; and with people who act at once, for whom many were written."""
+    folder = tmp_path / name
+    copytree(FOLDER / name, folder)
+    drill = folder / "with_people.toml"
+    drill.write_text(f'extends = "{name}.toml"\nid = "{name}"\nname = "{name}"\n{people}', "utf-8")
+    verdicts = run_drill(str(drill), Link.SIMULATED).verdicts
+    assert [v.happened for v in verdicts if not v.passed] == []

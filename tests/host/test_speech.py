@@ -1,0 +1,66 @@
+"""A mad unit claims besides what it holds what a fault has it claim, and says nothing else that is not so."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pytest
+
+from host.store import MemoryStore, commission
+from host.unit import HostedUnit, UnitConfig
+from onboard.authority.records import Ask, Authority, Request
+from onboard.duty.records import DutyState, Place
+from onboard.duty.turn import DutyParameters
+from onboard.unit import Report
+from radio.envelope import Endpoint, Received
+from radio.keys import key_ring
+from radio.messages import AnyMessage, Claim, ClaimQuery
+
+CONFIG: Final = UnitConfig("line", "u1", "block-manager", DutyParameters(20.0, 45.0, 30.0))
+SANE, MAD = Report(Place()), Report(Place(), claims_besides=("X",))
+STANDING: Final = Authority(held=("C",), on_line=True)
+
+
+class Cab:
+    """A unit in the middle of its duty, and the manager that hears it."""
+
+    def __init__(self, authority: Authority) -> None:
+        store = MemoryStore()
+        commission(store)
+        self.manager = Endpoint(key_ring(b"m" * 32, "block-manager", ["u1"]), 1)
+        self.unit = HostedUnit(CONFIG, key_ring(b"m" * 32, "u1", ["block-manager"]), store)
+        self.unit._unit.state = DutyState(authority=authority)
+
+    def says(self, report: Report, *, asked: bool = False) -> list[AnyMessage]:
+        telegrams = [self.manager.seal("u1", ClaimQuery(), 2.0)] if asked else []
+        heard = [self.manager.open(t.data, 2.0) for t in self.unit.advance(2.0, telegrams, report).telegrams]
+        return [opened.message for opened in heard if isinstance(opened, Received)]
+
+
+@pytest.mark.parametrize(("authority", "held"), [(STANDING, ("C",)), (Authority(), ())])
+def test_it_claims_unasked_as_that_begins_then_when_asked_until_it_is_over(
+    authority: Authority, held: tuple[str, ...]
+) -> None:
+    cab = Cab(authority)
+    assert cab.says(MAD) == [Claim((*held, "X"), 0)]
+    assert cab.says(MAD) == []
+    assert cab.says(MAD, asked=True) == [Claim((*held, "X"), 0)]
+    assert cab.says(SANE) == []
+    assert cab.says(SANE, asked=True) == [Claim(held, 0)]
+
+
+@pytest.mark.parametrize(
+    "authority",
+    [Authority(unsure=True), Authority(requests=(Request(Ask.SIGN_ON, section_ids=None, sent=True),))],
+)
+def test_where_it_does_not_know_what_it_holds_it_tells_no_lie_of_where_its_train_stands(
+    authority: Authority,
+) -> None:
+    cab = Cab(authority)
+    assert cab.says(MAD) == []
+    assert cab.says(MAD, asked=True) == [Claim(None, 0)]
+
+
+def test_what_it_holds_anyway_it_claims_once() -> None:
+    cab = Cab(STANDING)
+    assert cab.says(Report(Place(), claims_besides=("C",))) == [Claim(("C",), 0)]
