@@ -8,7 +8,7 @@ party counts at telegrams in which that party takes part, one of a link at those
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
@@ -17,6 +17,7 @@ from typing import Final
 import msgspec
 
 from network.timetable import BecomesTrain, Stabled
+from radio.chance import generator
 from radio.noted import Sent, TookEffect
 from simulation.faults.devices import PowerOff
 from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
@@ -25,8 +26,9 @@ from simulation.faults.table import FAULTS
 from simulation.setup import STEPS_PER_S, Setup
 from study.run.forks import alone
 from study.run.moving import NO_TIME, SINGLES, single_faults
+from study.run.outcome_class import SweptRun, swept_run_of
 from study.run.run import simulated
-from study.run.sweep import Variation, Window
+from study.run.sweep import Swept, Variation, Window
 from study.scenario.script_file import names_of
 
 BEFORE_S: Final = 60.0  # of what the script does first, and
@@ -50,19 +52,56 @@ class _Course(msgspec.Struct, frozen=True):
 
     telegrams: list[tuple[int, str, str]]
     script_s: list[float]
+    own: SweptRun
 
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """What is swept: the setup, cut after the last instant, and each fault with its instants."""
+    """What is swept: the setup, cut after the last instant, and each fault with its instants.
+
+    `own`: what became of the setup as it is written. `of`: runs of the complete grid, where this is a sample.
+    """
 
     setup: Setup
     variations: tuple[Variation, ...]
+    own: tuple[SweptRun, ...]
+    of: int
 
     @property
     def runs(self) -> int:
         """How many runs it takes."""
-        return sum(len(variation.instants or ()) for variation in self.variations)
+        return _runs(self.variations)
+
+    def sample(self, runs: int) -> Grid:
+        """So many runs of this grid or fewer, evenly over faults and instants; which ones follows from the seed."""
+        every = [(variation, step) for variation in self.variations for step in variation.instants or ()]
+        if runs >= len(every):
+            return self
+        chance = generator(self.setup.seed, "telegram grid").random()
+        drawn = [every[int((i + chance) * len(every) / runs)] for i in range(runs)]
+        steps: dict[str, list[int]] = {}
+        for variation, step in drawn:
+            steps.setdefault(variation.name, []).append(step)
+        return replace(
+            self,
+            variations=tuple(
+                replace(v, instants=tuple(steps[v.name])) for v in self.variations if v.name in steps
+            ),
+        )
+
+    def judged(self, swept: Swept) -> Swept:
+        """What was swept; no run is bad for what is so without any fault beside."""
+        return replace(
+            swept,
+            outcomes={
+                name: {step: run.beside(*self.own) for step, run in runs.items()}
+                for name, runs in swept.outcomes.items()
+            },
+        )
+
+
+def _runs(variations: Iterable[Variation]) -> int:
+    return sum(len(variation.instants or ()) for variation in variations)
 
 
 def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
@@ -73,6 +112,7 @@ def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
     last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
     first_s = first_s if window.from_s is None else window.from_s
     last_s = last_s if window.to_s is None else window.to_s
+    own = _own(setup, course)
     setup = shortened(setup, last_s + FOLLOWS_S)
     names = names_of(setup)
     parties = frozenset((*names.units, *names.devices))
@@ -87,18 +127,29 @@ def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
         else replace(v, instants=_inside(v.instants, first_s, last_s))
         for v in _faults(setup, chosen, within)
     )
-    return Grid(setup, tuple(v for v in variations if v.instants))
+    found = tuple(v for v in variations if v.instants)
+    return Grid(setup, found, own, _runs(found))
 
 
 def _course(setup: Setup) -> _Course:
     with simulated(setup) as simulation:
         result = simulation.run()
+    own = (*setup.script.faults, *setup.script.acts)  # and nothing that staff did of themselves
     telegrams = [
         (round(entry.t_s * STEPS_PER_S), entry.event.source, entry.event.receiver)
         for entry in result.journal.entries
         if isinstance(entry.event, Sent | TookEffect)
     ]
-    return _Course(telegrams, [course.begun_s for course in result.courses])
+    script_s = [course.begun_s for course in result.courses if course.item in own]
+    return _Course(telegrams, script_s, swept_run_of(result, setup.script))
+
+
+def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
+    """What the setup comes to as it is written; of a drill that expects what is wrong, without staff who react, too."""
+    if not any(e.absent and e.holds for e in setup.script.expectations):
+        return (course.own,)
+    people = setup.people.model_copy(update={"react": False})
+    return course.own, alone(_Course, partial(_course, replace(setup, people=people))).own
 
 
 def _faults(setup: Setup, chosen: Chosen, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:

@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 
 from radio.noted import Sent, TookEffect
+from simulation.faults.script import Failure
 from simulation.setup import STEPS_PER_S
 from study.run.drill import find_drill, run_drill
+from study.run.moving import staffed
 from study.run.run import Link
 from study.run.sweep import Window, sweep
 from study.run.sweep_report import replay_of, table_of
@@ -25,7 +27,7 @@ NAME = "rtri/12_terminal_power"
 
 @pytest.fixture(scope="module")
 def drill() -> Scenario:
-    return load_scenario(find_drill(NAME))
+    return staffed(load_scenario(find_drill(NAME)))
 
 
 def short(drill: Scenario, chosen: Chosen, from_s: float = 36_040.0, to_s: float = 36_050.0) -> Any:  # noqa: ANN401
@@ -76,7 +78,10 @@ def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byt
         text = replay_of(drill, variation.at(step), file.stem, "found", beside=True)
         file.write_text(text, "utf-8")
         result = run_drill(str(file), Link.SIMULATED).run.result
-        assert len(result.courses) > 1  # the drill's own, and this one
+        assert result.courses[0].item == drill.setup.script.faults[0]
+        assert (
+            len([c for c in result.courses if isinstance(c.item, Failure)]) > 1
+        )  # the drill's own, and this one
         assert result.digest == swept.outcomes[variation.name][step].digest
 
 
@@ -125,7 +130,7 @@ def test_the_command_counts_outcomes_and_takes_no_other_words(
 def test_nothing_bad_on_a_slice_of_the_grid(
     name: str, chosen: Chosen, record_property: Callable[[str, object], None]
 ) -> None:
-    grid = grid_of(load_scenario(find_drill(name)).setup, chosen, Window())
-    swept = sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script)
+    grid = grid_of(staffed(load_scenario(find_drill(name))).setup, chosen, Window())
+    swept = grid.judged(sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script))
     record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
     assert not swept.bad
