@@ -10,7 +10,7 @@ import pytest
 
 from simulation.faults.script import Act, ActKind
 from simulation.people import People
-from study.run.drill import run_drill
+from study.run.drill import find_drill, run_drill
 from study.run.run import Link, Run
 
 pytestmark = pytest.mark.system
@@ -105,3 +105,24 @@ def test_the_same_run_has_the_same_staff(fails: Fails) -> None:
 
 def test_nobody_reacts_unless_it_is_said() -> None:
     assert not People().react
+
+
+def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> None:
+    """The block manager is off when the second person unbars: only who looks at its screen sees that."""
+    arrives: dict[str, bool] = {}
+    for react in ("true", "false"):
+        file = tmp_path / "bar.toml"
+        file.write_text(
+            'extends = "'
+            + find_drill("rtri/59_unit_barred")
+            + f'"\nid = "bar"\npeople.react = {react}\nexpect = []\n'
+            '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:20:06.5"\nduration_s = 60.0\n'
+            '[[patch.act.add]]\nkind = "reenter_assisted"\nstart = "10:21:30"\n',
+            "utf-8",
+        )
+        run = run_drill(str(file), Link.SIMULATED).run
+        arrives[react] = not run.result.unfinished
+        said = [act.person for act in _acts(run) if act.kind is ActKind.UNBAR_UNIT]
+        assert sorted(set(said)) == ["controller", "station staff"]
+        assert (len(said) > 2) is (react == "true")
+    assert arrives == {"true": True, "false": False}

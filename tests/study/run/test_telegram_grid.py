@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +14,9 @@ import pytest
 from radio.noted import Sent, TookEffect
 from simulation.faults.script import Failure
 from simulation.setup import STEPS_PER_S
-from study.run.drill import find_drill, run_drill
+from study.run.drill import drills_in, find_drill, run_drill
 from study.run.moving import staffed
+from study.run.outcome_class import Kind, SweptRun
 from study.run.run import Link
 from study.run.sweep import Window, sweep
 from study.run.sweep_report import replay_of, table_of
@@ -91,6 +94,43 @@ def test_without_a_script_it_is_about_the_first_hour() -> None:
     assert 50 < grid.runs < 400
 
 
+def test_a_sample_is_even_and_follows_from_the_seed(drill: Scenario) -> None:
+    grid = short(drill, Chosen.LINKS, 36_000.0, 36_060.0)
+    every = [(v.name, step) for v in grid.variations for step in v.instants or ()]
+    assert grid.of == grid.runs == len(every) > 15
+    some = grid.sample(6)
+    taken = [every.index((v.name, step)) for v in some.variations for step in v.instants or ()]
+    assert (some.runs, some.of) == (6, grid.of)
+    assert {b - a for a, b in pairwise(taken)} <= {len(every) // 6, len(every) // 6 + 1}
+    assert grid.sample(6) == some
+    others = {
+        replace(grid, setup=replace(grid.setup, seed=seed)).sample(6).variations for seed in range(2, 8)
+    }
+    assert len(others) > 1
+    assert grid.sample(grid.runs) is grid
+
+
+def test_what_a_drill_itself_breaks_is_told_apart() -> None:
+    wrong = SweptRun(Kind.BROKEN, "invariant inside-holding, unsafe: ran onto points N")
+    known, more = replace_label(wrong, "invariant inside-holding"), replace_label(wrong, "invariant body")
+    assert known.beside(wrong).kind is Kind.OWN
+    assert not known.beside(wrong).bad
+    assert more.beside(wrong) == more
+    dead = SweptRun(Kind.NOT_ARRIVED, "not every train arrives: K1 waits for nothing")
+    assert dead.beside(wrong) == dead
+    assert dead.beside(wrong, dead).kind is Kind.OWN
+    crash = SweptRun(Kind.CRASH, "crash SIGSEGV")
+    assert crash.beside(crash).bad
+    grid = grid_of(
+        staffed(load_scenario(find_drill("rtri/53b_two_wrong_persons"))).setup, Chosen.POWER, Window()
+    )
+    assert "invariant inside-holding" in " ".join(run.label for run in grid.own)
+
+
+def replace_label(run: SweptRun, label: str) -> SweptRun:
+    return SweptRun(run.kind, label)
+
+
 def test_trains_that_come_later_are_left_out() -> None:
     day = load_scenario("karasuyama_weekday").setup
     assert shortened(day, 1e9) is day
@@ -116,6 +156,26 @@ def test_the_command_counts_outcomes_and_takes_no_other_words(
         ended = main("drill", NAME, *words)
         assert ended.code == 2
         assert key in ended.err
+
+
+def test_a_folder_of_drills_is_a_table(main: Callable[..., Any], tmp_path: Path) -> None:
+    asked = (
+        "drill",
+        "sidings",
+        "--at",
+        "telegrams",
+        "--sample",
+        "1",
+        "--json",
+        "--out",
+        str(tmp_path / "grids"),
+    )
+    figures = json.loads(main(*asked).out)
+    assert len(figures["drills"]) == len(drills_in("sidings")) == 6
+    assert figures["runs"] == sum(sum(d["by_kind"].values()) for d in figures["drills"])
+    assert figures["grid"] == sum(d["grid"] for d in figures["drills"]) > figures["runs"]
+    assert figures["bad_runs"] == 0
+    assert all((tmp_path / "grids" / d["sweep"] / "sweep.json").is_file() for d in figures["drills"])
 
 
 @pytest.mark.nightly
