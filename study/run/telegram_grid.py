@@ -8,15 +8,16 @@ party counts at telegrams in which that party takes part, one of a link at those
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
+from itertools import pairwise
 from typing import Final
 
 import msgspec
 
-from network.timetable import BecomesTrain, Stabled
+from network.timetable import BecomesTrain, Diagram, Stabled, TimetableTrain
 from radio.chance import generator
 from radio.noted import Sent, TookEffect
 from simulation.faults.devices import PowerOff
@@ -106,6 +107,8 @@ def _runs(variations: Iterable[Variation]) -> int:
 
 def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
     """The grid of a setup; `window` may give the first and the last instant."""
+    if (known_s := _last_known_s(setup, window)) is not None:
+        setup = shortened(setup, known_s + FOLLOWS_S)
     course = alone(_Course, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
     first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
@@ -142,6 +145,14 @@ def _course(setup: Setup) -> _Course:
     ]
     script_s = [course.begun_s for course in result.courses if course.item in own]
     return _Course(telegrams, script_s, swept_run_of(result, setup.script))
+
+
+def _last_known_s(setup: Setup, window: Window) -> float | None:
+    """The last instant, where it is known before anything is run."""
+    triggers = [item.trigger for item in (*setup.script.faults, *setup.script.acts)]
+    times_s = [trigger.at_s + trigger.after_s for trigger in triggers if trigger.at_s is not None]
+    script_s = max(times_s) + AFTER_S if times_s and len(times_s) == len(triggers) else None
+    return script_s if window.to_s is None else window.to_s
 
 
 def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
@@ -189,10 +200,25 @@ def _inside(steps: tuple[int, ...], first_s: float, last_s: float) -> tuple[int,
     return tuple(step for step in steps if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S)
 
 
+def _goes_on(diagram: Diagram, kept: Mapping[str, TimetableTrain]) -> Iterator[str]:
+    """The next train of a stock that is not kept, where it would stand in the way of another stock until then."""
+    mine = diagram.train_numbers
+    for before, after in pairwise(mine):
+        if before in kept and after not in kept and isinstance(kept[before].ends, BecomesTrain):
+            stands_at, from_s = kept[before].calls[-1].station_id, kept[before].calls[0].first_s
+            calls = (call for n, train in kept.items() if n not in mine for call in train.calls)
+            if any(call.station_id == stands_at and call.last_s >= from_s for call in calls):
+                yield after
+
+
 def shortened(setup: Setup, until_s: float) -> Setup:
-    """The setup without trains that begin after a time; stock that would become one of them stays where it is."""
+    """The setup without trains that begin after a time; stock that would become one of them stays where it is, if no
+    other train comes there: else it has to go on, and so have those in its way.
+    """
     old = setup.timetable
     kept = {n: train for n, train in old.trains.items() if train.calls[0].first_s <= until_s}
+    while in_the_way := [n for d in old.diagrams for n in _goes_on(d, kept)]:
+        kept |= {n: old.trains[n] for n in in_the_way}
     if len(kept) == len(old.trains):
         return setup
     diagrams = [

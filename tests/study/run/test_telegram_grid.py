@@ -17,7 +17,7 @@ from simulation.setup import STEPS_PER_S
 from study.run.drill import drills_in, find_drill, run_drill
 from study.run.moving import staffed
 from study.run.outcome_class import Kind, SweptRun
-from study.run.run import Link
+from study.run.run import Link, simulated
 from study.run.sweep import Window, sweep
 from study.run.sweep_report import replay_of, table_of
 from study.run.telegram_grid import Chosen, grid_of, shortened
@@ -136,8 +136,17 @@ def test_trains_that_come_later_are_left_out() -> None:
     assert shortened(day, 1e9) is day
     cut = shortened(day, 7.0 * 3600.0)
     assert 0 < len(cut.timetable.trains) < len(day.timetable.trains)
-    assert all(train.calls[0].first_s <= 7.0 * 3600.0 for train in cut.timetable.trains.values())
     assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
+
+
+def test_no_train_that_is_left_out_stands_in_the_way_of_one_that_is_kept() -> None:
+    """325M begins before the cut and needs the track from which 326M leaves after it."""
+    cut = shortened(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)
+    assert {"325M", "326M"} <= set(cut.timetable.trains)
+    with simulated(cut) as simulation:
+        result = simulation.run()
+    assert set(result.trains_arrived) == set(cut.timetable.trains)
+    assert result.unfinished == ()
 
 
 def test_the_command_counts_outcomes_and_takes_no_other_words(
