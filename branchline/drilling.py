@@ -46,8 +46,9 @@ def drill(
         str | None,
         typer.Option(
             "--at",
-            help="telegrams: of FILE as it is, with single faults beside its own, each just before and just after"
-            " every telegram that it may have to do with is sent or takes effect.",
+            help="telegrams: of FILE as it is, or of each shipped drill of a folder ('rtri'), with single faults beside"
+            " its own, each just before and just after every telegram that it may have to do with is sent or takes"
+            " effect, and with staff who react.",
         ),
     ] = None,
     faults: Annotated[
@@ -56,6 +57,12 @@ def drill(
             "--faults", help="Of --at telegrams: power of each party, links (each cut one way), or all kinds."
         ),
     ] = "power",
+    sample: Annotated[
+        int | None,
+        typer.Option(
+            "--sample", min=1, help="Of --at telegrams: an even sample of so many runs; default all."
+        ),
+    ] = None,
     every: Annotated[float, typer.Option("--every", min=0.1, help="Of a sweep: its step, s.")] = 1.0,
     from_time: Annotated[
         str | None,
@@ -75,7 +82,7 @@ def drill(
 
         if link != "simulated" or units != "simulator":
             raise InputError("command line", "--link", link, "simulated: a sweep forks one process")
-        asked = Asked(every, from_time, to_time, jobs, seed, out, as_json)
+        asked = Asked(every, from_time, to_time, jobs, seed, out, as_json, sample)
         if at is not None:
             end(judged(sweep_telegrams(file, asked, at, faults)))
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)

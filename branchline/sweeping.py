@@ -6,9 +6,9 @@ import sys
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from branchline.ending import judged, print_json
 from branchline.progress import progress_of_runs
@@ -16,12 +16,12 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.setup import Setup
 from study.run.directory import replaced
-from study.run.drill import find_drill
+from study.run.drill import drills_in, find_drill
 from study.run.forks import jobs_of
-from study.run.moving import moved, single_faults
-from study.run.sweep import NOTHING, Variation, Window, sweep
+from study.run.moving import moved, single_faults, staffed
+from study.run.sweep import NOTHING, Swept, Variation, Window, sweep
 from study.run.sweep_report import classes_of, figures_of, owns, text_of, write_sweep
-from study.run.telegram_grid import Chosen, grid_of
+from study.run.telegram_grid import Chosen, Grid, grid_of
 from study.scenario.scenario import Scenario, load_scenario
 from study.scenario.script_file import time_of
 
@@ -39,6 +39,7 @@ class Asked:
     seed: int | None
     out: Path | None
     as_json: bool
+    sample: int | None = None
 
 
 def sweep_drill(name: str, asked: Asked) -> bool:
@@ -52,15 +53,29 @@ def sweep_kinds(scenario: str, asked: Asked) -> bool:
 
 
 def sweep_telegrams(name: str, asked: Asked, at: str, faults: str) -> bool:
-    """Single faults beside a drill's own, around its telegrams; whether it is good."""
+    """Single faults beside a drill's own, or each of a folder's, around its telegrams; whether all is good."""
     if at != AT_TELEGRAMS:
         raise InputError("command line", "--at", at, AT_TELEGRAMS)
     if faults not in (known := [chosen.value for chosen in Chosen]):
         raise InputError("command line", "--faults", faults, one_of(known, faults))
     window = _window(asked)
-    scenario = load_scenario(str(find_drill(name)), asked.seed)
-    grid = grid_of(scenario.setup, Chosen(faults), window)
-    return _swept(scenario, grid.setup, grid.variations, window, asked, beside=True)
+    every: list[dict[str, Any]] = []
+    for each in (names := drills_in(name)):
+        scenario = staffed(load_scenario(str(find_drill(each)), asked.seed))
+        grid = grid_of(scenario.setup, Chosen(faults), window)
+        grid = grid if asked.sample is None else grid.sample(asked.sample)
+        own = asked if asked.out is None or len(names) == 1 else replace(asked, out=asked.out / scenario.id)
+        every.append(_swept(scenario, grid.setup, grid.variations, window, own, grid=grid))
+    if len(names) == 1:
+        return _told(every[0], asked)
+    total = {key: sum(figures[key] for figures in every) for key in ("runs", "grid", "bad_runs", "wall_s")}
+    good = not total["bad_runs"]
+    if asked.as_json:
+        print_json({"drills": every, **total}, judged(good))
+    else:
+        text = f"{len(names)} drills, {total['runs']} runs of {total['grid']}, {total['bad_runs']} bad"
+        sys.stdout.write(f"{text}, in {total['wall_s']:.0f} s\n")
+    return good
 
 
 def _window(asked: Asked, *, staggered: bool = False) -> Window:
@@ -75,11 +90,19 @@ def _sweep(name: str, asked: Asked, *, kinds: bool) -> bool:
     scenario = load_scenario(name, asked.seed)
     left_out: tuple[str, ...] = ()
     if kinds:
+        scenario = staffed(scenario)
         variations = single_faults(scenario.setup)
     else:
         found = moved(scenario)
         variations, left_out = (found.variation,), found.left_out
-    return _swept(scenario, scenario.setup, variations, window, asked, left_out)
+    return _told(_swept(scenario, scenario.setup, variations, window, asked, left_out), asked)
+
+
+def _told(figures: dict[str, Any], asked: Asked) -> bool:
+    """The figures of one sweep for a program; whether they are good."""
+    if asked.as_json:
+        print_json(figures, judged(not figures["bad"]))
+    return not figures["bad"]
 
 
 def _swept(
@@ -90,34 +113,43 @@ def _swept(
     asked: Asked,
     left_out: Sequence[str] = (),
     *,
-    beside: bool = False,
-) -> bool:
-    """Sweep a setup, write and show what became of it; whether it is good."""
+    grid: Grid | None = None,
+) -> dict[str, Any]:
+    """Sweep a setup, write what became of it, and show it to a person. A grid is beside the setup's own script."""
+    beside = grid is not None
     out = None if asked.out is None else asked.out.resolve()
     began_s = time.monotonic()
     with nullcontext() if out is None else replaced(out, owns, "a sweep") as folder:
         with progress_of_runs(f"sweep of {scenario.id}") as progress:
             script = setup.script if beside else NOTHING
             swept = sweep(setup, variations, window, jobs_of(asked.jobs), progress, script)
+            swept = swept if grid is None else grid.judged(swept)
         figures = figures_of(scenario, swept, left_out)
         figures |= {"wall_s": round(time.monotonic() - began_s, 1)}
-        figures |= {"every_s": None} if beside else {}
+        figures |= (
+            {} if grid is None else {"every_s": None, "grid": grid.of, "own": [run.label for run in grid.own]}
+        )
+        figures |= {"out": None if out is None else str(out)}
         if folder is not None:
             write_sweep(scenario, swept, variations, figures, folder, beside=beside)
-    if asked.as_json:
-        print_json(figures | {"out": None if out is None else str(out)}, judged(not swept.bad))
-        return not swept.bad
-    how = "before and after telegrams" if beside else f"one every {figures['every_s']:g} s"
+    if not asked.as_json:
+        how = f"one every {figures['every_s']:g} s" if grid is None else "before and after telegrams"
+        sampled = "" if grid is None or grid.of == grid.runs else f", an even sample of {grid.of}"
+        _show(scenario, swept, figures, how + sampled, out)
+    return figures
+
+
+def _show(scenario: Scenario, swept: Swept, figures: dict[str, Any], how: str, out: Path | None) -> None:
     sys.stdout.write(f"{scenario.name}: {figures['runs']} runs, {how}, in {figures['wall_s']:.0f} s\n")
     for kind, count in figures["by_kind"].items():
         sys.stdout.write(f"  {count:6d}  {kind}\n")
-    for text in left_out:
+    for text in figures["left_out"]:
         sys.stdout.write(f"  left out, as it never came due in the drill itself: {text}\n")
     for found_class in classes_of(swept):
         sys.stdout.write(f"  {text_of(found_class)}\n")
         if out is not None and found_class.replay:
             sys.stdout.write(f"        replay: {out / found_class.replay}\n")
-    return not swept.bad
+    sys.stdout.flush()
 
 
 def _time(option: str, given: str | None) -> float | None:

@@ -254,8 +254,8 @@ class Duties:
                 self._cabs.tell(slot, step, (Leave(),))
             case Pause.LEAVE:
                 self._leave(slot, step)
-            case Pause.SIGN_ON | Pause.WORD:
-                pass  # a sign-on that nobody waits for any more; words are no crew's
+            case _:
+                pass  # a sign-on that nobody waits for any more; the rest is no crew's
 
     def told(self, slot: int, told: Told, step: int) -> None:
         """What a unit tells its driver."""

@@ -35,6 +35,7 @@ from simulation.people import Pause
 from simulation.platforms import Platforms
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.staff import Staff
 from simulation.vigil import Vigil
 from simulation.world.books import Books
 from simulation.world.cable import Cable
@@ -153,6 +154,11 @@ class Simulation:
             self._unit_claims,
             self._unit_commission,
         )
+        self.staff: Final = (
+            Staff(setup, self.trains, self.on_board, self.wayside, self.injector, self.journal)
+            if setup.people.react
+            else None
+        )
 
     @property
     def step(self) -> int:
@@ -200,6 +206,8 @@ class Simulation:
 
     def settle(self) -> Ending | None:
         """Do what is due now. Returns why the run is over; None while it goes on."""
+        if self.staff is not None:
+            self.staff.look(self._step)
         while (item := self._agenda.pop_due(self._step)) is not None:
             self._handle(item)
         if self._duties.all_done():

@@ -87,6 +87,42 @@ class People(Record):
             "assumed: heard, read back, typed; Sugiyama, 5, calls it laborious and has no figure",
         ),
     ] = 5.0
+    react: Annotated[
+        bool,
+        about(
+            "whether staff put right what is off, lost, broken or silent as they come to see it; else people do what"
+            " acts say, and no more"
+        ),
+    ] = False
+    power_s: Annotated[
+        PersonTime,
+        about(
+            "mean, where staff react, from when a device or unit is off until they have switched it on, or put it into"
+            " service again",
+            "assumed: noticed, gone to it; one that comes back by itself within a minute mostly does before",
+        ),
+    ] = 120.0
+    points_s: Annotated[
+        PersonTime,
+        about(
+            "mean, where staff react, from when points lie in no position, or do not move, until they are set by hand",
+            "assumed: somebody is at the station",
+        ),
+    ] = 60.0
+    picture_s: Annotated[
+        PersonTime,
+        about(
+            "mean, where staff react, from the block manager's restart until its controller sees to the picture",
+            "assumed: an alarm is heard, the line is looked at",
+        ),
+    ] = 60.0
+    silent_s: Annotated[
+        PersonTime,
+        about(
+            "mean, where staff react, from when a unit's word is missing until two persons speak for it",
+            "assumed: longer than a unit's boot and its crew's, which speaks for itself",
+        ),
+    ] = 150.0
 
     def mean_s(self, pause: Pause) -> float:
         """The mean of a pause, s."""
@@ -105,3 +141,7 @@ class Pause(Enum):
     STAND = "stand_s"
     KEY = "key_s"
     WORD = "word_s"
+    POWER = "power_s"
+    POINTS = "points_s"
+    PICTURE = "picture_s"
+    SILENT = "silent_s"

@@ -61,7 +61,7 @@ class WaysideWorld:
         self.section_ids: Final = tuple(line.sections)
         self.sections_of: Final = _sections_with_points(line)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
-        self._device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
+        self.device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
         self._parties = parties
         self._devices = Devices(parties)
         self._air = air
@@ -72,7 +72,7 @@ class WaysideWorld:
         self._place_m = place_m
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
-        self._down: set[str] = set()
+        self.down: Final[set[str]] = set()  # devices without power
         self.uncommissioned: Final[set[str]] = (
             set()
         )  # of these, those that have power and lost their durable state
@@ -93,12 +93,12 @@ class WaysideWorld:
 
     def input_all(self, step: int, value: Input) -> None:
         """Something an operator enters at every device."""
-        for device_id in self._device_ids:
+        for device_id in self.device_ids:
             self.input(step, device_id, value)
 
     def transmit(self, step: int, source: str, destination: str, data: bytes) -> None:
         """Send a telegram through the air."""
-        unit_id, device_id = (destination, source) if source in self._device_ids else (source, destination)
+        unit_id, device_id = (destination, source) if source in self.device_ids else (source, destination)
         covered = self._covered(unit_id)
         deliveries = self._air.transmit(step, source, destination, data, covered)
         deliveries = self.disturb(step, source, destination, deliveries)
@@ -125,7 +125,7 @@ class WaysideWorld:
         if not deliveries:
             of_air = LostWhere.AIR if covered else LostWhere.NO_COVERAGE
             self.lost(step, destination, data, of_air if whole or not covered else LostWhere.CABLE)
-        due = Due.TO_DEVICE if destination in self._device_ids else Due.TO_UNIT
+        due = Due.TO_DEVICE if destination in self.device_ids else Due.TO_UNIT
         for delivery in deliveries:
             self._agenda.put(delivery.step, due, destination, delivery.data)
 
@@ -145,7 +145,7 @@ class WaysideWorld:
 
     def advance(self, step: int, device_id: str, telegrams: list[bytes]) -> None:
         """Let a device act on what has come. A dead one loses it, a frozen one finds it later."""
-        if device_id in self._down:
+        if device_id in self.down:
             for data in telegrams:
                 self.lost(step, device_id, data, LostWhere.RECEIVER_OFF)
             self._inputs.pop(device_id, None)
@@ -242,11 +242,11 @@ class WaysideWorld:
 
     def power_off(self, step: int, device_id: str) -> None:
         """A device loses its power; with Zenoh its process is killed."""
-        if device_id in self._down:
+        if device_id in self.down:
             self.uncommissioned.discard(device_id)
             return
         self._parties.kill(device_id)
-        self._down.add(device_id)
+        self.down.add(device_id)
         if device_id in self._frozen:
             self._frozen[device_id].clear()
             self._inputs.pop(device_id, None)
@@ -254,7 +254,7 @@ class WaysideWorld:
 
     def power_on(self, step: int, device_id: str) -> None:
         """A device boots: a new epoch; terminals are shown their points. It stays down if it lost its durable state."""
-        if device_id not in self._down:
+        if device_id not in self.down:
             return
         try:
             self._parties.restart(device_id)
@@ -262,7 +262,7 @@ class WaysideWorld:
             self.uncommissioned.add(device_id)
             self._journal.write(step / STEPS_PER_S, WORLD, Uncommissioned(device_id=device_id))
             return
-        self._down.discard(device_id)
+        self.down.discard(device_id)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=device_id))
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:

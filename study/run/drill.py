@@ -63,6 +63,11 @@ def shipped_drills() -> tuple[str, ...]:
     )
 
 
+def drills_in(name: str) -> tuple[str, ...]:
+    """The shipped drills of a folder (`rtri`), or the one that is named."""
+    return tuple(drill for drill in shipped_drills() if drill.startswith(f"{name}/")) or (name,)
+
+
 def sentence_of(name: str) -> str:
     """What a drill is about, in the sentence that is its name."""
     path = Path(find_drill(name))

@@ -14,10 +14,9 @@ from typing import Any, Final
 
 from network.errors import InputError
 from simulation.events import TagPassed
-from simulation.faults.devices import LostStore, PowerFault
 from simulation.faults.fault import Fault, Names
 from simulation.faults.links import ANY, BOTH_WAYS, LinkFault
-from simulation.faults.script import Act, ActKind, Failure, Script, Trigger
+from simulation.faults.script import Act, Failure, Script, Trigger
 from simulation.faults.speech import FalseClaims
 from simulation.faults.table import FAULTS
 from simulation.sensors.tag_reader import WrongId
@@ -28,7 +27,6 @@ from study.run.run import simulated
 from study.run.sweep import Variation
 from study.scenario.scenario import Scenario
 from study.scenario.script_file import names_of
-from wayside.config import MANAGER_ID
 
 NO_TIME: Final = Trigger()
 
@@ -149,16 +147,16 @@ SINGLES: Final[Mapping[str, Single]] = {
     "lidar_fog": Single(60.0, {"visibility_m": 20.0}),
     "marker_missing": Single(600.0, {}),
 }
-# A person looks at the restored picture, and again, until the trains out of coverage have answered, too.
-COMMISSION_AFTER_S: Final = 20.0  # staff put into service again what has lost its durable state
-REENTRY_AFTER_S: Final = (30.0, 120.0, 300.0, 600.0, 1200.0)
+
+
+def staffed(scenario: Scenario) -> Scenario:
+    """The scenario with staff who react, without whom nothing goes on after some faults."""
+    people = scenario.setup.people.model_copy(update={"react": True})
+    return replace(scenario, setup=replace(scenario.setup, people=people))
 
 
 def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, ...]:
-    """Single faults of every kind, or of some: on every party, link, train and points, on each tag as it is passed.
-
-    A person takes part where nothing goes on without: a manager that has lost its power needs its picture accepted.
-    """
+    """Single faults of every kind, or of some: on every party, link, train and points, on each tag as it is passed."""
     names = names_of(setup)
     wanted = tuple(kinds or SINGLES)
     of_tags = any(FAULTS[kind].aims_at == "tag" for kind in wanted)
@@ -176,7 +174,7 @@ def single_faults(setup: Setup, kinds: Sequence[str] = ()) -> tuple[Variation, .
                     continue  # no train passes it
             stocks = stocks_of([failure], setup)
             name = f"{kind} {target}"
-            variations.append(Variation(name, ((0, failure),), _people(failure), stocks, before))
+            variations.append(Variation(name, ((0, failure),), (), stocks, before))
     return tuple(variations)
 
 
@@ -204,18 +202,6 @@ def _another(tag: str, names: Names) -> int:
     """The tag that another reads as: the one beside it in the line's table."""
     at = names.tags.index(tag)
     return int(names.tags[at - 1 if at else 1])
-
-
-def _people(failure: Failure) -> tuple[tuple[int, Act], ...]:
-    fault, on_again_s = failure.fault, failure.duration_s or 0.0
-    anew: tuple[tuple[int, Act], ...] = ()
-    if isinstance(fault, LostStore):
-        step = round((on_again_s + COMMISSION_AFTER_S) * STEPS_PER_S)
-        anew = ((step, Act(ActKind.COMMISSION, fault.target, NO_TIME, "staff")),)
-    if not isinstance(fault, PowerFault) or fault.target != MANAGER_ID:
-        return anew
-    act = Act(ActKind.REENTER_ASSISTED, "", NO_TIME)
-    return anew + tuple((round((on_again_s + after_s) * STEPS_PER_S), act) for after_s in REENTRY_AFTER_S)
 
 
 def _passages(setup: Setup) -> list[tuple[int, int]]:

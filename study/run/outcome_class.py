@@ -25,6 +25,7 @@ class Kind(Enum):
 
     ON_TIME = "all arrive, within 60 s of plan"
     LATE = "all arrive, late"
+    OWN = "what is wrong is so without this fault"
     NOT_APPLICABLE = "fault not applicable"
     NOT_ARRIVED = "not every train arrives"
     BROKEN = "broken"
@@ -47,17 +48,24 @@ class SweptRun(msgspec.Struct, frozen=True):
         """Whether something that every drill expects was not so."""
         return self.kind in BAD
 
+    def beside(self, *own: SweptRun) -> SweptRun:
+        """This run, of a fault beside a script that may end as `own`: nothing is bad that is so by itself."""
+        known = {words for run in own if run.kind is self.kind for words in run.label.split(", ")}
+        if self.bad and self.kind is not Kind.CRASH and known.issuperset(self.label.split(", ")):
+            return msgspec.structs.replace(self, kind=Kind.OWN, label=Kind.OWN.value)
+        return self
+
 
 def swept_run_of(result: RunResult, script: Script) -> SweptRun:
     """The class of a run that came to its end; the gravest where there are several."""
     late_s, digest = late_s_max(result), result.digest
     begun = {id(course.item) for course in result.courses}
-    first = script.faults[0] if script.faults else script.acts[0]
+    first = next(iter((*script.faults, *script.acts)), None)
     if broken := broken_in(result):
         return SweptRun(Kind.BROKEN, ", ".join(broken), late_s, digest)
     if unfinished(result):
         return SweptRun(Kind.NOT_ARRIVED, f"{Kind.NOT_ARRIVED.value}: {_waiting(result)}", late_s, digest)
-    if id(first) not in begun:
+    if first is not None and id(first) not in begun:
         return SweptRun(Kind.NOT_APPLICABLE, Kind.NOT_APPLICABLE.value, late_s, digest)
     kind = Kind.ON_TIME if late_s <= ON_TIME_S else Kind.LATE
     return SweptRun(kind, kind.value, late_s, digest)

@@ -115,6 +115,7 @@ def figures_of(scenario: Scenario, swept: Swept, left_out: Sequence[str]) -> dic
         "every_s": swept.every_step / STEPS_PER_S,
         "runs": sum(len(runs) for runs in swept.outcomes.values()),
         "bad": swept.bad,
+        "bad_runs": sum(outcome.bad for runs in swept.outcomes.values() for outcome in runs.values()),
         "left_out": list(left_out),
         "by_kind": table_of(swept),
         "classes": [found.as_dict() for found in classes_of(swept)],
@@ -167,6 +168,7 @@ def replay_of(scenario: Scenario, script: Script, own_id: str, title: str, *, be
         "id": own_id,
         "name": title_of(title),
         "seed": scenario.setup.seed,
+        **({"people.react": True} if scenario.setup.people.react else {}),
         # Without these lists, those of the file that it extends would hold.
         **{
             key: nothing

@@ -8,15 +8,17 @@ party counts at telegrams in which that party takes part, one of a link at those
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
+from itertools import pairwise
 from typing import Final
 
 import msgspec
 
-from network.timetable import BecomesTrain, Stabled
+from network.timetable import BecomesTrain, Diagram, Stabled, TimetableTrain
+from radio.chance import generator
 from radio.noted import Sent, TookEffect
 from simulation.faults.devices import PowerOff
 from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
@@ -25,8 +27,9 @@ from simulation.faults.table import FAULTS
 from simulation.setup import STEPS_PER_S, Setup
 from study.run.forks import alone
 from study.run.moving import NO_TIME, SINGLES, single_faults
+from study.run.outcome_class import SweptRun, swept_run_of
 from study.run.run import simulated
-from study.run.sweep import Variation, Window
+from study.run.sweep import Swept, Variation, Window
 from study.scenario.script_file import names_of
 
 BEFORE_S: Final = 60.0  # of what the script does first, and
@@ -50,29 +53,69 @@ class _Course(msgspec.Struct, frozen=True):
 
     telegrams: list[tuple[int, str, str]]
     script_s: list[float]
+    own: SweptRun
 
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """What is swept: the setup, cut after the last instant, and each fault with its instants."""
+    """What is swept: the setup, cut after the last instant, and each fault with its instants.
+
+    `own`: what became of the setup as it is written. `of`: runs of the complete grid, where this is a sample.
+    """
 
     setup: Setup
     variations: tuple[Variation, ...]
+    own: tuple[SweptRun, ...]
+    of: int
 
     @property
     def runs(self) -> int:
         """How many runs it takes."""
-        return sum(len(variation.instants or ()) for variation in self.variations)
+        return _runs(self.variations)
+
+    def sample(self, runs: int) -> Grid:
+        """So many runs of this grid or fewer, evenly over faults and instants; which ones follows from the seed."""
+        every = [(variation, step) for variation in self.variations for step in variation.instants or ()]
+        if runs >= len(every):
+            return self
+        chance = generator(self.setup.seed, "telegram grid").random()
+        drawn = [every[int((i + chance) * len(every) / runs)] for i in range(runs)]
+        steps: dict[str, list[int]] = {}
+        for variation, step in drawn:
+            steps.setdefault(variation.name, []).append(step)
+        return replace(
+            self,
+            variations=tuple(
+                replace(v, instants=tuple(steps[v.name])) for v in self.variations if v.name in steps
+            ),
+        )
+
+    def judged(self, swept: Swept) -> Swept:
+        """What was swept; no run is bad for what is so without any fault beside."""
+        return replace(
+            swept,
+            outcomes={
+                name: {step: run.beside(*self.own) for step, run in runs.items()}
+                for name, runs in swept.outcomes.items()
+            },
+        )
+
+
+def _runs(variations: Iterable[Variation]) -> int:
+    return sum(len(variation.instants or ()) for variation in variations)
 
 
 def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
     """The grid of a setup; `window` may give the first and the last instant."""
+    if (known_s := _last_known_s(setup, window)) is not None:
+        setup = shortened(setup, known_s + FOLLOWS_S)
     course = alone(_Course, partial(_course, setup))
     steps = [step for step, _, _ in course.telegrams] or [0]
     first_s = min(course.script_s) - BEFORE_S if course.script_s else min(steps) / STEPS_PER_S - 1.0
     last_s = max(course.script_s) + AFTER_S if course.script_s else first_s + LASTS_S
     first_s = first_s if window.from_s is None else window.from_s
     last_s = last_s if window.to_s is None else window.to_s
+    own = _own(setup, course)
     setup = shortened(setup, last_s + FOLLOWS_S)
     names = names_of(setup)
     parties = frozenset((*names.units, *names.devices))
@@ -87,18 +130,37 @@ def grid_of(setup: Setup, chosen: Chosen, window: Window) -> Grid:
         else replace(v, instants=_inside(v.instants, first_s, last_s))
         for v in _faults(setup, chosen, within)
     )
-    return Grid(setup, tuple(v for v in variations if v.instants))
+    found = tuple(v for v in variations if v.instants)
+    return Grid(setup, found, own, _runs(found))
 
 
 def _course(setup: Setup) -> _Course:
     with simulated(setup) as simulation:
         result = simulation.run()
+    own = (*setup.script.faults, *setup.script.acts)  # and nothing that staff did of themselves
     telegrams = [
         (round(entry.t_s * STEPS_PER_S), entry.event.source, entry.event.receiver)
         for entry in result.journal.entries
         if isinstance(entry.event, Sent | TookEffect)
     ]
-    return _Course(telegrams, [course.begun_s for course in result.courses])
+    script_s = [course.begun_s for course in result.courses if course.item in own]
+    return _Course(telegrams, script_s, swept_run_of(result, setup.script))
+
+
+def _last_known_s(setup: Setup, window: Window) -> float | None:
+    """The last instant, where it is known before anything is run."""
+    triggers = [item.trigger for item in (*setup.script.faults, *setup.script.acts)]
+    times_s = [trigger.at_s + trigger.after_s for trigger in triggers if trigger.at_s is not None]
+    script_s = max(times_s) + AFTER_S if times_s and len(times_s) == len(triggers) else None
+    return script_s if window.to_s is None else window.to_s
+
+
+def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
+    """What the setup comes to as it is written; of a drill that expects what is wrong, without staff who react, too."""
+    if not any(e.absent and e.holds for e in setup.script.expectations):
+        return (course.own,)
+    people = setup.people.model_copy(update={"react": False})
+    return course.own, alone(_Course, partial(_course, replace(setup, people=people))).own
 
 
 def _faults(setup: Setup, chosen: Chosen, telegrams: list[tuple[int, str, str]]) -> Iterator[Variation]:
@@ -138,10 +200,25 @@ def _inside(steps: tuple[int, ...], first_s: float, last_s: float) -> tuple[int,
     return tuple(step for step in steps if first_s * STEPS_PER_S <= step <= last_s * STEPS_PER_S)
 
 
+def _goes_on(diagram: Diagram, kept: Mapping[str, TimetableTrain]) -> Iterator[str]:
+    """The next train of a stock that is not kept, where it would stand in the way of another stock until then."""
+    mine = diagram.train_numbers
+    for before, after in pairwise(mine):
+        if before in kept and after not in kept and isinstance(kept[before].ends, BecomesTrain):
+            stands_at, from_s = kept[before].calls[-1].station_id, kept[before].calls[0].first_s
+            calls = (call for n, train in kept.items() if n not in mine for call in train.calls)
+            if any(call.station_id == stands_at and call.last_s >= from_s for call in calls):
+                yield after
+
+
 def shortened(setup: Setup, until_s: float) -> Setup:
-    """The setup without trains that begin after a time; stock that would become one of them stays where it is."""
+    """The setup without trains that begin after a time; stock that would become one of them stays where it is, if no
+    other train comes there: else it has to go on, and so have those in its way.
+    """
     old = setup.timetable
     kept = {n: train for n, train in old.trains.items() if train.calls[0].first_s <= until_s}
+    while in_the_way := [n for d in old.diagrams for n in _goes_on(d, kept)]:
+        kept |= {n: old.trains[n] for n in in_the_way}
     if len(kept) == len(old.trains):
         return setup
     diagrams = [

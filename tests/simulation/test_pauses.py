@@ -25,7 +25,7 @@ def drawn(setup: Setup, count: int = 5) -> dict[tuple[Pause, str], list[int]]:
 
 
 def test_every_pause_is_a_key_and_none_is_zero_by_default(rtri_setup: Setup) -> None:
-    assert {pause.value for pause in Pause} == set(People.model_fields) - {"times", "sigma"}
+    assert {pause.value for pause in Pause} == set(People.model_fields) - {"times", "sigma", "react"}
     for (pause, _), steps in drawn(rtri_setup, 400).items():
         taken_s = [step / STEPS_PER_S for step in steps]
         mean_s = rtri_setup.people.mean_s(pause)

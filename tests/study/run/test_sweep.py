@@ -202,9 +202,7 @@ def test_every_kind_of_fault_is_swept_alone(two_trains: Scenario) -> None:
     tags = [variation for variation in variations if variation.name.startswith("miss")]
     assert 0 < len(tags) < len(two_trains.setup.line.tags)  # the others are passed by no train
     assert all(variation.instants for variation in tags)
-    manager = next(v for v in variations if v.name == "power_off block-manager")
-    assert {act.kind for _, act in manager.acts} == {ActKind.REENTER_ASSISTED}
-    assert all(offset > 600 for offset, _ in manager.acts)  # once it has its power again
+    assert not any(variation.acts for variation in variations)  # what people do, staff do by what they see
 
 
 DEAD: Final = """

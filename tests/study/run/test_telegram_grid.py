@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from radio.noted import Sent, TookEffect
+from simulation.faults.script import Failure
 from simulation.setup import STEPS_PER_S
-from study.run.drill import find_drill, run_drill
-from study.run.run import Link
+from study.run.drill import drills_in, find_drill, run_drill
+from study.run.moving import staffed
+from study.run.outcome_class import Kind, SweptRun
+from study.run.run import Link, simulated
 from study.run.sweep import Window, sweep
 from study.run.sweep_report import replay_of, table_of
 from study.run.telegram_grid import Chosen, grid_of, shortened
@@ -25,7 +30,7 @@ NAME = "rtri/12_terminal_power"
 
 @pytest.fixture(scope="module")
 def drill() -> Scenario:
-    return load_scenario(find_drill(NAME))
+    return staffed(load_scenario(find_drill(NAME)))
 
 
 def short(drill: Scenario, chosen: Chosen, from_s: float = 36_040.0, to_s: float = 36_050.0) -> Any:  # noqa: ANN401
@@ -76,7 +81,10 @@ def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byt
         text = replay_of(drill, variation.at(step), file.stem, "found", beside=True)
         file.write_text(text, "utf-8")
         result = run_drill(str(file), Link.SIMULATED).run.result
-        assert len(result.courses) > 1  # the drill's own, and this one
+        assert result.courses[0].item == drill.setup.script.faults[0]
+        assert (
+            len([c for c in result.courses if isinstance(c.item, Failure)]) > 1
+        )  # the drill's own, and this one
         assert result.digest == swept.outcomes[variation.name][step].digest
 
 
@@ -86,13 +94,59 @@ def test_without_a_script_it_is_about_the_first_hour() -> None:
     assert 50 < grid.runs < 400
 
 
+def test_a_sample_is_even_and_follows_from_the_seed(drill: Scenario) -> None:
+    grid = short(drill, Chosen.LINKS, 36_000.0, 36_060.0)
+    every = [(v.name, step) for v in grid.variations for step in v.instants or ()]
+    assert grid.of == grid.runs == len(every) > 15
+    some = grid.sample(6)
+    taken = [every.index((v.name, step)) for v in some.variations for step in v.instants or ()]
+    assert (some.runs, some.of) == (6, grid.of)
+    assert {b - a for a, b in pairwise(taken)} <= {len(every) // 6, len(every) // 6 + 1}
+    assert grid.sample(6) == some
+    others = {
+        replace(grid, setup=replace(grid.setup, seed=seed)).sample(6).variations for seed in range(2, 8)
+    }
+    assert len(others) > 1
+    assert grid.sample(grid.runs) is grid
+
+
+def test_what_a_drill_itself_breaks_is_told_apart() -> None:
+    wrong = SweptRun(Kind.BROKEN, "invariant inside-holding, unsafe: ran onto points N")
+    known, more = replace_label(wrong, "invariant inside-holding"), replace_label(wrong, "invariant body")
+    assert known.beside(wrong).kind is Kind.OWN
+    assert not known.beside(wrong).bad
+    assert more.beside(wrong) == more
+    dead = SweptRun(Kind.NOT_ARRIVED, "not every train arrives: K1 waits for nothing")
+    assert dead.beside(wrong) == dead
+    assert dead.beside(wrong, dead).kind is Kind.OWN
+    crash = SweptRun(Kind.CRASH, "crash SIGSEGV")
+    assert crash.beside(crash).bad
+    grid = grid_of(
+        staffed(load_scenario(find_drill("rtri/53b_two_wrong_persons"))).setup, Chosen.POWER, Window()
+    )
+    assert "invariant inside-holding" in " ".join(run.label for run in grid.own)
+
+
+def replace_label(run: SweptRun, label: str) -> SweptRun:
+    return SweptRun(run.kind, label)
+
+
 def test_trains_that_come_later_are_left_out() -> None:
     day = load_scenario("karasuyama_weekday").setup
     assert shortened(day, 1e9) is day
     cut = shortened(day, 7.0 * 3600.0)
     assert 0 < len(cut.timetable.trains) < len(day.timetable.trains)
-    assert all(train.calls[0].first_s <= 7.0 * 3600.0 for train in cut.timetable.trains.values())
     assert {d.stock_id for d in cut.timetable.diagrams} == set(cut.trains)
+
+
+def test_no_train_that_is_left_out_stands_in_the_way_of_one_that_is_kept() -> None:
+    """325M begins before the cut and needs the track from which 326M leaves after it."""
+    cut = shortened(load_scenario("karasuyama_weekday").setup, 7.5 * 3600.0)
+    assert {"325M", "326M"} <= set(cut.timetable.trains)
+    with simulated(cut) as simulation:
+        result = simulation.run()
+    assert set(result.trains_arrived) == set(cut.timetable.trains)
+    assert result.unfinished == ()
 
 
 def test_the_command_counts_outcomes_and_takes_no_other_words(
@@ -113,6 +167,26 @@ def test_the_command_counts_outcomes_and_takes_no_other_words(
         assert key in ended.err
 
 
+def test_a_folder_of_drills_is_a_table(main: Callable[..., Any], tmp_path: Path) -> None:
+    asked = (
+        "drill",
+        "sidings",
+        "--at",
+        "telegrams",
+        "--sample",
+        "1",
+        "--json",
+        "--out",
+        str(tmp_path / "grids"),
+    )
+    figures = json.loads(main(*asked).out)
+    assert len(figures["drills"]) == len(drills_in("sidings")) == 6
+    assert figures["runs"] == sum(sum(d["by_kind"].values()) for d in figures["drills"])
+    assert figures["grid"] == sum(d["grid"] for d in figures["drills"]) > figures["runs"]
+    assert figures["bad_runs"] == 0
+    assert all((tmp_path / "grids" / d["sweep"] / "sweep.json").is_file() for d in figures["drills"])
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "chosen"),
@@ -125,7 +199,7 @@ def test_the_command_counts_outcomes_and_takes_no_other_words(
 def test_nothing_bad_on_a_slice_of_the_grid(
     name: str, chosen: Chosen, record_property: Callable[[str, object], None]
 ) -> None:
-    grid = grid_of(load_scenario(find_drill(name)).setup, chosen, Window())
-    swept = sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script)
+    grid = grid_of(staffed(load_scenario(find_drill(name))).setup, chosen, Window())
+    swept = grid.judged(sweep(grid.setup, grid.variations, Window(), jobs=2, beside=grid.setup.script))
     record_property("figures", f"grid of telegrams, {name}, {chosen.value}: {table_of(swept)}")
     assert not swept.bad

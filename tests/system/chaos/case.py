@@ -1,48 +1,34 @@
-"""A case: a ground with faults, acts and the manner of its staff, and the files that it is written as."""
+"""A case: a ground with faults and acts, and the files that it is written as."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from study.scenario.scenario import Scenario, load_scenario
-from tests.system.chaos.draw import Draw
 from tests.system.chaos.ground import Ground
 from tests.system.chaos.toml_text import Table, toml_of
 
 
 @dataclass(frozen=True, slots=True)
-class Manner:
-    """How long staff wait before they act, s."""
-
-    seed: int
-    power_s: float
-    points_s: float
-    picture_s: float
-    silent_s: float
-
-    @classmethod
-    def drawn(cls, seed: int, draw: Draw) -> Manner:
-        """Quick people and slow ones."""
-        return cls(
-            seed,
-            power_s=draw.by_size(60.0, 240.0),
-            points_s=draw.by_size(20.0, 120.0),
-            picture_s=draw.by_size(15.0, 200.0),
-            silent_s=draw.by_size(60.0, 300.0),
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Case:
-    """`head`: what differs from the ground's own; without staff the acts are all that people do."""
+    """`head`: what differs from the ground's own; where staff do not react, the acts are all that people do."""
 
     name: str
     ground: Ground
     head: Table = field(default_factory=dict[str, object])
     faults: tuple[Table, ...] = ()
     acts: tuple[Table, ...] = ()
-    staff: Manner | None = None
+
+    @property
+    def staffed(self) -> bool:
+        """Whether staff react."""
+        return bool(self.head.get("people", {}).get("react"))
+
+    def without_staff(self, acts: tuple[Table, ...]) -> Case:
+        """The same case with these acts, and nobody who reacts."""
+        people = {**self.head.get("people", {}), "react": False}
+        return replace(self, head={**self.head, "people": people}, acts=acts)
 
     @property
     def text(self) -> str:

@@ -18,9 +18,10 @@ from network.model import SectionKind
 from onboard.driving.laws.table import LAW_NAMES
 from simulation.faults.fault import Names
 from simulation.faults.table import KINDS
+from simulation.people import Pause
 from simulation.setup import Setup
 from study.scenario.script_file import names_of
-from tests.system.chaos.case import Case, Manner
+from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, clock_tenths
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.families import Family, ground_of
@@ -49,6 +50,12 @@ CARRIES: Final = (
 DISPATCH_P: Final = 0.3
 PEOPLE_P: Final = 0.5
 BARRED_P: Final = 0.15
+STAFF_S: Final = {
+    Pause.POWER: (60.0, 240.0),
+    Pause.POINTS: (20.0, 120.0),
+    Pause.PICTURE: (15.0, 200.0),
+    Pause.SILENT: (60.0, 300.0),
+}
 WRONG_P: Final = 0.2
 WRONG_PERSON: Final = "trackman"
 AIR: Final = {"delay_min_s": 0.1, "delay_mean_s": 0.2, "loss_good_p": 0.01}
@@ -78,7 +85,6 @@ def case_of(family: Family, seed: int, nets: Path) -> Case:
             *_barred(times, names, draw.of("barred")),
             *_wrong(times, scenario.setup, draw.of("wrong")),
         ),
-        Manner.drawn(seed, draw.of("staff")),
     )
 
 
@@ -165,7 +171,13 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     if dispatch.chance(DISPATCH_P):
         certificate, order = dispatch.chance(0.5), dispatch.one_of([order.value for order in Order])
         head["dispatch"] = {"certificate": certificate, "order": order}
-    people = draw.of("people")
-    if people.chance(PEOPLE_P):
-        head["people"] = {"times": people.one_of((0.0, people.by_size(0.2, 6.0)))}
+    head["people"] = _people(draw.of("people"), draw.of("staff"))
     return head
+
+
+def _people(draw: Draw, staff: Draw) -> dict[str, Any]:
+    """Quick people and slow ones; staff react, and where all take long, not so long that an hour would not do."""
+    drawn = draw.chance(PEOPLE_P)
+    times = draw.one_of((0.0, draw.by_size(0.2, 6.0))) if drawn else 1.0
+    waits = {pause.value: staff.by_size(*STAFF_S[pause]) / max(1.0, times) for pause in STAFF_S}
+    return {"react": True, **waits} | ({"times": times} if drawn else {})

@@ -19,7 +19,7 @@ RUNS_MAX: Final = 24
 
 def scripted(case: Case, outcome: Outcome) -> Case:
     """The same case with what its staff did as acts, each at its time."""
-    return replace(case, acts=(*case.acts, *map(_table, outcome.acts)), staff=None)
+    return case.without_staff((*case.acts, *map(_table, outcome.acts)))
 
 
 def _table(act: Act) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def _smaller_ones(case: Case) -> Iterator[Case]:
         yield replace(case, acts=(*case.acts[:i], *case.acts[i + 1 :]))
     for i in reversed(range(len(case.faults))):
         yield replace(case, faults=(*case.faults[:i], *case.faults[i + 1 :]))
-    for key in ("air", "operation", "sensors", "dispatch", "people"):
+    for key in ("air", "operation", "sensors", "dispatch"):
         if key in case.head:
             yield replace(case, head={k: v for k, v in case.head.items() if k != key})
 
@@ -79,8 +79,6 @@ def write(case: Case, outcome: Outcome, folder: Path) -> Path:
     """Into a folder of its own, with what goes wrong in the first lines; returns the drill."""
     last = [line.strip() for detail in outcome.details for line in detail.strip().splitlines()[-1:]]
     says = "\n".join([outcome.kind, *last[:8]])
-    if case.staff is not None:
-        says += "\nits staff must react: run it by `python -m tests.system.chaos`, not as a drill"
     return case.write(folder / case.name, says)
 
 

@@ -31,7 +31,6 @@ from sumo_cfg.truth_map import NetMap, read_net
 from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, course_of, stopped_s
 from tests.system.chaos.ground import Ground
-from tests.system.chaos.staff import Staff
 
 ROOT: Final = Path(__file__).resolve().parents[3]
 # What a unit goes on saying although nothing happens.
@@ -81,8 +80,8 @@ def _net_map(path: Path) -> NetMap:
     return read_net(path)
 
 
-def run(scenario: Scenario, case: Case, nets: Path, state: Path) -> tuple[RunResult, Staff | None]:
-    """The case's run and its staff. Raises what the simulator raises."""
+def run(scenario: Scenario, nets: Path, state: Path) -> tuple[RunResult, tuple[Act, ...]]:
+    """The run of a case, and what its staff did. Raises what the simulator raises."""
     setup = scenario.setup
     net = net_for(setup.line, nets)
     master_key = secrets.token_bytes(KEY_BYTES)
@@ -95,11 +94,11 @@ def run(scenario: Scenario, case: Case, nets: Path, state: Path) -> tuple[RunRes
             LocalUnits(unit_configs(setup, master_key)),
             Link.SIMULATED.value,
         )
-        staff = None if case.staff is None else Staff(simulation, case.staff)
+        acts = [] if simulation.staff is None else simulation.staff.acts
         try:
-            return simulation.run(), staff
+            return simulation.run(), tuple(acts)
         except Exception as error:
-            error.acts = () if staff is None else tuple(staff.acts)  # type: ignore[attr-defined]
+            error.acts = tuple(acts)  # type: ignore[attr-defined]
             raise
 
 
@@ -109,12 +108,11 @@ def outcome_of(case: Case, nets: Path) -> Outcome:
         folder = Path(name)
         scenario = case.load(folder)
         try:
-            result, staff = run(scenario, case, nets, folder)
+            result, acts = run(scenario, nets, folder)
         except Exception as error:
             acts = getattr(error, "acts", ())
             return Outcome(Verdict.CRASH, _crash(error), (traceback.format_exc(),), acts=acts)
     verdict, kind, details = judged(result, scenario.setup.line)
-    acts = () if staff is None else tuple(staff.acts)
     simulated_s = (result.end_step - result.begin_step) / STEPS_PER_S
     return Outcome(verdict, kind, details, result.digest, simulated_s, stopped_s(result), acts)
 
@@ -202,7 +200,7 @@ def undisturbed(ground: Ground, nets: Path) -> tuple[Scenario, Course]:
         with tempfile.TemporaryDirectory(prefix="chaos-") as name:
             folder = Path(name)
             scenario = case.load(folder)
-            result, _ = run(scenario, case, nets, folder)
+            result, _ = run(scenario, nets, folder)
         verdict, kind, details = judged(result, scenario.setup.line)
         if verdict is not Verdict.FINE:
             raise RuntimeError(f"{ground.id} without any fault: {kind}: {'; '.join(details)}")

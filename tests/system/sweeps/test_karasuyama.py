@@ -9,7 +9,7 @@ import pytest
 
 from simulation.faults.devices import Restart
 from simulation.faults.script import Failure, Trigger
-from study.run.moving import single_faults
+from study.run.moving import single_faults, staffed
 from study.run.sweep import Variation, Window
 from study.scenario.scenario import Scenario, load_scenario
 
@@ -21,7 +21,7 @@ EVERY_S: Final = 30.0  # of one fault; all of them take half an hour on two proc
 
 
 def test_single_faults_of_every_kind_over_a_round_trip(bad_in: Sweeps) -> None:
-    scenario = load_scenario("karasuyama_round_trip")
+    scenario = staffed(load_scenario("karasuyama_round_trip"))
     assert bad_in(scenario, single_faults(scenario.setup), Window(EVERY_S, staggered=True)) == []
 
 

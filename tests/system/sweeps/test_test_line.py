@@ -12,7 +12,7 @@ from simulation.faults.devices import PowerOff, Restart
 from simulation.faults.script import ActKind, Failure, Trigger
 from simulation.setup import STEPS_PER_S
 from study.run.drill import find_drill, shipped_drills
-from study.run.moving import moved, single_faults
+from study.run.moving import moved, single_faults, staffed
 from study.run.sweep import Variation, Window
 from study.scenario.scenario import Scenario, load_scenario
 
@@ -46,7 +46,8 @@ def two_trains(tmp_path: Path) -> Scenario:
 
 
 def test_single_faults_of_every_kind_at_every_second(two_trains: Scenario, bad_in: Sweeps) -> None:
-    assert bad_in(two_trains, single_faults(two_trains.setup), Window(1.0)) == []
+    scenario = staffed(two_trains)
+    assert bad_in(scenario, single_faults(scenario.setup), Window(1.0)) == []
 
 
 @pytest.mark.parametrize("name", MOVABLE)

@@ -1,0 +1,262 @@
+"""Staff who react (係員): with `[people] react` people put right what is off, lost, broken or silent, by what is so.
+
+They see that something has no power, that points do not lie as they must, and what the block manager shows its
+controller; after a time of their own (`[people]`) they do what the rules of operation say, and again, less and less
+often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
+the way; bar a unit that claims what is not so, and unbar it, again where that did not get through; see to the picture of the line until it is
+accepted; and for a unit whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it
+shows that it holds. They act through the injector's door, so that what they did can be written down as acts of a drill.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Final
+
+from network.model import SectionKind
+from radio.chance import generator
+from radio.messages import ClaimQuery
+from radio.noted import Sent
+from simulation.events import Acted, Commissioned, Entry
+from simulation.faults.injector import Injector
+from simulation.faults.script import Act, ActKind, Trigger
+from simulation.journal import Journal
+from simulation.mad_units import MadUnits
+from simulation.pauses import Pauses
+from simulation.people import Pause
+from simulation.setup import STEP_S, STEPS_PER_S, Setup
+from simulation.world.on_board import OnBoard
+from simulation.world.point_machine import MachineState, PointMachine
+from simulation.world.points import WaysideWorld
+from simulation.world.trains import Trains
+from wayside.config import MANAGER_ID, ReentryMode
+from wayside.register import Stage
+from wayside.said import Accepted, Barred, ConfirmedByHand, Outside, PictureChanged, Started, Unbarred
+
+LOOKS_EVERY_STEPS: Final = STEPS_PER_S
+AGAIN_S: Final = 40.0  # assumed: before the same is done again, and each time as much longer,
+TIRED_AFTER: Final = 8  # up to so many times
+CONTROLLER, STAFF = "controller", "staff"
+LINE: Final = ""  # what an act aims at that is about the whole line
+
+
+class Staff:
+    """The people of one run; `acts` is what they did."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        trains: Trains,
+        on_board: OnBoard,
+        wayside: WaysideWorld,
+        injector: Injector,
+        journal: Journal,
+    ) -> None:
+        self.acts: list[Act] = []
+        self._setup: Final = setup
+        self._trains: Final = trains
+        self._on_board: Final = on_board
+        self._wayside: Final = wayside
+        self._injector: Final = injector
+        self._pauses: Final = Pauses(setup)
+        self._next_look = 0
+        self._from_s: dict[tuple[Pause, str], float] = {}  # when people act on what they have seen
+        self._restores = False  # the manager has lost the picture of the line
+        self._stage: Stage | None = None  # of its re-entry; None: nobody looks at it yet
+        self._awaited: dict[str, None] = {}  # units whose word the manager waits for
+        self._bars: dict[
+            str, dict[str, bool]
+        ] = {}  # what each person said last: whether a unit is to be barred
+        self._barred: set[tuple[str, str]] = set()  # device and unit
+        self._again_s: dict[tuple[ActKind, str, str], float] = {}
+        self._tries: Counter[tuple[ActKind, str, str]] = Counter()
+        self._mad = MadUnits(trains.slot_of, self._held)
+        journal.watch(self._see)
+
+    def _see(self, entry: Entry) -> None:
+        """An entry of the journal was written: what the manager shows its controller."""
+        self._mad.see(entry)
+        match entry.event:
+            case Started(epoch=epoch) if entry.who == MANAGER_ID:
+                self._awaited = dict.fromkeys(self._trains.stock_ids)
+                self._restores, self._stage = epoch > 1, None
+                self._again_s.clear()
+                self._from_s = {key: at for key, at in self._from_s.items() if key[0] not in _OF_MANAGER}
+            case PictureChanged(stage=stage):
+                self._restores = stage != Stage.DEFINED.value
+                self._stage = Stage(stage)
+            case Acted(act=act, target=unit_id) if act in _BARS:
+                self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
+            case Barred(unit_id=unit_id):
+                self._barred.add((entry.who, unit_id))
+                if entry.who == MANAGER_ID:
+                    self._awaited.setdefault(unit_id)
+            case Unbarred(unit_id=unit_id):
+                self._barred.discard((entry.who, unit_id))
+            case Commissioned(device_id=device_id):  # what was barred there is forgotten
+                self._barred = {known for known in self._barred if known[0] != device_id}
+            case Sent(source=source, receiver=unit_id, kind=ClaimQuery.__name__) if source == MANAGER_ID:
+                self._awaited.setdefault(unit_id)
+            case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
+                self._awaited.pop(unit_id, None)
+                self._from_s.pop((Pause.SILENT, unit_id), None)
+            case _:
+                pass
+
+    def look(self, step: int) -> None:
+        """Look round, if it is time. Stretches are not cut for it, so it may be late by one of them."""
+        if step < self._next_look:
+            return
+        self._next_look = step + LOOKS_EVERY_STEPS
+        t_s = step * STEP_S
+        self._see_to_power(t_s)
+        for points_id, machine in self._wayside.machines.items():
+            self._see_to_points(t_s, points_id, machine)
+        self._see_to_bars(t_s)
+        if MANAGER_ID not in self._wayside.down:
+            self._see_to_picture(t_s)
+            for unit_id in list(self._awaited):
+                if self._ripe(Pause.SILENT, unit_id, t_s):
+                    self._speak_for(t_s, unit_id)
+
+    def _ripe(self, pause: Pause, what: str, t_s: float) -> bool:
+        """Whether people have taken their time since they saw this first, which may be now."""
+        key = (pause, what)
+        if key not in self._from_s:
+            self._from_s[key] = t_s + self._pauses.steps(pause, what) * STEP_S
+        return t_s >= self._from_s[key]
+
+    def _act(
+        self,
+        t_s: float,
+        kind: ActKind,
+        target: str,
+        person: str,
+        sections: tuple[str, ...] = (),
+        position: str = "",
+        place: str = "",
+    ) -> None:
+        """Do it in the next step, and not again at once."""
+        key = (kind, target, person)
+        if t_s < self._again_s.get(key, 0.0):
+            return
+        self._tries[key] += 1
+        self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
+        # Two who say the same say it one after the other.
+        at_s = round(t_s + STEP_S + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
+        act = Act(kind, target, Trigger(at_s=at_s), person, sections, position, place=place)
+        self.acts.append(act)
+        self._injector.add(act, at_s)
+
+    def _see_to_bars(self, t_s: float) -> None:
+        """Two persons bar a unit, or unbar it, and where a device does not know it they say it again."""
+        for kind, unit_id in self._mad.due(t_s, self._setup.people.mean_s(Pause.SILENT)):
+            for person in (CONTROLLER, STAFF):
+                self._act(t_s, kind, unit_id, person)
+        for unit_id, words in self._bars.items():
+            bar = next(iter(words.values()))
+            agreed = len(words) > 1 and set(words.values()) == {bar}
+            if not agreed or all(
+                ((device, unit_id) in self._barred) is bar for device in self._wayside.device_ids
+            ):
+                self._from_s.pop((Pause.PICTURE, unit_id), None)
+            elif self._ripe(Pause.PICTURE, unit_id, t_s):
+                for person in words:
+                    self._act(t_s, ActKind.BAR_UNIT if bar else ActKind.UNBAR_UNIT, unit_id, person)
+
+    # power and points ---------------------------------------------------------------------------------------------
+
+    def _see_to_power(self, t_s: float) -> None:
+        """Switch on what is off; put into service again what has power and has lost its durable state."""
+        units = {self._trains.stock_ids[slot]: slot for slot in sorted(self._on_board.unpowered)}
+        off = (*units, *sorted(self._wayside.down))
+        for key in [key for key in self._from_s if key[0] is Pause.POWER and key[1] not in off]:
+            del self._from_s[key]
+        for party_id in off:
+            if self._ripe(Pause.POWER, party_id, t_s):
+                blank = (
+                    units.get(party_id) in self._on_board.uncommissioned
+                    or party_id in self._wayside.uncommissioned
+                )
+                self._act(t_s, ActKind.COMMISSION if blank else ActKind.POWER_ON, party_id, STAFF)
+
+    def _see_to_points(self, t_s: float, points_id: str, machine: PointMachine) -> None:
+        if not machine.stuck and machine.state is not MachineState.BETWEEN:
+            self._from_s.pop((Pause.POINTS, points_id), None)
+        elif self._ripe(Pause.POINTS, points_id, t_s) and (position := self._safe(points_id, machine)):
+            self._act(t_s, ActKind.REPAIR_POINTS, points_id, STAFF, position=position)
+
+    def _safe(self, points_id: str, machine: PointMachine) -> str:
+        """As they lie, or as the train on them needs them; lying nowhere and free, either; empty: wait."""
+        if machine.position is not None:
+            return machine.position.value
+        points = self._setup.line.points[points_id]
+        under = set().union(*map(self._pieces_under, self._trains.active()))
+        legs = {points.normal_piece: "normal", points.reverse_piece: "reverse"}
+        taken = [position for piece, position in legs.items() if piece in under]
+        if taken:
+            return taken[0] if len(taken) == 1 else ""
+        if points.stem_piece in under:
+            return ""
+        tries = self._tries[ActKind.REPAIR_POINTS, points_id, STAFF]
+        chance = generator(self._setup.seed, "staff", points_id, str(tries), *self._setup.today)
+        return tuple(legs.values())[int(chance.integers(2))]
+
+    def _pieces_under(self, slot: int) -> set[str]:
+        front_m = float(self._trains.truths[slot].position_m)
+        rear_m = front_m - float(self._trains.kinds[slot].length_m)
+        steps = self._trains.true_path(slot).steps
+        return {step.piece_id for step in steps if step.end_m > rear_m and step.start_m < front_m}
+
+    # the picture of the line --------------------------------------------------------------------------------------
+
+    def _see_to_picture(self, t_s: float) -> None:
+        """By hand all of it is entered again and again; else the controller looks by himself until he can accept it."""
+        if not self._restores or not self._ripe(Pause.PICTURE, LINE, t_s):
+            return
+        if self._setup.operation.reentry is ReentryMode.BY_HAND:
+            self._enter_all(t_s)
+        elif (
+            ActKind.REENTER_ASSISTED,
+            LINE,
+            CONTROLLER,
+        ) not in self._again_s or self._stage is Stage.COMPLETE:
+            self._act(t_s, ActKind.REENTER_ASSISTED, LINE, CONTROLLER)
+
+    def _enter_all(self, t_s: float) -> None:
+        """Two persons enter every section of the line, alike; one accepts the picture."""
+        stock_ids = self._trains.stock_ids
+        held = {stock_ids[slot]: self._held(slot) for slot in self._trains.active()}
+        taken = {section for mine in held.values() for section in mine}
+        free = tuple(section for section in self._setup.line.sections if section not in taken)
+        for person in (CONTROLLER, STAFF):
+            for unit_id, sections in ({**held, LINE: free} if free else held).items():
+                self._act(t_s, ActKind.ENTER_SECTION, unit_id, person, sections)
+        self._act(t_s, ActKind.ACCEPT_PICTURE, LINE, CONTROLLER)
+
+    def _speak_for(self, t_s: float, unit_id: str) -> None:
+        """Two persons say of a silent unit what is so; of a train that moves nobody can."""
+        slot = self._trains.slot_of[unit_id]
+        if not self._trains.truths[slot].active:
+            for person in (CONTROLLER, STAFF):
+                self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, person, place=self._portal(slot))
+        elif self._trains.plants[slot].speed_mps <= 0.0:
+            for person in (CONTROLLER, STAFF):
+                self._act(t_s, ActKind.CONFIRM_HOLDING, unit_id, person, self._held(slot))
+
+    def _portal(self, slot: int) -> str:
+        """The portal before which stock that is not on the line stands."""
+        duty, line = self._trains.duties[slot], self._setup.line
+        spans = () if duty is None else duty.mission.spans
+        portals = [section.id for section in line.sections.values() if section.kind is SectionKind.PORTAL]
+        return next((s.section_id for s in reversed(spans) if s.section_id in portals), (*portals, "")[0])
+
+    def _held(self, slot: int) -> tuple[str, ...]:
+        """What the train occupies, and what its unit shows beyond that, in the order of the line."""
+        under = self._trains.sections_under()[self._trains.stock_ids[slot]]
+        held = under.union(self._on_board.shown(slot).held)
+        return tuple(section for section in self._setup.line.sections if section in held)
+
+
+_BARS: Final = {ActKind.BAR_UNIT.value: True, ActKind.UNBAR_UNIT.value: False}
+_OF_MANAGER: Final = (Pause.PICTURE, Pause.SILENT)

@@ -1,0 +1,128 @@
+"""Staff who react put right what nothing puts right by itself, after a time of their own; else it stays as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from simulation.faults.script import Act, ActKind
+from simulation.people import People
+from study.run.drill import find_drill, run_drill
+from study.run.run import Link, Run
+
+pytestmark = pytest.mark.system
+
+HEAD: Final = """
+extends = "rtri_test_line"
+id = "staff"
+name = "What staff put right"
+timetable = "rtri_two_trains"
+"""
+# What fails, and never heals by itself; what somebody does about it.
+FAILS: Final[dict[str, tuple[str, frozenset[ActKind]]]] = {
+    "unit": (
+        '[[fault]]\nkind = "power_off"\ntarget = "K1"\nstart = "10:00:30"\n',
+        frozenset({ActKind.POWER_ON}),
+    ),
+    "manager": (
+        '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "09:59:30"\n',
+        frozenset({ActKind.POWER_ON, ActKind.REENTER_ASSISTED}),
+    ),
+    "manager by hand": (
+        '[operation]\nreentry = "by_hand"\n'
+        '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "10:00:50"\n',
+        frozenset({ActKind.ENTER_SECTION, ActKind.ACCEPT_PICTURE}),
+    ),
+    "manager's store": (
+        '[[fault]]\nkind = "lost_store"\ntarget = "block-manager"\nstart = "10:00:30"\nduration_s = 30.0\n',
+        frozenset({ActKind.COMMISSION, ActKind.REENTER_ASSISTED}),
+    ),
+    "points": (
+        '[[fault]]\nkind = "stuck"\ntarget = "P7"\nstart = "09:59:00"\n',
+        frozenset({ActKind.REPAIR_POINTS}),
+    ),
+    "a train in a portal": (
+        "".join(
+            f'[[fault]]\nkind = "power_off"\ntarget = "{party}"\nstart = "10:08:21"\nduration_s = {lasts_s}\n'
+            for party, lasts_s in (("block-manager", 120.0), ("K1", 60.0), ("K2", 60.0))
+        ),
+        frozenset({ActKind.REENTER_ASSISTED, ActKind.CONFIRM_HOLDING}),
+    ),
+}
+
+Fails = Callable[[str, str], Run]
+
+
+@pytest.fixture
+def fails(tmp_path: Path) -> Fails:
+    def run(what: str, people: str) -> Run:
+        file = tmp_path / "staff.toml"
+        file.write_text(f"{HEAD}people = {{ {people} }}\n{FAILS[what][0]}", "utf-8")
+        return run_drill(str(file), Link.SIMULATED).run
+
+    return run
+
+
+def _acts(run: Run) -> list[Act]:
+    return [course.item for course in run.result.courses if isinstance(course.item, Act)]
+
+
+@pytest.mark.parametrize("what", FAILS)
+def test_what_nobody_sees_to_stays_as_it_is(what: str, fails: Fails) -> None:
+    result = fails(what, "react = false").result
+    assert result.unfinished
+
+
+@pytest.mark.parametrize("what", FAILS)
+def test_staff_put_it_right(what: str, fails: Fails) -> None:
+    run = fails(what, "react = true")
+    assert not run.result.unfinished
+    assert run.result.violations == ()
+    acts = _acts(run)
+    assert FAILS[what][1] <= {act.kind for act in acts}
+    for unit_id in {act.target for act in acts if act.kind is ActKind.CONFIRM_HOLDING}:
+        assert len({act.person for act in acts if act.target == unit_id}) == 2
+
+
+def test_they_take_their_time(fails: Fails) -> None:
+    def first_s(people: str) -> float:
+        return min(c.begun_s for c in fails("unit", people).result.courses if isinstance(c.item, Act))
+
+    quick_s = first_s("react = true, power_s = 10.0, sigma = 0.0, word_s = 0.0")
+    slow_s = first_s("react = true, power_s = 300.0, sigma = 0.0, word_s = 0.0")
+    assert quick_s - 36_030.0 == pytest.approx(10.0, abs=12.0)  # a stretch may be long while all stand
+    assert slow_s - quick_s == pytest.approx(290.0, abs=12.0)
+
+
+def test_the_same_run_has_the_same_staff(fails: Fails) -> None:
+    digests = {fails("manager", "react = true").result.digest for _ in range(2)}
+    assert len(digests) == 1
+    assert digests != {fails("manager", "react = true, picture_s = 90.0").result.digest}
+
+
+def test_nobody_reacts_unless_it_is_said() -> None:
+    assert not People().react
+
+
+def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> None:
+    """The block manager is off when the second person unbars: only who looks at its screen sees that."""
+    arrives: dict[str, bool] = {}
+    for react in ("true", "false"):
+        file = tmp_path / "bar.toml"
+        file.write_text(
+            'extends = "'
+            + find_drill("rtri/59_unit_barred")
+            + f'"\nid = "bar"\npeople.react = {react}\nexpect = []\n'
+            '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:20:06.5"\nduration_s = 60.0\n'
+            '[[patch.act.add]]\nkind = "reenter_assisted"\nstart = "10:21:30"\n',
+            "utf-8",
+        )
+        run = run_drill(str(file), Link.SIMULATED).run
+        arrives[react] = not run.result.unfinished
+        said = [act.person for act in _acts(run) if act.kind is ActKind.UNBAR_UNIT]
+        assert sorted(set(said)) == ["controller", "station staff"]
+        assert (len(said) > 2) is (react == "true")
+    assert arrives == {"true": True, "false": False}
