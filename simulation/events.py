@@ -163,11 +163,28 @@ class Acted(Noted, frozen=True, kw_only=True, tag="act"):
     section_ids: tuple[str, ...] = ()
 
 
+class Danger(Enum):
+    """What must never happen to a train on the track, and does; with the points where it is about some."""
+
+    CANNOT_TURN = "overran its track and cannot turn back"
+    END_OF_TRACK = "ran off the end of the track"
+    PANTOGRAPH_UP = "moved with its pantograph up"
+    NO_POSITION = "ran onto points {points} that lie in no position"
+    WRONG_WAY = "was sent the wrong way at points {points}"
+    SET_AGAINST = "ran through points {points} set against it"
+
+
 class Unsafe(Noted, frozen=True, kw_only=True, tag="unsafe"):
     """Something happened to a train on the track that must never happen."""
 
     unit_id: str
-    text: str
+    danger: Danger
+    points_id: str = ""
+
+    @property
+    def text(self) -> str:
+        """What happened, in words."""
+        return self.danger.value.format(points=self.points_id)
 
 
 class CameLate(Noted, frozen=True, kw_only=True, tag="came_late"):

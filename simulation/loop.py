@@ -24,7 +24,7 @@ from simulation.agenda import Agenda, Due, Item
 from simulation.cabs import CREW, Cabs
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.duties import Duties, WrongEnd
-from simulation.events import WORLD, Collision, TagPassed, Unsafe
+from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
 from simulation.faults.fault import VehiclePart
 from simulation.faults.injector import Injector
@@ -268,7 +268,7 @@ class Simulation:
         try:
             self._duties.take_up(slot, self._step)
         except WrongEnd:
-            self._unsafe(slot, "overran its track and cannot turn back")
+            self._unsafe(slot, Danger.CANNOT_TURN)
             self._broken = Ending.CANNOT_TURN
 
     def advance(self) -> None:
@@ -288,7 +288,7 @@ class Simulation:
         bits = [(slot, passed, events) for slot, (passed, events) in enumerate(both) if passed or events]
         for slot, passed, _ in bits:
             if passed & PASSED_FRONT and trains.at_end_of_track(slot):
-                self._unsafe(slot, "ran off the end of the track")
+                self._unsafe(slot, Danger.END_OF_TRACK)
                 self._broken = Ending.END_OF_TRACK
                 return
             if passed & PASSED_FRONT:
@@ -314,7 +314,7 @@ class Simulation:
     def _look_at_pantographs(self, charging: Charging) -> None:
         """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again."""
         for slot in charging.moved_connected():
-            self._unsafe(slot, "moved with its pantograph up")
+            self._unsafe(slot, Danger.PANTOGRAPH_UP)
         for slot in charging.look(self._step):
             if self.on_board.shown(slot).on_sight:
                 self._cabs.tell(slot, self._step, (Looked(),))
@@ -351,21 +351,22 @@ class Simulation:
             points = line.points[leaving.points_id]
             position = self.wayside.position_of(points.id)
             if position is None:
-                self._unsafe(slot, f"ran onto points {points.id} that lie in no position")
+                self._unsafe(slot, Danger.NO_POSITION, points.id)
                 return
             onto = points.normal_piece if position.value == "normal" else points.reverse_piece
             if onto != expected:
-                self._unsafe(slot, f"was sent the wrong way at points {points.id}")
+                self._unsafe(slot, Danger.WRONG_WAY, points.id)
                 self.trains.divert(slot, onto)
                 self._signs.look_ahead(slot)
         elif leaving.points_id and leaving.leg in (Leg.NORMAL, Leg.REVERSE) and entering.leg is Leg.STEM:
             position = self.wayside.position_of(leaving.points_id)
             if position is None or position.value != leaving.leg.value:
-                self._unsafe(slot, f"ran through points {leaving.points_id} set against it")
+                self._unsafe(slot, Danger.SET_AGAINST, leaving.points_id)
                 self.wayside.force(self._step, leaving.points_id)
 
-    def _unsafe(self, slot: int, text: str) -> None:
-        self.journal.write(self.now_s, WORLD, Unsafe(unit_id=self.trains.stock_ids[slot], text=text))
+    def _unsafe(self, slot: int, danger: Danger, points_id: str = "") -> None:
+        happened = Unsafe(unit_id=self.trains.stock_ids[slot], danger=danger, points_id=points_id)
+        self.journal.write(self.now_s, WORLD, happened)
 
     def _report(self, slot: int, passed: int, events: int) -> None:
         """Tell the unit what its sensors saw at the end of this step."""

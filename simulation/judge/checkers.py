@@ -326,10 +326,11 @@ class Checkers:
                 self._points.unlocked(t_s, points_id, bodies)
             case PointsForced(points_id=points_id):
                 self._points.lost(t_s, points_id, bodies)
-            case Unsafe(unit_id=unit_id, text=text):
+            case Unsafe(unit_id=unit_id):
                 body = self._bodies.get(unit_id)
                 if self._rail.outside(t_s, unit_id) or (body is not None and body.overrun):
-                    self._log.note_outside(t_s, "unsafe", f"{unit_id} {text}", f"{unit_id} {text}")
+                    text = f"{unit_id} {event.text}"
+                    self._log.note_outside(t_s, "unsafe", text, text)
             case Collision(text=text):  # `sumo-collision`: SUMO's own check found two trains in one place
                 self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
             case _:

@@ -30,11 +30,12 @@ class Checker(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """The first breach of one rule by one subject; `checker` is a name of `Checker`."""
+    """The first breach of one rule by one subject, whose ids it names; `checker` is a name of `Checker`."""
 
     t_s: float
     checker: str
     text: str
+    subject: str = ""
 
 
 class Log:
@@ -54,11 +55,11 @@ class Log:
             self.note_outside(t_s, checker.value, subject, text)
             return
         self._counts[checker.value] += 1
-        self._first.setdefault((checker, subject), Violation(t_s, checker.value, text))
+        self._first.setdefault((checker, subject), Violation(t_s, checker.value, text, subject))
 
     def note_outside(self, t_s: float, what: str, subject: str, text: str) -> None:
         """Write down what is outside the design: a checker's breach, or something else."""
-        self._outside.setdefault((what, subject), Violation(t_s, what, text))
+        self._outside.setdefault((what, subject), Violation(t_s, what, text, subject))
 
     @property
     def outside(self) -> tuple[Violation, ...]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from typing import Any, Final
 
 from study.compare.changes import InputChange, input_changes
 from study.compare.measures import TABLES, Measure, Row, compare_rows, measures_of
-from study.compare.meets import MeetChange, compare_meets
+from study.compare.meets import Fate, MeetChange, compare_meets
 from study.compare.side import Side
 from study.compare.times import Times, compare_times
 from study.run.tables import RunTables
+from study.wording import compared as words
+from study.wording.phrase import Phrase, joined
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,62 +130,78 @@ def compare_two(base: Side, new: Side, over_s: float) -> Comparison:
 
 
 def verdict_of(found: Comparison) -> tuple[str, ...]:
+    """`verdict_said` in English."""
+    return tuple(said.en for said in verdict_said(found))
+
+
+def verdict_said(found: Comparison) -> tuple[Phrase, ...]:
     """What changed, in sentences: what a planner wants to know first."""
     if found.nothing_differs:
-        inputs = "from the same inputs" if found.same_inputs else "though the inputs differ"
-        return (f"Nothing differs at all, {inputs}: the journals of both runs are the same.",)
+        inputs = words.SAME_INPUTS if found.same_inputs else words.OTHER_INPUTS
+        return (words.NOTHING_AT_ALL.of(inputs=inputs),)
     times = found.times
     told = [_moved(found)]
     for numbers, where in ((times.only_new, found.new), (times.only_base, found.base)):
         if numbers:
-            told.append(f"Only in {where}: {_trains(numbers)}.")
+            told.append(words.ONLY_IN.of(where=where, trains=_trains(numbers)))
     if times.once:
-        told.append(
-            f"{_count(len(times.once), 'arrival or departure', 'arrivals and departures')} of trains that"
-            " run in both came in one run only."
-        )
+        told.append(words.CAME_ONCE.of(count=_count(len(times.once), _TIME)))
     told.append(_meets(found.meets))
     for texts, where in ((found.broken_new, found.new), (found.broken_base, found.base)):
         if texts:
-            told.append(f"Broken only in {where}: {'; '.join(texts)}.")
+            told.append(words.BROKEN_ONLY.of(where=where, texts="; ".join(texts)))
     return tuple(told)
 
 
-def _moved(found: Comparison) -> str:
+def _moved(found: Comparison) -> Phrase:
     """The sentence on times."""
-    times, over = found.times, f"{found.over_s:g} s"
+    times = found.times
     if not times.compared:
-        return "No arrival and no departure came in both runs: there is nothing to compare."
-    both = f"{times.compared:,} arrivals and departures"
-    largest = f"the largest difference is {times.largest_s:.1f} s"
+        return words.NONE_COMPARED
+    over = words.SECONDS.of(over_s=found.over_s)
+    both = words.BOTH.of(count=f"{times.compared:,}")
+    largest = words.LARGEST.of(largest_s=times.largest_s)
     if not times.moved:
-        return f"Nothing moved by more than {over}: {both} compared, {largest}."
-    trains = {moved.train for moved in times.moved}
+        return words.NOTHING_MOVED.of(over=over, both=both, largest=largest)
     later = sum(moved.by_s > 0.0 for moved in times.moved)
-    return (
-        f"{len(times.moved):,} of {both} moved by more than {over}, {later:,} later and"
-        f" {len(times.moved) - later:,} earlier, of {_count(len(trains), 'train', 'trains')}; {largest}."
+    return words.MOVED.of(
+        count=f"{len(times.moved):,}",
+        both=both,
+        over=over,
+        later=f"{later:,}",
+        earlier=f"{len(times.moved) - later:,}",
+        trains=_count(len({moved.train for moved in times.moved}), _TRAIN),
+        largest=largest,
     )
 
 
-def _meets(meets: Sequence[MeetChange]) -> str:
+def _meets(meets: Sequence[MeetChange]) -> Phrase:
     """The sentence on meets."""
     if not meets:
-        return "No meet moved."
-    counts: dict[str, int] = {}
-    for change in meets:
-        counts[change.fate.value] = counts.get(change.fate.value, 0) + 1
-    each = ", ".join(
-        f"{count} {'at ' if fate == 'another time' else ''}{fate}" for fate, count in counts.items()
-    )
-    return f"{_count(len(meets), 'meet', 'meets')} changed: {each}."
+        return words.NO_MEET
+    counts = Counter(change.fate for change in meets)
+    each = joined(FATES[fate].of(count=count) for fate, count in counts.items())
+    return words.MEETS.of(count=_count(len(meets), _MEET), each=each)
 
 
-def _trains(numbers: Sequence[str]) -> str:
-    shown = ", ".join(numbers[:8])
-    rest = len(numbers) - 8
-    return f"{'train' if len(numbers) == 1 else 'trains'} {shown}{f' and {rest} more' if rest > 0 else ''}"
+def _trains(numbers: Sequence[str]) -> Phrase:
+    shown, rest = ", ".join(numbers[:8]), len(numbers) - 8
+    form = words.ONE_TRAIN if len(numbers) == 1 else words.MORE_TRAINS if rest > 0 else words.TRAINS
+    return form.of(shown=shown, rest=rest)
 
 
-def _count(count: int, one: str, more: str) -> str:
-    return f"{count:,} {one if count == 1 else more}"
+FATES: Final[Mapping[Fate, Phrase]] = {
+    Fate.ELSEWHERE: Phrase("{count} elsewhere", "場所 {count}"),
+    Fate.OTHER_TIME: Phrase("{count} at another time", "時刻 {count}"),
+    Fate.GONE: Phrase("{count} gone", "消滅 {count}"),
+    Fate.NEW: Phrase("{count} new", "新規 {count}"),
+}
+# One and several of a thing, and how Japanese counts it.
+_TIME: Final = ("arrival or departure", "arrivals and departures", " 件")
+_TRAIN: Final = ("train", "trains", " 本")
+_MEET: Final = ("meet", "meets", "")
+
+
+def _count(count: int, names: tuple[str, str, str]) -> Phrase:
+    one, more, counter = names
+    return Phrase(f"{count:,} {one if count == 1 else more}", f"{count:,}{counter}")

@@ -12,8 +12,11 @@ from study.compare.measures import Measure, Row, Value, columns_in, names_in, so
 from study.compare.meets import MeetChange, RunMeet
 from study.compare.side import Side
 from study.compare.times import Moved, What
-from study.report.data import place_name
+from study.report.data import place_said
 from study.report.parts import Grid, signed
+from study.wording.compared import EARLIER, HEADING, LATER, phrase, word
+from study.wording.phrase import Language, Phrase, joined
+from study.wording.telegrams import telegram
 
 SAME: Final = "="
 NONE: Final = "–"
@@ -36,21 +39,21 @@ _SHOWN: Final[Mapping[str, tuple[tuple[str, str, int], ...]]] = {
 }
 
 
-def measures_grid(found: Comparisons, *, changed_only: bool = False) -> Grid:
+def measures_grid(found: Comparisons, language: Language = "en", *, changed_only: bool = False) -> Grid:
     """A row a figure, a column a run; with two runs their difference stands in a column of its own."""
     labels = [side.label for side in found.sides]
     rows: list[tuple[str, ...]] = []
     for measure in found.measures:
         if changed_only and not changed(measure):
             continue
-        unit = f", {measure.unit}" if measure.unit else ""
+        unit = f", {word(measure.unit, language)}" if measure.unit else ""
         cells = [
-            _value(measure, index) + (_apart(measure, index) if len(labels) > 2 else "")
+            _value(measure, index, language) + (_apart(measure, index) if len(labels) > 2 else "")
             for index in range(len(labels))
         ]
         last = (_by(measure, 1),) if len(labels) == 2 else ()
-        rows.append((measure.group, f"{measure.name}{unit}", *cells, *last))
-    header = ("", "", *labels, *(("difference",) if len(labels) == 2 else ()))
+        rows.append((word(measure.group, language), f"{word(measure.name, language)}{unit}", *cells, *last))
+    header = ("", "", *labels, *((word("difference", language),) if len(labels) == 2 else ()))
     return Grid(header, tuple(rows), numbers_from=2)
 
 
@@ -59,13 +62,17 @@ def changed(measure: Measure) -> bool:
     return any(_by(measure, index) != SAME for index in range(1, len(measure.values)))
 
 
-def inputs_grid(found: Comparison) -> Grid:
+def inputs_grid(found: Comparison, language: Language = "en") -> Grid:
     """Inputs that differ, with who patched them."""
-    rows = tuple((c.file, c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs)
-    return Grid(("file", "key", "old", "new", "set by"), rows)
+    rows = tuple(
+        (word(c.file, language), c.key, _json(c.old), _json(c.new), ", ".join(c.by)) for c in found.inputs
+    )
+    return Grid(_heads(language, "file", "key", "old", "new", "set by"), rows)
 
 
-def moved_grid(found: Comparison, new: Side, *, largest_first: bool = False) -> Grid:
+def moved_grid(
+    found: Comparison, new: Side, language: Language = "en", *, largest_first: bool = False
+) -> Grid:
     """Every time that moved, in order of time or the largest first."""
     listed = list(found.times.moved)
     if largest_first:
@@ -73,20 +80,21 @@ def moved_grid(found: Comparison, new: Side, *, largest_first: bool = False) -> 
     rows = tuple(
         (
             moved.train,
-            moved.direction,
-            place_name(new.run, moved.station),
-            moved.what.value,
+            word(moved.direction, language),
+            place_said(new.run, moved.station).in_(language),
+            word(moved.what.value, language),
             _clock(moved.old_s),
             _clock(moved.new_s),
-            _later(moved.by_s),
-            NONE if moved.plan_by_s is None else signed(moved.plan_by_s, 0, "s"),
+            _later(moved.by_s).in_(language),
+            NONE if moved.plan_by_s is None else signed(moved.plan_by_s, 0, word("s", language)),
         )
         for moved in listed
     )
-    return Grid(("train", "", "station", "what", "old", "new", "moved", "by plan"), rows, numbers_from=4)
+    header = _heads(language, "train", "", "station", "what", "old", "new", "moved", "by plan")
+    return Grid(header, rows, numbers_from=4)
 
 
-def moved_matrix(found: Comparison, new: Side) -> Grid:
+def moved_matrix(found: Comparison, new: Side, language: Language = "en") -> Grid:
     """A row a train that moved, a column a station: seconds of arrival / departure, a dot where it did not move."""
     by_train: dict[str, dict[str, dict[What, Moved]]] = {}
     for moved in found.times.moved:
@@ -96,66 +104,92 @@ def moved_matrix(found: Comparison, new: Side) -> Grid:
     rows = tuple(
         (
             train,
-            new.run.directions[train].name.lower(),
+            word(new.run.directions[train].name.lower(), language),
             *(_cell(by_train[train].get(p.id, {})) for p in places),
         )
         for train in new.run.trains
         if train in by_train
     )
-    return Grid(("train", "", *(place.name for place in places)), rows, numbers_from=2)
+    names = (place_said(new.run, place.id).in_(language) for place in places)
+    return Grid((*_heads(language, "train", ""), *names), rows, numbers_from=2)
 
 
-def once_grid(found: Comparison, new: Side) -> Grid:
+def once_grid(found: Comparison, new: Side, language: Language = "en") -> Grid:
     """Arrivals and departures that came in one of the runs only."""
     rows = tuple(
         (
             once.train,
-            place_name(new.run, once.station),
-            once.what.value,
+            place_said(new.run, once.station).in_(language),
+            word(once.what.value, language),
             found.new if once.in_new else found.base,
             _clock(once.at_s),
         )
         for once in found.times.once
     )
-    return Grid(("train", "station", "what", "only in", "at"), rows, numbers_from=4)
+    return Grid(_heads(language, "train", "station", "what", "only in", "at"), rows, numbers_from=4)
 
 
-def meets_grid(found: Comparison, base: Side, new: Side) -> Grid:
+def meets_grid(found: Comparison, base: Side, new: Side, language: Language = "en") -> Grid:
     """Meets that moved, came or went."""
 
     def place(side: Side, meet: RunMeet | None) -> str:
-        return (
-            NONE
-            if meet is None
-            else f"{' – '.join(place_name(side.run, at) for at in meet.at)} {_clock(meet.time_s)}"
-        )
+        if meet is None:
+            return NONE
+        where = joined((place_said(side.run, at) for at in meet.at), " – ", "～")
+        return f"{where.in_(language)} {_clock(meet.time_s)}"
 
     def later(change: MeetChange) -> str:
-        return change.why or (NONE if change.by_s is None else _later(change.by_s))
+        if change.why.en:
+            return change.why.in_(language)
+        return NONE if change.by_s is None else _later(change.by_s).in_(language)
 
     rows = tuple(
-        (c.down_train, c.up_train, c.fate.value, place(base, c.old), place(new, c.new), later(c))
+        (
+            c.down_train,
+            c.up_train,
+            word(c.fate.value, language),
+            place(base, c.old),
+            place(new, c.new),
+            later(c),
+        )
         for c in found.meets
     )
-    return Grid(("down", "up", "meet", "old", "new", "moved"), rows)
+    return Grid(_heads(language, "down", "up", "meet", "old", "new", "moved"), rows)
 
 
-def rows_grid(found: Comparison, table: str, new: Side) -> Grid:
+def rows_grid(found: Comparison, table: str, new: Side, language: Language = "en") -> Grid:
     """What differs in margins, energy, telegrams or stops, by more than can be left out, most first."""
     shown = _SHOWN[table]
     first = shown[0][0]
     listed = [row for row in found.rows[table] if any(_told(row, *column) for column in shown)]
     names: Callable[[Row], tuple[str, ...]] = lambda row: tuple(  # noqa: E731
-        place_name(new.run, name) if "station" in column else name
-        for column, name in zip(names_in(table), row.names, strict=True)
+        _name(new, column, name, language) for column, name in zip(names_in(table), row.names, strict=True)
     )
     rows = tuple(
         (*names(row), *(text for column, _, digits in shown for text in _old_new_by(row, column, digits)))
         for row in sorted_by(listed, first)
     )
-    headings = [text for _, heading, _ in shown for text in (f"{heading}: old", "new", "by")]
-    titles = (column.removesuffix("_station").replace("_", " ") for column in names_in(table))
+    headings = [
+        text
+        for _, heading, _ in shown
+        for text in (HEADING.of(what=phrase(heading)).in_(language), *_heads(language, "new", "by"))
+    ]
+    titles = _heads(language, *(_title(column) for column in names_in(table)))
     return Grid((*titles, *headings), rows, numbers_from=len(names_in(table)))
+
+
+def _name(side: Side, column: str, name: str, language: Language) -> str:
+    if "station" in column:
+        return place_said(side.run, name).in_(language)
+    return telegram(name).in_(language) if column == "kind" else name
+
+
+def _title(column: str) -> str:
+    return column.removesuffix("_station").replace("_", " ")
+
+
+def _heads(language: Language, *names: str) -> tuple[str, ...]:
+    return tuple(word(name, language) for name in names)
 
 
 def columns_of(table: str) -> tuple[str, ...]:
@@ -185,8 +219,8 @@ def _old_new_by(row: Row, column: str, digits: int) -> tuple[str, str, str]:
     return _number(old, digits), _number(new, digits), by
 
 
-def _value(measure: Measure, index: int) -> str:
-    text, where = _number(measure.values[index], measure.digits), measure.where[index]
+def _value(measure: Measure, index: int, language: Language) -> str:
+    text, where = _number(measure.values[index], measure.digits), measure.where[index].in_(language)
     return f"{text} ({where})" if where else text
 
 
@@ -219,8 +253,8 @@ def _cell(moved: Mapping[What, Moved]) -> str:
     return " / ".join(signed(moved[what].by_s, 0) if what in moved else "·" for what in ends)
 
 
-def _later(by_s: float) -> str:
-    return f"{abs(by_s):.1f} s {'later' if by_s > 0 else 'earlier'}"
+def _later(by_s: float) -> Phrase:
+    return (LATER if by_s > 0 else EARLIER).of(by_s=abs(by_s))
 
 
 def _clock(time_s: float) -> str:

@@ -14,9 +14,11 @@ from study.compare.side import Side
 from study.compare.times import What
 from study.measures.driving import driven
 from study.measures.missing import planned_times
-from study.report.data import place_name
+from study.report.data import place_said
 from study.run.driving import read_hops
 from study.run.summary import ENERGIES, TELEGRAM_COUNTS, arrived_trains, energy_summary
+from study.wording import compared as words
+from study.wording.phrase import NOTHING, Phrase, joined
 
 # Minutes as punctuality is told in, and the 15 s in which Japanese timetables are planned.
 NOT_LATE_S: Final = (
@@ -35,7 +37,7 @@ class Figure:
     unit: str
     digits: int
     value: Value
-    where: str = ""
+    where: Phrase = NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class Measure:
     unit: str
     digits: int
     values: tuple[Value, ...]
-    where: tuple[str, ...]
+    where: tuple[Phrase, ...]
 
     def by(self, index: int) -> Value:
         """How much more it is in a run than in the first; None where either has none."""
@@ -56,7 +58,7 @@ class Measure:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        return asdict(self)
+        return asdict(self) | {"where": tuple(place.en for place in self.where)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +126,8 @@ def _punctuality(side: Side, what: What) -> Iterator[Figure]:
     yield Figure(group, "planned", "", 0, float(planned.height))
     for most_s in WITHIN_S:
         kept = came.filter(late <= most_s).height
-        most = f"{most_s} s" if most_s < 60 else f"{most_s // 60} min"
-        name = f"not late (within {most})" if most_s == NOT_LATE_S else f"at most {most} late"
+        form = words.NOT_LATE if most_s == NOT_LATE_S else words.AT_MOST
+        name = form.of(most=words.span(most_s)).en
         yield Figure(group, name, "%", 1, 100.0 * kept / planned.height if planned.height else None)
     yield Figure(group, "never came", "", 0, float(planned.height - came.height))
     yield Figure(group, "mean lateness", "s", 1, _number(planned["late_s"].mean()))
@@ -168,8 +170,8 @@ def _energy(side: Side) -> Iterator[Figure]:
 def _driving(side: Side) -> Iterator[Figure]:
     """Means over the hops as `study.measures.driving.driven` has them; none of a run without any."""
     whole = driven(read_hops(side.run.tables.driving))
-    for name, words, unit, digits in _DRIVEN:
-        yield Figure("driving", words, unit, digits, None if whole is None else getattr(whole, name))
+    for name, said, unit, digits in _DRIVEN:
+        yield Figure("driving", said, unit, digits, None if whole is None else getattr(whole, name))
 
 
 def _stop_errors(side: Side) -> Iterator[Figure]:
@@ -186,17 +188,19 @@ def _stop_errors(side: Side) -> Iterator[Figure]:
     yield Figure("stops at the mark", "largest error", "m", 3, _number(error_m.abs().max()), where)
 
 
-def _at_station(side: Side, stops: pl.DataFrame) -> str:
+def _at_station(side: Side, stops: pl.DataFrame) -> Phrase:
     """Train and station of the first row."""
-    return f"{stops['train'][0]} at {place_name(side.run, stops['station'][0])}" if stops.height else ""
+    if stops.is_empty():
+        return NOTHING
+    return words.AT_STATION.of(train=stops["train"][0], place=place_said(side.run, stops["station"][0]))
 
 
-def _on_hop(side: Side, margins: pl.DataFrame) -> str:
+def _on_hop(side: Side, margins: pl.DataFrame) -> Phrase:
     """Train and hop of the first row."""
     if margins.is_empty():
-        return ""
-    ends = (place_name(side.run, margins[f"{end}_station"][0]) for end in ("from", "to"))
-    return f"{margins['train'][0]} {' – '.join(ends)}"
+        return NOTHING
+    ends = joined((place_said(side.run, margins[f"{end}_station"][0]) for end in ("from", "to")), " – ", "～")
+    return joined((Phrase(margins["train"][0]), ends), " ", " ")
 
 
 # Of all hops together: the field, its words, its unit, digits.

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from network.model import Direction, Line
 from study.report.data import Run
+from study.wording import compared as words
+from study.wording.phrase import NOTHING, Phrase, joined
 
 Floats: TypeAlias = NDArray[np.float64]
 Pair: TypeAlias = tuple[str, str]  # the train that runs down, and the one that runs up
@@ -48,7 +50,7 @@ class MeetChange:
     fate: Fate
     old: RunMeet | None
     new: RunMeet | None
-    why: str = ""
+    why: Phrase = NOTHING
 
     @property
     def by_s(self) -> float | None:
@@ -65,7 +67,7 @@ class MeetChange:
         for name, meet in (("old", self.old), ("new", self.new)):
             row[f"{name}_at"] = None if meet is None else " – ".join(meet.at)
             row[f"{name}_s"] = None if meet is None else meet.time_s
-        return row | {"by_s": self.by_s, "why": self.why}
+        return row | {"by_s": self.by_s, "why": self.why.en}
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,8 +165,9 @@ def _change(
     missing_in = runs[1] if new is None else runs[0]
     ran = {number for _, number in missing_in.courses}
     absent = [number for number in pair if number not in ran]
-    which = "new" if new is None else "base"
-    why = f"{' and '.join(absent)} did not run in the {which} run" if absent else ""
+    which = words.phrase("new" if new is None else "base")
+    trains = joined(map(Phrase, absent), words.AND.en, words.AND.ja)
+    why = words.DID_NOT_RUN.of(trains=trains, which=which) if absent else NOTHING
     return MeetChange(*pair, Fate.GONE if new is None else Fate.NEW, old, new, why)
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from study.compare.comparison import Comparison, Comparisons, verdict_of
+from study.compare.comparison import Comparison, Comparisons, verdict_said
 from study.compare.graph import draw_both
 from study.compare.grids import (
     inputs_grid,
@@ -18,39 +19,55 @@ from study.compare.grids import (
 )
 from study.compare.measures import TABLES
 from study.compare.side import Side
-from study.report.parts import Part
+from study.report.parts import Grid, Part
 from study.report.style import svg_of
+from study.wording import compared as words
+from study.wording.phrase import NOTHING, Language, Phrase, joined
 
 OPEN_ROWS: Final = 40  # longer tables are folded
 _GRAPH_HELP: Final = (
     "Trains that moved: thick in colour as they ran, thin and dashed as they ran in the other run."
     " Pale: not moved."
 )
+_INPUTS: Final = Phrase("Inputs that differ", "入力の相違")
+_MOVED: Final = Phrase("Times that moved", "変化した着発時刻")
+_MOVED_HELP: Final = Phrase(
+    "Seconds by which arrival / departure moved, where by more than {over} s; + is later in {label}.",
+    "着／発の変化（秒、{over} 秒を超えるもの）。＋は {label} の方が遅い",
+)
+_EVERY_TIME: Final = Phrase("Every time that moved", "変化した着発時刻の一覧")
+_ONCE: Final = Phrase("Came in one run only", "一方の走行だけの着発")
+_ONCE_HELP: Final = Phrase("Of trains that run in both.", "両走行に共通の列車のもの")
+_MEETS: Final = Phrase("Meets that moved", "変化した行違い")
+_MEETS_HELP: Final = Phrase(
+    "As run: where and when the fronts passed.", "走行実績で、列車の先頭どうしがすれ違った時刻と場所"
+)
 _ROWS: Final = {
     "margins": (
-        "Margins that differ",
-        "As planned over the least running time, and what was left on arrival.",
-        "余裕時分の相違",
-        "計画の余裕（最小運転時分に対する）と、到着時に残った余裕",
+        Phrase("Margins that differ", "余裕時分の相違"),
+        Phrase(
+            "As planned over the least running time, and what was left on arrival.",
+            "計画の余裕（最小運転時分に対する）と、到着時に残った余裕",
+        ),
     ),
     "energy": (
-        "Energy by train",
-        "What differs, the largest difference first.",
-        "列車別電力量",
-        "相違のあるもの、差の大きい順",
+        Phrase("Energy by train", "列車別電力量"),
+        Phrase("What differs, the largest difference first.", "相違のあるもの、差の大きい順"),
     ),
     "driving": (
-        "Driving by hop",
-        "Traction less what came back, notches, coasting and arrival; the largest difference first.",
-        "駅間ごとの運転",
-        "力行から回生を引いた電力量、ノッチ、惰行、到着。差の大きい順",
+        Phrase("Driving by hop", "駅間ごとの運転"),
+        Phrase(
+            "Traction less what came back, notches, coasting and arrival; the largest difference first.",
+            "力行から回生を引いた電力量、ノッチ、惰行、到着。差の大きい順",
+        ),
     ),
-    "telegrams": ("Telegrams by kind", "", "電文の種別", ""),
+    "telegrams": (Phrase("Telegrams by kind", "電文の種別"), NOTHING),
     "stops": (
-        "Stops at the mark",
-        "Errors that differ by a millimetre or more; beyond the mark is positive.",
-        "停止位置",
-        "誤差が 1 mm 以上異なるもの。行き過ぎが正",
+        Phrase("Stops at the mark", "停止位置"),
+        Phrase(
+            "Errors that differ by a millimetre or more; beyond the mark is positive.",
+            "誤差が 1 mm 以上異なるもの。行き過ぎが正",
+        ),
     ),
 }
 
@@ -63,45 +80,22 @@ def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) ->
     """
     pair, base, new = found.pairs[index], found.sides[0], found.sides[index + 1]
     two = found.of_two(index)
-    first = Part(
-        f"What changed against {base.label}",
-        " ".join(verdict_of(pair)),
-        grids=(measures_grid(two),),
-        title_ja=f"{base.label} からの変化",
+    first = _part(
+        words.CHANGED.of(label=base.label),
+        joined(verdict_said(pair), " ", ""),
+        lambda language: measures_grid(two, language),
     )
     if pair.nothing_differs:
         return (first,)
+    over, seen = f"{pair.over_s:g}", new.label
     listed = [
-        Part(
-            "Inputs that differ",
-            _inputs_text(pair),
-            grids=(inputs_grid(pair),),
-            title_ja="入力の相違",
-            caption_ja=f"{len(pair.inputs):,} 件（両走行の変更指定を反映）",
+        _part(_INPUTS, _inputs_text(pair), lambda language: inputs_grid(pair, language)),
+        _part(
+            _MOVED, _MOVED_HELP.of(over=over, label=seen), lambda language: moved_matrix(pair, new, language)
         ),
-        Part(
-            "Times that moved",
-            f"Seconds by which arrival / departure moved, where by more than {pair.over_s:g} s; + is later in"
-            f" {new.label}.",
-            grids=(moved_matrix(pair, new),),
-            title_ja="変化した着発時刻",
-            caption_ja=f"着／発の変化（秒、{pair.over_s:g} 秒を超えるもの）。＋は {new.label} の方が遅い",
-        ),
-        Part("Every time that moved", "", grids=(moved_grid(pair, new),), title_ja="変化した着発時刻の一覧"),
-        Part(
-            "Came in one run only",
-            "Of trains that run in both.",
-            grids=(once_grid(pair, new),),
-            title_ja="一方の走行だけの着発",
-            caption_ja="両走行に共通の列車のもの",
-        ),
-        Part(
-            "Meets that moved",
-            "As run: where and when the fronts passed.",
-            grids=(meets_grid(pair, base, new),),
-            title_ja="変化した行違い",
-            caption_ja="走行実績で、列車の先頭どうしがすれ違った時刻と場所",
-        ),
+        _part(_EVERY_TIME, NOTHING, lambda language: moved_grid(pair, new, language)),
+        _part(_ONCE, _ONCE_HELP, lambda language: once_grid(pair, new, language)),
+        _part(_MEETS, _MEETS_HELP, lambda language: meets_grid(pair, base, new, language)),
         *(_of_table(pair, table, new) for table in TABLES),
     ]
     both = (
@@ -112,20 +106,31 @@ def parts_against(found: Comparisons, index: int = 0, *, graphs: bool = True) ->
     return (first, *both, *(_folded(part) for part in listed if part.grids[0].rows))
 
 
+def _part(title: Phrase, caption: Phrase, grid: Callable[[Language], Grid]) -> Part:
+    """A part with one table, in both languages."""
+    return Part(
+        title.en,
+        caption.en,
+        grids=(grid("en"),),
+        grids_ja=(grid("ja"),),
+        title_ja=title.in_("ja"),
+        caption_ja=caption.in_("ja"),
+    )
+
+
 def _of_table(pair: Comparison, table: str, new: Side) -> Part:
     """What differs in one of the tables."""
-    title, caption, title_ja, caption_ja = _ROWS[table]
-    return Part(
-        title, caption, grids=(rows_grid(pair, table, new),), title_ja=title_ja, caption_ja=caption_ja
-    )
+    title, caption = _ROWS[table]
+    return _part(title, caption, lambda language: rows_grid(pair, table, new, language))
 
 
 def _folded(part: Part) -> Part:
     """A long table is folded; its line says how long."""
     count = len(part.grids[0].rows)
-    return part if count <= OPEN_ROWS else replace(part, folded=f"{count:,} rows")
+    folded = words.ROWS.of(count=f"{count:,}")
+    return part if count <= OPEN_ROWS else replace(part, folded=folded.en, folded_ja=folded.in_("ja"))
 
 
-def _inputs_text(pair: Comparison) -> str:
+def _inputs_text(pair: Comparison) -> Phrase:
     count = len(pair.inputs)
-    return f"{count:,} {'difference' if count == 1 else 'differences'}, the patches of both runs carried out."
+    return words.ONE_DIFFERENCE if count == 1 else words.DIFFERENCES.of(count=f"{count:,}")

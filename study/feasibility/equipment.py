@@ -26,11 +26,13 @@ from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.finding import Finding, Kind, Severity, minute
 from study.feasibility.fixes import Fixed, fixes_on, measured_growth
 from study.feasibility.planned import PlannedDay, PlannedTrain, Stand
+from study.run.summary import OFF_MARK_M
 
 RESERVE_M: Final = 1.0  # what supervision keeps beyond that
 BEFORE_LIMIT_M: Final = LIMIT_MARGIN_M + RESERVE_M  # trains stop this far before a limit, and their bound
 MEASURED_OVER_M: Final = 1000.0  # assumed: tags this far apart measure the wheels
 MEASURED_SHARE: Final = 0.001  # assumed: what is left of their error then, 1 m in those 1000 m
+NEAR_M: Final = 15.0  # where the last of the tags before a mark lies by the rule of `network.tag_layout`
 LOOK_EVERY_M: Final = 20.0  # a covered stretch shorter than this is not looked for
 
 
@@ -208,6 +210,7 @@ def _mark(way: _Way, target: Target) -> Iterator[Finding]:
     lost = bound_m > unit.doubt_bound_max_m and short_m > ARRIVED_WITHIN_M
     spare_m = CALLS_SHORT_M if _by_eye(way, target) else max(CALLS_SHORT_M, _spare_m(way, target))
     if not lost and short_m <= max(CALLS_SHORT_M, _spare_m(way, target)) and off_m <= spare_m:
+        yield from _wide(way, target, short_m, off_m)
         return
     if not way.reads_tags:
         yield _to_be_brought(way, target, max(short_m, off_m), bound_m)
@@ -223,6 +226,28 @@ def _mark(way: _Way, target: Target) -> Iterator[Finding]:
     remedy = f"a position tag at most {within_m:.0f} m before the mark ({way.km(target.mark_m)})"
     way.mended_m.append(target.mark_m)
     yield way.finding(Kind.TAG, Severity.IMPOSSIBLE, stand, (text, remedy))
+
+
+def _wide(way: _Way, target: Target, short_m: float, off_m: float) -> Iterator[Finding]:
+    """A stop that is made, but farther off its mark than a run's summary calls at it; told once a place and cause."""
+    misses_m = max(short_m, off_m)
+    if misses_m <= OFF_MARK_M or not way.reads_tags:
+        return
+    stand, (_, name), mark = way.stand_at(target), way.place(target), way.km(target.mark_m)
+    head = f"{way.train.number} would stop "
+    at = f" its mark at {name} at {minute(stand.arrives_s)}"
+    if short_m > off_m:
+        limit_m = _limit_m(way, target)
+        text = f"{head}{short_m:.1f} m short of{at}: it may go no more than {limit_m - target.mark_m:.1f} m beyond"
+        room_m = BEFORE_LIMIT_M + way.setup.unit.tag_accuracy_m
+        remedy = f"the mark ({mark}) {room_m:.0f} m or more before the end of what is held there, or a tag nearer to it"
+    else:
+        since_m = way.run_since_tag_m(target.mark_m)
+        text = (
+            f"{head}perhaps {off_m:.1f} m off{at}: nothing tells it where it is for {since_m:.0f} m before it"
+        )
+        remedy = f"a position tag at most {NEAR_M:.0f} m before the mark ({mark})"
+    yield way.finding(Kind.STOP, Severity.TIGHT, stand, (text, remedy))
 
 
 def _to_be_brought(way: _Way, target: Target, misses_m: float, bound_m: float) -> Finding:

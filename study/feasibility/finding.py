@@ -42,6 +42,7 @@ class Kind(Enum):
     TURN_BACK = "turn-back time"
     LAYOVER = "layover"
     TAG = "tag missing"
+    STOP = "stop off its mark"
     COVERAGE = "no radio"
     CHARGE = "charge"  # of a battery
     CIRCLE = "trains wait for each other"

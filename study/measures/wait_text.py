@@ -3,72 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 from network.clock import clock
-from network.model import Line
 from study.measures.wait import Asked, Cause, Wait
+from study.wording.phrase import Language, Names, Phrase
+from study.wording.reasons import reason
 from wayside.config import MANAGER_ID
 
-Language = Literal["en", "ja"]
-
-
-@dataclass(frozen=True, slots=True)
-class Name:
-    """What people call a station."""
-
-    en: str
-    ja: str
-
-    def in_(self, language: Language) -> str:
-        """The name in a language; in English where it has no other."""
-        return (self.ja or self.en) if language == "ja" else self.en
-
-
-Names = Mapping[str, Name]
-
-
-def names_of(line: Line) -> Names:
-    """Names of the stations of a line, by id."""
-    return {station.id: Name(station.name, station.name_ja) for station in line.stations.values()}
-
-
-_REASONS: Final[Mapping[str, Name]] = {
-    "": Name("", ""),
-    "no power": Name("it has no power", "電源が切れています"),
-    "frozen": Name("it does nothing (frozen)", "動作を停止しています"),
-    "cable cut": Name("the cable to the centre is cut", "センターへの通信ケーブルが切断されています"),
-    "undefined": Name("it does not know yet what every unit holds", "在線状態が復元されておらず未定義です"),
-    "unknown route": Name("it knows no such route", "そのような進路がありません"),
-    "unknown section": Name("it knows no such section", "そのような閉そく区間がありません"),
-    "not connected": Name("the train does not hold the track before it", "手前の区間を確保していません"),
-    "not signed on": Name("this boot of the unit has not signed on", "在線登録がされていません"),
-    "still holding": Name("the train holds more than the portal", "入出区間のほかにも閉そくを確保しています"),
-    "stale token": Name("the unit's token is not the newest", "トークンが最新ではありません"),
-    "claim needed": Name("a person must say what the train holds", "確保区間を人が入力する必要があります"),
-    "wrong unit": Name("the unit named is not the sender", "送信した装置と名乗りが一致しません"),
-    "unknown points": Name("the terminal has no such points", "その転てつ機は端末にありません"),
-    "wrong section": Name("the points lie in another section", "転てつ機は別の区間にあります"),
-    "bad capability": Name("the terminal finds no such grant", "その確保は端末で確認できません"),
-    "old token": Name("a newer holder has commanded since", "後の確保者がすでに制御しました"),
-    "locked": Name("they are locked the other way", "反対側に鎖錠されています"),
-    "not detected": Name(
-        "position or lock did not prove in time", "時間内に転換・鎖錠が確認できませんでした"
-    ),
-    "locked by hand": Name("a crew has locked them on the spot", "乗務員が現地で鎖錠しています"),
-    "doors not closed": Name("its doors do not show closed", "扉の閉が確認できません"),
-    "brake not in order": Name("its brake is not in order", "ブレーキに異常があります"),
-    "the register has less": Name(
-        "the register has less than the train holds", "管理装置の登録が列車の確保より少なくなっています"
-    ),
-}
-_ASKED: Final[Mapping[Asked, Name]] = {
-    Asked.NOTHING: Name("its command", "制御"),
-    Asked.SIGN_ON: Name("its sign-on", "在線登録"),
-    Asked.SIGN_OFF: Name("its sign-off", "在線抹消"),
-    Asked.ROUTE: Name("its request for a route", "進路"),
-    Asked.REPORT: Name("its report of what it holds", "確保区間の報告"),
+_ASKED: Final[Mapping[Asked, Phrase]] = {
+    Asked.NOTHING: Phrase("its command", "制御"),
+    Asked.SIGN_ON: Phrase("its sign-on", "在線登録"),
+    Asked.SIGN_OFF: Phrase("its sign-off", "在線抹消"),
+    Asked.ROUTE: Phrase("its request for a route", "進路"),
+    Asked.REPORT: Phrase("its report of what it holds", "確保区間の報告"),
 }
 # Whoever and whatever may be missing has its own clause (`since`, `until`, `why`), which is then empty.
 _ENGLISH: Final[Mapping[Cause, str]] = {
@@ -149,17 +97,17 @@ _JAPANESE: Final[Mapping[Cause, str]] = {
     Cause.STARTING: "{train}は{place}から発車するところです（進路は開通、ブレーキ緩解中）。",
     Cause.STABLED: "{unit}は最後の列車{train}の後、{place}に留置されています。",
 }
-_LIMITED_BY: Final[Mapping[str, Name]] = {  # causes, where one holds the stop limit back
-    Cause.ROUTE_HELD.value: Name("held by {party}{since}{until}", "{party}が{since}{until}確保"),
-    Cause.NO_WAY_ON.value: Name("it waits for {party} to come to its section", "{party}の到着待ち"),
-    Cause.NOT_ITS_TURN.value: Name("{party} goes first", "{party}が先行"),
-    Cause.POINTS_MOVE.value: Name("points {points} are being thrown", "転てつ機{points}が転換中"),
-    Cause.POINTS_PROOF.value: Name("points {points} are not proven", "転てつ機{points}が未照査"),
-    Cause.POINTS_REFUSED.value: Name("points {points} were refused", "転てつ機{points}の制御が拒否された"),
-    Cause.REFUSED.value: Name("the block manager has refused its route", "進路が拒否された"),
-    Cause.ANSWER.value: Name("the block manager has not answered yet", "閉そく管理装置の応答待ち"),
-    Cause.COVERAGE.value: Name("the radio does not reach there", "無線エリア外"),
-    Cause.SET_BACK.value: Name("its crew has set back its route", "進路が取り消された"),
+_LIMITED_BY: Final[Mapping[str, Phrase]] = {  # causes, where one holds the stop limit back
+    Cause.ROUTE_HELD.value: Phrase("held by {party}{since}{until}", "{party}が{since}{until}確保"),
+    Cause.NO_WAY_ON.value: Phrase("it waits for {party} to come to its section", "{party}の到着待ち"),
+    Cause.NOT_ITS_TURN.value: Phrase("{party} goes first", "{party}が先行"),
+    Cause.POINTS_MOVE.value: Phrase("points {points} are being thrown", "転てつ機{points}が転換中"),
+    Cause.POINTS_PROOF.value: Phrase("points {points} are not proven", "転てつ機{points}が未照査"),
+    Cause.POINTS_REFUSED.value: Phrase("points {points} were refused", "転てつ機{points}の制御が拒否された"),
+    Cause.REFUSED.value: Phrase("the block manager has refused its route", "進路が拒否された"),
+    Cause.ANSWER.value: Phrase("the block manager has not answered yet", "閉そく管理装置の応答待ち"),
+    Cause.COVERAGE.value: Phrase("the radio does not reach there", "無線エリア外"),
+    Cause.SET_BACK.value: Phrase("its crew has set back its route", "進路が取り消された"),
 }
 
 
@@ -173,15 +121,6 @@ def text_of(wait: Wait, language: Language, names: Names | None = None) -> str:
     """The wait in one sentence; `names` of stations by id, without which the ids stand in it."""
     sentences = _JAPANESE if language == "ja" else _ENGLISH
     return " ".join(sentences[wait.cause].format(**_parts(wait, language, names or {})).split(" "))
-
-
-def reason_text(reason: str, language: Language) -> str:
-    """A reason of a refusal, fault or contradiction in words of the language; as it is where it has none."""
-    word, colon, rest = reason.partition(":")
-    known = _REASONS.get(word.strip().lower().replace("_", " "))
-    if known is None:
-        return reason
-    return known.in_(language) + (f" ({rest.strip()})" if colon else "")
 
 
 def _parts(wait: Wait, language: Language, names: Names) -> dict[str, str]:
@@ -214,7 +153,7 @@ def _parts(wait: Wait, language: Language, names: Names) -> dict[str, str]:
         "until": until,
         "until_at": "" if wait.until_s is None else at_time(wait.until_s),
         "asked": _ASKED[wait.asked].in_(language),
-        "reason": reason_text(wait.reason, language),
+        "reason": reason(wait.reason).in_(language),
     }
     return parts | {"why": _why(wait, language, parts)}
 

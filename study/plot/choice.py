@@ -12,9 +12,10 @@ from network.errors import InputError
 from network.files.toml_input import one_of
 from network.model import Station
 from network.timetable import seconds_of
-from study.measures.wait_text import Language, Names, at_time, names_of
+from study.measures.wait_text import at_time
 from study.report.data import Run
 from study.run.read_back import RunRead
+from study.wording.phrase import Language, Names, names_of
 
 
 @dataclass(frozen=True, slots=True)

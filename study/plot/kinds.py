@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from types import MappingProxyType
 from typing import Final
@@ -21,6 +21,7 @@ from study.plot.margins import draw_margins
 from study.plot.stairway import draw_stairway_of, stairway_table
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
 from study.report.curve import draw_run_curve
+from study.report.drill import Mark
 from study.report.graph import draw_train_graph
 from study.report.occupancy import draw_occupancy
 from study.report.running_times import draw_running_times
@@ -47,6 +48,12 @@ class Kind:
     draw: Callable[[Seen], Figure | None]
     takes: frozenset[Chosen] = frozenset()
     needs: frozenset[Chosen] = frozenset()
+
+
+def _marks(run: Seen) -> tuple[Mark, ...]:
+    """The marks of a drill, in the language chosen."""
+    drill, language = run.read.shown.drill, run.choice.language
+    return () if drill is None else tuple(replace(m, text=m.said.in_(language)) for m in drill.marks)
 
 
 def _times_of_stops(run: Seen) -> pl.DataFrame:
@@ -92,7 +99,7 @@ _KINDS: Final = (
         "Train graph, plan thin and run thick",
         "列車ダイヤ（細線：計画、太線：実績）",
         _times_of_stops,
-        lambda run: draw_train_graph(run)[0],
+        lambda run: draw_train_graph(run, _marks(run))[0],
         _TIME,
     ),
     Kind("run-curve", "Run curve", "運転曲線", _run_curve_table, _run_curve, _TRAIN, _TRAIN),

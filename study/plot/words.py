@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from study.measures.wait import Cause
-from study.measures.wait_text import Language
+from study.wording.phrase import Language
 
 JAPANESE: Final[Mapping[str, str]] = {
     # headways and occupation
@@ -19,6 +19,11 @@ JAPANESE: Final[Mapping[str, str]] = {
     "cut: crossing": "区切り方：交換駅間",
     "cut: interval": "区切り方：駅間と駅",
     "cut: section": "区切り方：閉そく区間ごと",
+    # a drill on the train graph
+    "while a fault lasts": "故障の時間",
+    "its stretch of the line": "故障の区間",
+    "the train that has it": "故障した列車",
+    "a person acts": "人の操作",
     # axes and legends of the figures that the report has too
     "kilometrage, km": "キロ程 [km]",
     "speed, km/h": "速度 [km/h]",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from network.model import Alignment, Direction, Line, Section, Station
 from network.timetable import Timetable
 from study.run.tables import RunTables
+from study.wording.phrase import Phrase
 
 
 @dataclass(frozen=True)
@@ -132,3 +133,8 @@ def place_name(run: Run, place: str, *, japanese: bool = False) -> str:
     if station is None:
         return place
     return (station.name_ja or station.name) if japanese else station.name
+
+
+def place_said(run: Run, place: str) -> Phrase:
+    """The same in both languages."""
+    return Phrase(place_name(run, place), place_name(run, place, japanese=True))

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final
+from typing import Final, TypeAlias
 
+import polars as pl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
 
 from study.report.style import INK, PALE, RED, RULE, TimeBand, TimeGrid, draw_clock_axis, spread
+from study.wording import outcome as words
+from study.wording.phrase import Phrase
 
+Courses: TypeAlias = Mapping[tuple[str, str], pl.DataFrame]  # by unit and train, as `Run.courses`
+NO_COURSES: Final[Courses] = {}
+PLACE: Final = "fault-place"
+PLACE_ALPHA: Final = 0.3
 ROW_IN: Final = 0.17
 MET: Final = "#2e7d4f"
 _TEXT_MAX: Final = 46
@@ -26,6 +36,17 @@ class MarkKind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
+class Where:
+    """Where on the line something is: stretches of kilometrage, m, or units, which carry it; neither: all of it."""
+
+    stretches_m: tuple[tuple[float, float], ...] = ()
+    units: tuple[str, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.stretches_m or self.units)
+
+
+@dataclass(frozen=True, slots=True)
 class Mark:
     """One item of a drill. An expectation's stretch is what was judged, `at_s` when it was met or broken."""
 
@@ -37,6 +58,19 @@ class Mark:
     at_s: float | None = None
     passed: bool = True
     happened: str = ""
+    text_ja: str = ""
+    happened_ja: str = ""
+    where: Where = Where()
+
+    @property
+    def said(self) -> Phrase:
+        """What it is about."""
+        return Phrase(self.text, self.text_ja)
+
+    @property
+    def became(self) -> Phrase:
+        """What happened."""
+        return Phrase(self.happened, self.happened_ja)
 
     @property
     def label(self) -> str:
@@ -58,21 +92,38 @@ class DrillShown:
     passed: bool
     marks: tuple[Mark, ...]
     score: str
+    score_ja: str = ""
 
     def of(self, *kinds: MarkKind) -> tuple[Mark, ...]:
         """Marks of some kinds, in order."""
         return tuple(mark for mark in self.marks if mark.kind in kinds)
 
-    def unmet(self) -> tuple[str, ...]:
+    def unmet(self) -> tuple[Phrase, ...]:
         """Expectations that were not met, and what happened."""
         return tuple(
-            f"{mark.text}: {mark.happened}" for mark in self.of(MarkKind.EXPECTATION) if not mark.passed
+            words.UNMET.of(text=mark.said, happened=mark.became)
+            for mark in self.of(MarkKind.EXPECTATION)
+            if not mark.passed
         )
 
-    def verdict(self) -> str:
+    def verdict(self) -> Phrase:
         """Passed or not, in words."""
         judged, unmet = len(self.of(MarkKind.EXPECTATION)), len(self.unmet())
-        return f"NOT passed: {unmet} of {judged} expectations not met" if unmet else f"passed: {judged} met"
+        return words.FAILED.of(count=unmet, all=judged) if unmet else words.PASSED.of(count=judged)
+
+
+def mark_of(kind: MarkKind, number: int, said: Phrase, from_s: float, to_s: float, became: Phrase) -> Mark:
+    """A mark, with its words in both languages."""
+    return Mark(
+        kind,
+        number,
+        said.en,
+        from_s,
+        to_s,
+        happened=became.en,
+        text_ja=said.in_("ja"),
+        happened_ja=became.in_("ja"),
+    )
 
 
 def strip_height_in(marks: Sequence[Mark]) -> float:
@@ -80,13 +131,14 @@ def strip_height_in(marks: Sequence[Mark]) -> float:
     return ROW_IN * len(marks)
 
 
-def mark_graph(axes: Axes, marks: Sequence[Mark], band: TimeBand) -> None:
-    """On a panel of the train graph: faults as pale bands, acts as lines, each with its number at the top."""
+def mark_graph(axes: Axes, marks: Sequence[Mark], band: TimeBand, courses: Courses = NO_COURSES) -> None:
+    """On a panel of the train graph: faults as pale bands with their places, acts as lines, numbers at the top."""
     shown = sorted((m for m in marks if m.kind is not MarkKind.EXPECTATION), key=lambda m: m.from_s)
     for mark in shown:
         if mark.kind is MarkKind.FAULT:
             axes.axvspan(mark.from_s, mark.to_s, color=RED, alpha=0.07, lw=0, zorder=0.4)
             axes.axvline(mark.from_s, color=RED, lw=0.7, alpha=0.7, zorder=0.55)
+            _mark_place(axes, mark, courses)
         else:
             axes.axvline(mark.from_s, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=0.55)
     width_s = band.to_s - band.from_s
@@ -105,6 +157,35 @@ def mark_graph(axes: Axes, marks: Sequence[Mark], band: TimeBand) -> None:
             zorder=6,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
         )
+
+
+def _mark_place(axes: Axes, mark: Mark, courses: Courses) -> None:
+    """Where a fault is while it lasts: a stretch of line as a box, a train as a broad band along its run."""
+    for low_m, high_m in mark.where.stretches_m:
+        box = Rectangle((mark.from_s, low_m), mark.to_s - mark.from_s, high_m - low_m, alpha=PLACE_ALPHA)
+        box.set(facecolor=RED, edgecolor="none", zorder=0.5, gid=PLACE)
+        axes.add_patch(box)
+    for (unit, _), course in courses.items():
+        if unit in mark.where.units:
+            ran = course.filter(pl.col("t_s").is_between(mark.from_s, mark.to_s))
+            t_s, at_m = ran["t_s"].to_numpy(), ran["kilometrage_m"].to_numpy()
+            axes.plot(t_s, at_m, color=RED, alpha=PLACE_ALPHA, lw=7.0, zorder=2.5, gid=PLACE)
+
+
+def mark_legend(axes: Axes, marks: Sequence[Mark]) -> None:
+    """What the bands, boxes and lines of a drill mean; nothing without marks."""
+    faults = [mark for mark in marks if mark.kind is MarkKind.FAULT]
+    signs: list[Artist] = []
+    if faults:
+        signs.append(Patch(color=RED, alpha=0.07, label="while a fault lasts"))
+    if any(mark.where.stretches_m for mark in faults):
+        signs.append(Patch(color=RED, alpha=PLACE_ALPHA, label="its stretch of the line"))
+    if any(mark.where.units for mark in faults):
+        signs.append(Line2D([], [], color=RED, alpha=PLACE_ALPHA, lw=7.0, label="the train that has it"))
+    if any(mark.kind is MarkKind.ACT for mark in marks):
+        signs.append(Line2D([], [], color=INK, lw=0.8, ls=(0, (2, 2)), label="a person acts"))
+    if signs:
+        axes.legend(handles=signs, loc="lower left", bbox_to_anchor=(0.0, 1.06), ncols=4, borderaxespad=0.0)
 
 
 def draw_strip(axes: Axes, marks: Sequence[Mark], band: TimeBand, grid: TimeGrid) -> None:

@@ -13,6 +13,8 @@ from study.report.drill import DrillShown
 from study.report.parts import Fact, signed
 from study.report.style import clock
 from study.run.summary import NEVER_CAME, OFF_MARK_M, TELEGRAM_COUNTS
+from study.wording.outcome import EXPECTED, OUTSIDE_LINE, ending_text
+from study.wording.phrase import Phrase
 from vehicle.train_file import Receiver
 
 _WHAT_JA: Final[Mapping[str, str]] = {"arrival": "着", "departure": "発", NEVER_CAME: "未着"}
@@ -68,8 +70,8 @@ def headline(run: Run, facts: Mapping[str, Any], drill: DrillShown | None = None
 def _drill_fact(drill: DrillShown | None) -> tuple[Fact, ...]:
     if drill is None:
         return ()
-    verdict_ja = "合格" if drill.passed else f"不合格（期待 {len(drill.unmet())} 件不成立）"
-    return (Fact("Drill", drill.verdict(), not drill.passed, "訓練", verdict_ja),)
+    verdict = drill.verdict()
+    return (Fact("Drill", verdict.en, not drill.passed, "訓練", verdict.in_("ja")),)
 
 
 def _lateness(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
@@ -118,8 +120,8 @@ def _ending(facts: Mapping[str, Any]) -> tuple[Fact, ...]:
     """Why the run ended, and that something was missing then."""
     if "ended_because" not in facts:
         return ()
-    why = str(facts["ended_because"])
-    return (Fact("Ended because", why, bool(facts.get("unfinished")), "終了理由", why),)
+    why = ending_text(str(facts["ended_because"]))
+    return (Fact("Ended because", why.en, bool(facts.get("unfinished")), "終了理由", why.in_("ja")),)
 
 
 def _margin(run: Run, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
@@ -238,15 +240,24 @@ def drawn_at(energy: pl.DataFrame) -> tuple[str, str]:
     return "at the wire", "架線端"
 
 
-def broken_lines(facts: Mapping[str, Any]) -> tuple[str, ...]:
+def broken_lines(facts: Mapping[str, Any]) -> tuple[Phrase, ...]:
     """Broken invariants, what else failed, what happened outside the design, unmet expectations, as lines of text."""
-    lines: list[str] = []
-    for item in facts.get("violations", ()):
-        if is_table(item):
-            at = f"{clock(item['t_s'], seconds=True)} " if item.get("t_s") is not None else ""
-            lines.append(f"{at}{item.get('checker', '')}: {item.get('text', '')}")
-        else:
-            lines.append(str(item))
-    lines += [str(text) for text in facts.get("broken", ())]
-    lines += [f"Outside the design: {text}" for text in facts.get("outside_design", ())]
-    return (*lines, *(f"Expected: {text}" for text in facts.get("broken_expectations", ())))
+    return (
+        *(_violation(item) for item in facts.get("violations", ())),
+        *(phrase_of(text) for text in facts.get("broken", ())),
+        *(OUTSIDE_LINE.of(what=phrase_of(text)) for text in facts.get("outside_design", ())),
+        *(EXPECTED.of(what=phrase_of(text)) for text in facts.get("broken_expectations", ())),
+    )
+
+
+def _violation(item: object) -> Phrase:
+    if not is_table(item):
+        return phrase_of(item)
+    at = f"{clock(item['t_s'], seconds=True)} " if item.get("t_s") is not None else ""
+    text = f"{at}{item.get('checker', '')}: {item.get('text', '')}"
+    return Phrase(text, f"{at}{item['ja']}" if item.get("ja") else "")
+
+
+def phrase_of(text: object) -> Phrase:
+    """A text, which may be in both languages."""
+    return text if isinstance(text, Phrase) else Phrase(str(text))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from network.model import Station
 from network.timetable import TimetableTrain
 from study.report.data import Run
-from study.report.drill import Mark, draw_strip, mark_graph, strip_height_in
+from study.report.drill import Mark, draw_strip, mark_graph, mark_legend, strip_height_in
 from study.report.labels import Box, Number, place_numbers
 from study.report.style import (
     DIRECTION_COLOUR,
@@ -59,7 +59,7 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
         axes = next(panels)
         graphs.append(axes)
         draw_frame(axes, run, band, grid)
-        mark_graph(axes, part, band)
+        mark_graph(axes, part, band, run.courses)
         if part:
             draw_strip(next(panels), part, band, grid)
         for train in run.timetable.trains.values():
@@ -69,6 +69,7 @@ def draw_train_graph(run: Run, marks: Sequence[Mark] = ()) -> tuple[Figure, dict
             if _draw_run(axes, run, number, course, band, gid):
                 tips[gid] = f"{number}, unit {unit}"
         _draw_turns(axes, run, band)
+    mark_legend(graphs[0], marks)
     figure.draw_without_rendering()  # lays the panels out: numbers are placed on the screen
     for axes, band in zip(graphs, bands, strict=True):
         write_numbers(axes, numbers_of(run, band))

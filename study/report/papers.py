@@ -20,6 +20,8 @@ from study.report.energy import energy_tables
 from study.report.tabular import Column, Kind, Table, table_of
 from study.report.tasc import KMHPS_PER_MPS2, Tuned
 from study.run.summary import TELEGRAM_COUNTS
+from study.wording.parties import party
+from study.wording.telegrams import telegram
 
 CHANGES_SHOWN: Final = 200
 EVENTS_SHOWN_MAX: Final = 4000
@@ -101,16 +103,22 @@ def _drill(drill: DrillShown) -> tuple[Table, ...]:
     def named(marks: Sequence[Mark]) -> tuple[Column, Column]:
         return (
             Column("mark", Kind.TEXT, [mark.label for mark in marks]),
-            Column("what", Kind.TEXT, [mark.text for mark in marks]),
+            Column("what", Kind.SAID, [mark.said.both for mark in marks]),
         )
 
-    over = ["–" if mark.kind is MarkKind.ACT else mark.happened for mark in items]
+    over = [["–", "–"] if mark.kind is MarkKind.ACT else mark.became.both for mark in items]
     verdicts = Column("verdict", Kind.WORD, ["met" if mark.passed else "not_met" for mark in judged])
-    happened = Column("happened", Kind.TEXT, [mark.happened for mark in judged])
-    found = [Table("expectations", (*named(judged), verdicts, happened), ((drill.score, drill.score),))]
+    happened = Column("happened", Kind.SAID, [mark.became.both for mark in judged])
+    found = [
+        Table(
+            "expectations",
+            (*named(judged), verdicts, happened),
+            ((drill.score, drill.score_ja or drill.score),),
+        )
+    ]
     if items:
         begun = Column("begun", Kind.CLOCK, [mark.from_s for mark in items])
-        found.insert(0, Table("drill_items", (*named(items), begun, Column("over", Kind.TEXT, over))))
+        found.insert(0, Table("drill_items", (*named(items), begun, Column("over", Kind.SAID, over))))
     return tuple(found)
 
 
@@ -233,6 +241,9 @@ def _learned(tuned: Mapping[str, Tuned]) -> tuple[Table, ...]:
     )
 
 
+_TELEGRAM_NAMES: Final = {"kind": telegram, "source": party, "destination": party}
+
+
 def _telegrams(telegrams: pl.DataFrame) -> tuple[Table, ...]:
     counts = [*TELEGRAM_COUNTS, "bytes"]
     found: list[Table] = []
@@ -242,7 +253,7 @@ def _telegrams(telegrams: pl.DataFrame) -> tuple[Table, ...]:
             Table(
                 f"telegrams_{key}",
                 (
-                    Column(label, Kind.TEXT, sums[key].to_list()),
+                    Column(label, Kind.SAID, [_TELEGRAM_NAMES[key](name).both for name in sums[key]]),
                     *(Column(name, Kind.NUMBER, sums[name].to_list()) for name in counts),
                 ),
             )
@@ -258,9 +269,14 @@ def _refusals_once(events: pl.DataFrame) -> pl.DataFrame:
     spells = events.with_columns((~soon).cum_sum().over(again).alias("spell"))
     one = [*again, "kind", "spell"]
     first = spells.with_columns(pl.len().over(one).alias("times")).filter(~(refused & soon))
-    count = pl.format("{} (× {})", pl.col("text"), pl.col("times"))
-    text = pl.when(refused & (pl.col("times") > 1)).then(count).otherwise(pl.col("text"))
-    return first.with_columns(text.alias("text")).select(events.columns)
+    many = refused & (pl.col("times") > 1)
+    texts = [
+        pl.when(many & (pl.col(name) != ""))
+        .then(pl.format(form, pl.col(name), pl.col("times")))
+        .otherwise(name)
+        for name, form in (("text", "{} (× {})"), ("text_ja", "{}（{} 回）"))
+    ]
+    return first.with_columns(*texts).select(events.columns)
 
 
 def _events(events: pl.DataFrame) -> Table:
@@ -278,9 +294,9 @@ def _events(events: pl.DataFrame) -> Table:
         "events",
         (
             Column("time", Kind.CLOCK, shown["t_s"].to_list(), 1),
-            Column("source", Kind.TEXT, shown["source"].to_list()),
+            Column("source", Kind.SAID, [party(name).both for name in shown["source"]]),
             Column("event_kind", Kind.WORD, [f"event_{kind}" for kind in shown["kind"]]),
-            Column("text", Kind.TEXT, shown["text"].to_list()),
+            Column("text", Kind.SAID, [[en, ja or en] for en, ja in shown["text", "text_ja"].iter_rows()]),
         ),
         notes if rest else (),
     )

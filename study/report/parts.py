@@ -30,7 +30,7 @@ class Grid:
 class Part:
     """A part of a page: what it shows, how to read it, its figures, its tables (folded when long).
 
-    Title and caption in Japanese too; where that is empty the English one stands for both.
+    Title, caption and tables in Japanese too; where one is empty the English one stands for both.
     """
 
     title: str
@@ -41,6 +41,8 @@ class Part:
     notes: tuple[str, ...] = field(default=())
     title_ja: str = ""
     caption_ja: str = ""
+    grids_ja: tuple[Grid, ...] = ()
+    folded_ja: str = ""
 
 
 def signed(value: float, digits: int = 0, unit: str = "") -> str:

@@ -10,7 +10,7 @@ from typing import Any, Final
 from network.files.raw import is_table
 from onboard.driving.tuning import OFFSET_STEP_MPS2, OFFSET_ZERO, STEP_S
 from study.measures.wait import Cause
-from study.measures.wait_text import names_of, text_of
+from study.measures.wait_text import text_of
 from study.report.beside import Beside
 from study.report.courses import (
     Fineness,
@@ -30,6 +30,8 @@ from study.report.parts import Part
 from study.report.stairway import stairway_shown
 from study.report.tasc import KMHPS_PER_MPS2, Tuned, most_telling, response_surface, waves_shown
 from study.run.waits_table import read_waits
+from study.wording.outcome import checker_name
+from study.wording.phrase import names_of
 
 FORMAT: Final = 1
 _UNSAID: Final = (Cause.RUNS, Cause.OUTSIDE, Cause.LEFT)  # nothing is waited for
@@ -86,12 +88,14 @@ def _mark(mark: Mark) -> dict[str, Any]:
     return {
         "label": mark.label,
         "kind": mark.kind.value,
-        "text": mark.text,
+        "text": mark.said.both,
         "from": _finite(mark.from_s),
         "to": _finite(mark.to_s),
         "at": None if mark.at_s is None else _finite(mark.at_s),
+        "stretches": [[round(low, 1), round(high, 1)] for low, high in mark.where.stretches_m],
+        "units": list(mark.where.units),
         "passed": mark.passed,
-        "happened": mark.happened,
+        "happened": mark.became.both,
     }
 
 
@@ -104,8 +108,8 @@ def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [
         {
             "t": _finite(item["t_s"]),
-            "checker": str(item.get("checker", "")),
-            "text": str(item.get("text", "")),
+            "checker": checker_name(str(item.get("checker", ""))).both,
+            "text": [str(item.get("text", "")), str(item.get("ja") or item.get("text", ""))],
         }
         for item in facts.get("violations", ())
         if is_table(item) and item.get("t_s") is not None

@@ -13,6 +13,7 @@ class Kind(Enum):
     """What a column holds, so that the page knows how to write and to sort it."""
 
     TEXT = "text"
+    SAID = "said"  # a text in English and in Japanese
     TRAIN = "train"  # a number: leads to the train on the graph
     PLACE = "place"  # id of a station, or of a portal's section
     CLOCK = "clock"  # s since midnight

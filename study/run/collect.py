@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any
 
-import msgspec
 import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from network.files.raw import is_row
 from network.model import Line
-from onboard import notes
 from radio.noted import TelegramDropped
-from simulation import events
-from simulation.events import EventType
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
 from study.capacity.observed import held_of
@@ -29,45 +24,8 @@ from study.run.margins import margins_of
 from study.run.spans import rows_by_span
 from study.run.stops import passed, stops_table
 from study.run.tables import RunTables, make_table
-from wayside import said
-
-# events that a person should hear of, and the kind under which the report has them
-TOLD: Final[Mapping[EventType, str]] = {
-    notes.Intervention: "intervention",
-    notes.EmergencyReleased: "intervention",
-    notes.RouteDenied: "refusal",
-    notes.ThrowDenied: "refusal",
-    notes.SignOnDenied: "refusal",
-    said.Refused: "refusal",
-    said.ThrowRefused: "refusal",
-    said.Contradicted: "contradiction",
-    events.FaultBegan: "fault",
-    events.FaultOver: "fault over",
-    events.Acted: "act",
-    events.CameLate: "late",
-    events.DoorsHeld: "doors",
-    notes.PositionFault: "fault",
-    notes.PositionFound: "position found",
-    notes.FoundElsewhere: "fix refused",
-    notes.FixTaken: "fix",
-    notes.FixRefused: "fix refused",
-    notes.FixMissed: "fix missed",
-    notes.ForeignTrack: "foreign track",
-    notes.StoppedShort: "stop",
-    notes.StopImpossible: "stop",
-    notes.UnableToLeave: "unable to leave",
-    notes.AbleToLeave: "able to leave",
-    notes.Overran: "stop",
-    events.Unsafe: "unsafe",
-    events.Collision: "unsafe",
-    events.PointsForced: "unsafe",
-    TelegramDropped: "telegram",
-    said.PointsUnproven: "points",
-    events.Reversed: "reversal",
-    events.Entered: "train",
-    events.Left: "train",
-}
-_LEVELS: Final = {0: "ended", 1: "service brake", 2: "emergency brake"}
+from study.wording.events import TOLD, event_text
+from study.wording.phrase import Names, names_of
 
 
 def tables_of(
@@ -95,7 +53,7 @@ def tables_of(
         waits=make_table("waits"),
         battery=make_table("battery"),
         charges=make_table("charges"),
-        events=_events(result),
+        events=_events(result, names_of(line)),
     )
 
 
@@ -163,12 +121,13 @@ def _telegrams(result: RunResult) -> pl.DataFrame:
     return make_table("telegrams", {name: [row[name] for row in rows] for name in rows[0]})
 
 
-def _events(result: RunResult) -> pl.DataFrame:
-    told: list[tuple[float, str, str, str]] = []
+def _events(result: RunResult, names: Names) -> pl.DataFrame:
+    told: list[tuple[float, str, str, str, str]] = []
     for entry in result.journal.entries:
         kind = TOLD.get(type(entry.event))
         if kind is not None:
-            told.append((entry.t_s, entry.who, kind, _told(entry.event)))
+            text = event_text(entry.event, names)
+            told.append((entry.t_s, entry.who, kind.kind, text.en, text.in_("ja")))
     return make_table(
         "events",
         {
@@ -176,18 +135,6 @@ def _events(result: RunResult) -> pl.DataFrame:
             "source": [row[1] for row in told],
             "kind": [row[2] for row in told],
             "text": [row[3] for row in told],
+            "text_ja": [row[4] for row in told],
         },
     )
-
-
-def _told(event: events.Event) -> str:
-    """An event as the report says it: its word, then its data."""
-    if isinstance(event, notes.Intervention):
-        return _LEVELS.get(event.level, "?")
-    data = msgspec.to_builtins(event)
-    word = data.pop("what").replace("_", " ")
-    return f"{word}: " + ", ".join(f"{k} {_text(v)}" for k, v in data.items() if v is not None)
-
-
-def _text(value: object) -> str:
-    return " ".join(str(item) for item in value) if is_row(value) else str(value)

@@ -20,14 +20,18 @@ from network.files.toml_input import one_of, parse_table, read_text
 from simulation.faults.script import DEFAULTS, Act, Course, Failure
 from simulation.loop import Progress
 from simulation.setup import STEPS_PER_S
-from study.report.drill import DrillShown, Mark, MarkKind
+from study.report.drill import DrillShown, Mark, MarkKind, mark_of
 from study.run.directory import Reserved
+from study.run.fault_place import where
 from study.run.outcome import unfinished
 from study.run.run import Link, Run, UnitsAt, execute, fill_run
 from study.run.scores import Scores, score
 from study.run.tables import RunTables, make_table
 from study.run.verdict import Verdict, judge
 from study.scenario.scenario import load_scenario
+from study.wording import outcome as words
+from study.wording.phrase import Phrase, joined
+from study.wording.script import item_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,62 +141,42 @@ def fill_drill(drill: Drill, place: Reserved) -> Path:
 
 def shown(drill: Drill) -> DrillShown:
     """What the report shows."""
-    result = drill.run.result
+    result, setup = drill.run.result, drill.run.scenario.setup
     end_s = result.end_step / STEPS_PER_S
     marks: list[Mark] = []
     for kind, item in ((MarkKind.FAULT, Failure), (MarkKind.ACT, Act)):
         mine = [course for course in result.courses if type(course.item) is item]
         for number, course in enumerate(mine, 1):
             over_s = course.begun_s if kind is MarkKind.ACT else course.over_s
-            over = (
-                "lasts" if over_s is None else "at once" if over_s == course.begun_s else clock(int(over_s))
-            )
+            over = words.LASTS if over_s is None else words.AT_ONCE if over_s == course.begun_s else None
+            over = Phrase(clock(int(over_s or 0.0))) if over is None else over
             to_s = end_s if over_s is None else over_s
-            marks.append(Mark(kind, number, text_of(course.item), course.begun_s, to_s, happened=over))
+            mark = mark_of(kind, number, item_text(course.item), course.begun_s, to_s, over)
+            if isinstance(course.item, Failure):
+                mark = replace(mark, where=where(course.item.fault, setup.line, result.stock_ids))
+            marks.append(mark)
     for number, verdict in enumerate(drill.verdicts, 1):
         bounded = math.isfinite(verdict.from_s) or math.isfinite(verdict.to_s)
         from_s = max(verdict.from_s, result.begin_step / STEPS_PER_S) if bounded else end_s
         fell = verdict.at_s if verdict.passed else None  # once met, there is nothing more to judge
         to_s = min(verdict.to_s, end_s) if fell is None else fell
-        marks.append(
-            Mark(
-                MarkKind.EXPECTATION,
-                number,
-                verdict.text,
-                from_s,
-                to_s,
-                verdict.at_s,
-                verdict.passed,
-                verdict.happened,
-            )
-        )
-    return DrillShown(drill.passed, tuple(marks), score_text(drill.scores))
+        mark = mark_of(MarkKind.EXPECTATION, number, verdict.expected, from_s, to_s, verdict.said)
+        marks.append(replace(mark, at_s=verdict.at_s, passed=verdict.passed))
+    score = score_text(drill.scores)
+    return DrillShown(drill.passed, tuple(marks), score.en, score.in_("ja"))
 
 
-def text_of(item: Failure | Act) -> str:
-    """A fault or an act in words."""
-    if isinstance(item, Act):
-        words = [f"{item.person}:", item.kind.value, item.target, " ".join(item.sections), item.position]
-        return " ".join(word for word in words if word)
-    return ", ".join([f"{item.fault.kind} {item.fault.target}", *map(_said, item.fault.parameters().items())])
-
-
-def _said(parameter: tuple[str, float | str]) -> str:
-    name, value = parameter
-    return f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}"
-
-
-def score_text(scores: Scores) -> str:
+def score_text(scores: Scores) -> Phrase:
     """The scores in a sentence."""
-    late = "No train arrived."
+    late = words.NO_TRAIN
     if scores.late_s_max is not None:
-        late = f"Latest {scores.late_s_max:.0f} s after plan."
+        late = words.LATEST.of(late_s=scores.late_s_max)
     if scores.normal_after_s is None or scores.healed_s is None:
-        return f"{late} Time back to normal: none, because {scores.why}."
-    return (
-        f"{late} Back to normal {scores.normal_after_s:.0f} s after the last heal at {clock(int(scores.healed_s))}:"
-        f" from then on every departure was within {scores.on_time_s:.0f} s of plan."
+        return joined((late, words.NO_NORMAL.of(why=scores.why)), " ", "")
+    normal = words.NORMAL.of(
+        normal_s=scores.normal_after_s, healed=clock(int(scores.healed_s)), tolerance_s=scores.on_time_s
     )
+    return joined((late, normal), " ", "")
 
 
 def expectations_dict(verdicts: tuple[Verdict, ...]) -> list[dict[str, Any]]:
@@ -202,18 +186,23 @@ def expectations_dict(verdicts: tuple[Verdict, ...]) -> list[dict[str, Any]]:
 
 def _course_dict(course: Course) -> dict[str, Any]:
     what = "fault" if isinstance(course.item, Failure) else "act"
-    return {what: text_of(course.item), "begun_s": course.begun_s, "over_s": course.over_s}
+    return {what: item_text(course.item).en, "begun_s": course.begun_s, "over_s": course.over_s}
 
 
 def _with_verdicts(tables: RunTables, verdicts: tuple[Verdict, ...], end_s: float) -> RunTables:
     """The tables with a row among the events for each verdict, at the time when it fell."""
+    told = [
+        words.VERDICT.of(met=words.MET if v.passed else words.NOT_MET, text=v.expected, happened=v.said)
+        for v in verdicts
+    ]
     rows = make_table(
         "events",
         {
             "t_s": [min(v.to_s, end_s) if v.at_s is None else v.at_s for v in verdicts],
             "source": ["drill"] * len(verdicts),
             "kind": ["expectation"] * len(verdicts),
-            "text": [f"{'met' if v.passed else 'NOT MET'}: {v.text}: {v.happened}" for v in verdicts],
+            "text": [said.en for said in told],
+            "text_ja": [said.in_("ja") for said in told],
         },
     )
     events = pl.concat([tables.events, rows]).sort("t_s", maintain_order=True)

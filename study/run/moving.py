@@ -21,12 +21,12 @@ from simulation.faults.speech import FalseClaims
 from simulation.faults.table import FAULTS
 from simulation.sensors.tag_reader import WrongId
 from simulation.setup import STEPS_PER_S, Setup, step_not_before
-from study.run.drill import text_of
 from study.run.forks import alone
 from study.run.run import simulated
 from study.run.sweep import Variation
 from study.scenario.scenario import Scenario
 from study.scenario.script_file import names_of
+from study.wording.script import item_text
 
 NO_TIME: Final = Trigger()
 
@@ -54,7 +54,7 @@ def moved(scenario: Scenario) -> Moved:
     kept = [(step - at, item) for item, step in both if step is not None]
     faults = tuple((offset, item) for offset, item in kept if isinstance(item, Failure))
     acts = tuple((offset, item) for offset, item in kept if isinstance(item, Act))
-    left_out = tuple(text_of(item) for item, step in both if step is None)
+    left_out = tuple(item_text(item).en for item, step in both if step is None)
     stocks = stocks_of([item for _, item in faults], setup)
     return Moved(Variation(scenario.id, faults, acts, stocks), left_out)
 

@@ -26,7 +26,7 @@ from simulation.carriers.carrier import Carrier
 from simulation.carriers.sumo_api import STEP_DELAY_MS, Window
 from simulation.journal import Journal
 from simulation.loop import Progress, Simulation
-from simulation.result import RunResult, Waiting
+from simulation.result import RunResult
 from simulation.setup import STEP_S, Setup, unit_configs
 from study.capacity.observed import observed
 from study.feasibility.check import feasibility
@@ -59,13 +59,14 @@ from study.run.energy import Make
 from study.run.journeys import dispatch_of
 from study.run.late import late_part, late_summary
 from study.run.localisation import localisation_summary
-from study.run.outcome import broken_rules, outside_design, unfinished
+from study.run.outcome import missing_said, outside_design, rules_said, unfinished, waiting_said
 from study.run.shown import shown_of
 from study.run.summary import summarise
 from study.run.tables import RunTables
 from study.run.waits_table import waits_table
 from study.scenario.fleet_file import learned_json
 from study.scenario.scenario import Scenario
+from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
 from sumo_cfg.scenery import scenery_xml
 from sumo_cfg.truth_map import NetMap, read_net
@@ -105,13 +106,18 @@ class CarrierKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A finished run. `broken` lists what makes it a failure, one sentence each."""
+    """A finished run. `failures` are what makes it a failure, one sentence each."""
 
     scenario: Scenario
     result: RunResult
     summary: dict[str, Any]
     tables: RunTables
-    broken: tuple[str, ...]
+    failures: tuple[Phrase, ...]
+
+    @property
+    def broken(self) -> tuple[str, ...]:
+        """The failures in English."""
+        return tuple(said.en for said in self.failures)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,7 +219,7 @@ def execute(
         waits=waits_table(waits_of(result, setup)),
         **battery_tables(result.battery, setup),
     )
-    broken = broken_by(result, setup)
+    failures = broken_said(result, setup)
     summary = {
         "scenario": scenario.id,
         "seed": setup.seed,
@@ -236,11 +242,11 @@ def execute(
         "outside_design": list(outside_design(result)),
         "unfinished": list(unfinished(result)),
         "uncommissioned": list(result.uncommissioned),
-        "broken": list(broken),
+        "broken": [said.en for said in failures],
         "simulated_s": (result.end_step - result.begin_step) * STEP_S,
         "wall_s": round(wall_s, 3),
     }
-    return Run(scenario, result, summary, tables, broken)
+    return Run(scenario, result, summary, tables, failures)
 
 
 @contextmanager
@@ -323,7 +329,7 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
     drawn = late_part(setup)
     parts = more.parts if drawn is None else (*more.parts, drawn)
     shown = replace(
-        shown_of(run.result, run.broken, terminals_of(setup.line), drill, digests_of_tables(folder)),
+        shown_of(run.result, run.failures, terminals_of(setup.line), drill, digests_of_tables(folder)),
         parts=parts,
     )
     write_whole(folder / SHOWN_FILE, shown.as_json())  # last: with it the report can be made again
@@ -332,22 +338,19 @@ def _write_files(run: Run, place: Reserved, drill: DrillShown | None, more: More
 
 
 def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
+    """`broken_said` in English."""
+    return tuple(said.en for said in broken_said(result, setup))
+
+
+def broken_said(result: RunResult, setup: Setup) -> tuple[Phrase, ...]:
     """What makes a run a failure: broken rules, what is missing to its end, and who waits for what."""
-    broken = [text for _, text in broken_rules(result)]
-    missing = unfinished(result)
+    broken = [said for _, said in rules_said(result)]
+    missing = missing_said(result)
     broken += missing
     if missing:
-        broken += [waiting_text(waiting) for waiting in result.waiting]
-        broken += [finding.sentence for finding in feasibility(setup).impossible]
+        broken += [waiting_said(waiting) for waiting in result.waiting]
+        broken += [Phrase(finding.sentence) for finding in feasibility(setup).impossible]
     return tuple(broken)
-
-
-def waiting_text(waiting: Waiting) -> str:
-    """Who stands where and waits for what, in a sentence."""
-    who = f"{waiting.number} ({waiting.stock_id})"
-    if not waiting.stands:
-        return f"{who} was on its way in {waiting.place}"
-    return f"{who} stands in {waiting.place} and waits for {waiting.waits_for}"
 
 
 def terminals_of(line: Line) -> tuple[str, ...]:

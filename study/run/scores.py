@@ -8,6 +8,8 @@ from typing import Any, Final
 import polars as pl
 
 from simulation.faults.script import Course, Failure
+from study.wording.outcome import FAULT_LASTS, NOTHING_DISTURBED, SOME_MISSING
+from study.wording.phrase import NOTHING, Phrase
 
 ON_TIME_S: Final = 60.0  # a departure no later than this after plan is on time
 
@@ -23,7 +25,7 @@ class Scores:
     late_s_max: float | None
     healed_s: float | None
     normal_after_s: float | None
-    why: str = ""
+    why: Phrase = NOTHING
     on_time_s: float = ON_TIME_S
 
     def as_dict(self) -> dict[str, Any]:
@@ -33,7 +35,7 @@ class Scores:
             "last_heal_s": self.healed_s,
             "normal_after_s": self.normal_after_s,
             "on_time_tolerance_s": self.on_time_s,
-            "why": self.why,
+            "why": self.why.en,
         }
 
 
@@ -53,12 +55,12 @@ def score(
     0 s if there was none.
     """
     if not courses:
-        return Scores(late_s_max, None, None, "nothing was disturbed")
+        return Scores(late_s_max, None, None, NOTHING_DISTURBED)
     healed_s = healed_at_s(courses)
     if healed_s is None:
-        return Scores(late_s_max, None, None, "a fault lasts to the end")
+        return Scores(late_s_max, None, None, FAULT_LASTS)
     if not all_arrived:
-        return Scores(late_s_max, healed_s, None, "not every train arrived")
+        return Scores(late_s_max, healed_s, None, SOME_MISSING)
     late = stops.filter(
         pl.col("departure_s") > healed_s, pl.col("departure_s") - pl.col("planned_departure_s") > ON_TIME_S
     )["departure_s"].to_list()

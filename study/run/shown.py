@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +19,18 @@ from study.report.drill import DrillShown
 from study.report.parts import Part
 from study.report.tasc import Tuned
 from study.scenario.inputs import Inputs
+from study.wording.outcome import rule_text
+from study.wording.phrase import Phrase
 
 
 @dataclass(frozen=True, slots=True)
 class RuleBroken:
-    """A broken invariant: when, which, and how, in words."""
+    """A broken invariant: when, which, and how, in words; `ja`: all of it in Japanese."""
 
     t_s: float
     checker: str
     text: str
+    ja: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +58,7 @@ class Shown:
     drill: DrillShown | None = None
     tables: dict[str, str] = field(default_factory=dict[str, str])
     parts: tuple[Part, ...] = ()
+    broken_ja: tuple[str, ...] = ()  # the same in Japanese, where they are known in it
 
     def as_json(self) -> bytes:
         """The file's text."""
@@ -66,7 +71,9 @@ class Shown:
             "scenario": inputs.scenario["name"],
             "parties": list(self.parties),
             "violations": [asdict(rule) for rule in self.violations],
-            "broken": list(self.broken),
+            "broken": [
+                Phrase(text, ja) for text, ja in zip_longest(self.broken, self.broken_ja, fillvalue="")
+            ],
             "broken_expectations": [] if self.drill is None else list(self.drill.unmet()),
             "assumed": list(inputs.assumed),
         }
@@ -82,18 +89,20 @@ class Shown:
 
 def shown_of(
     result: RunResult,
-    broken: tuple[str, ...],
+    broken: tuple[Phrase, ...],
     terminals: tuple[str, ...],
     drill: DrillShown | None,
     tables: dict[str, str],
 ) -> Shown:
     """What the report shows of a run; trains that did not arrive are told once."""
     rules = [v for v in result.violations if v.checker != Checker.EVERYONE_ARRIVES]
-    told = {f"{v.checker}: {v.text}" for v in rules}
+    told = {rule_text(v).en for v in rules}
+    apart = [said for said in broken if said.en not in told]
     return Shown(
         parties=(*result.stock_ids, "block-manager", *terminals),
-        violations=tuple(RuleBroken(v.t_s, str(v.checker), v.text) for v in rules),
-        broken=tuple(text for text in broken if text not in told),
+        violations=tuple(RuleBroken(v.t_s, str(v.checker), v.text, rule_text(v).in_("ja")) for v in rules),
+        broken=tuple(said.en for said in apart),
+        broken_ja=tuple(said.in_("ja") for said in apart),
         waves={unit: _waves(stop) for unit, stop in result.learned_from.items()},
         drill=drill,
         tables=tables,

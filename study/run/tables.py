@@ -270,6 +270,7 @@ EVENTS: Final[Schema] = {
     "source": pl.String,
     "kind": pl.String,
     "text": pl.String,
+    "text_ja": pl.String,
 }
 SCHEMAS: Final[Mapping[str, Schema]] = {
     "trajectory": TRAJECTORY,
@@ -292,6 +293,8 @@ SCHEMAS: Final[Mapping[str, Schema]] = {
 
 
 _WITH_GAPS: Final = ("stops", "blocks")
+# Columns that runs of earlier versions lack, and what stands for them.
+_ADDED: Final[Mapping[str, Mapping[str, str]]] = {"events": {"text_ja": ""}}
 
 
 def make_table(name: str, columns: Mapping[str, Any] | None = None) -> pl.DataFrame:
@@ -364,6 +367,8 @@ def _read(directory: Path, name: str) -> pl.DataFrame:
         frame = pl.read_parquet(path)
     except (OSError, pl.exceptions.PolarsError) as error:
         raise InputError(str(path), "", None, f"the {name} table of a run, in Parquet") from error
+    missing = {c: v for c, v in _ADDED.get(name, {}).items() if c not in frame.columns}
+    frame = frame.with_columns(**{column: pl.lit(value) for column, value in missing.items()})
     problem = _difference(frame, SCHEMAS[name])
     if problem:
         raise InputError(str(path), "", None, f"the {name} table of a run; {problem}")

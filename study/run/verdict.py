@@ -14,8 +14,11 @@ from simulation.events import Entry
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
-from study.run.outcome import broken_rules, outside_design, unfinished
+from study.run.outcome import missing_said, outside_said, rules_said
 from study.run.tables import RunTables
+from study.wording import outcome as words
+from study.wording.phrase import Phrase, joined
+from study.wording.script import expectation_text, matcher_text
 
 KMH_PER_MPS: Final = 3.6
 SPEED_TOLERANCE_KMH: Final = 0.5
@@ -25,12 +28,22 @@ SPEED_TOLERANCE_KMH: Final = 0.5
 class Verdict:
     """One expectation: whether it was met, and what happened, in words."""
 
-    text: str
+    expected: Phrase
     passed: bool
-    happened: str
+    said: Phrase
     at_s: float | None = None  # when it happened, or was broken
     from_s: float = -math.inf  # the stretch of time that was judged
     to_s: float = math.inf
+
+    @property
+    def text(self) -> str:
+        """What was expected, in English."""
+        return self.expected.en
+
+    @property
+    def happened(self) -> str:
+        """What happened, in English."""
+        return self.said.en
 
 
 def judge(expectations: tuple[Expectation, ...], result: RunResult, tables: RunTables) -> tuple[Verdict, ...]:
@@ -68,13 +81,13 @@ class _Journal:
         return None
 
 
-def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | str:
+def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | Phrase:
     """The stretch of time that an expectation speaks of, or why there is none."""
     from_s = -math.inf
     if expectation.after is not None:
         at_s = seen.first(expectation.after, -math.inf, math.inf)
         if at_s is None:
-            return f"'{expectation.after.text}' never happened"
+            return _never(expectation.after)
         from_s = at_s
     to_s = seen.end_s if expectation.by_s is None else expectation.by_s
     if expectation.within_s is not None:
@@ -82,28 +95,28 @@ def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | s
     if expectation.until is not None:
         end_s = seen.first(expectation.until, from_s, math.inf, strictly_after=True)
         if end_s is None:
-            return f"'{expectation.until.text}' never happened"
+            return _never(expectation.until)
         to_s = min(to_s, end_s)
     if to_s < from_s:
-        return f"the time given ends at {_clock(to_s)}, before it begins"
+        return words.BACKWARDS.of(at=_clock(to_s))
     return from_s, to_s
 
 
 def _judge_event(expectation: Expectation, seen: _Journal) -> Verdict:
     window = _window(expectation, seen)
-    if isinstance(window, str):
-        return Verdict(expectation.text, False, window)
+    if isinstance(window, Phrase):
+        return Verdict(expectation_text(expectation), False, window)
     if expectation.event is None:
         raise ValueError("an expectation of an event has none")
     at_s = seen.first(expectation.event, *window)
     if expectation.absent:
-        happened = "did not happen" if at_s is None else f"happened at {_clock(at_s)}"
-        return Verdict(expectation.text, at_s is None, happened, at_s, *window)
+        happened = words.DID_NOT if at_s is None else words.HAPPENED.of(at=_clock(at_s))
+        return Verdict(expectation_text(expectation), at_s is None, happened, at_s, *window)
     if at_s is not None:
-        return Verdict(expectation.text, True, f"at {_clock(at_s)}", at_s, *window)
+        return Verdict(expectation_text(expectation), True, words.AT.of(at=_clock(at_s)), at_s, *window)
     ever_s = seen.first(expectation.event, -math.inf, math.inf)
-    happened = "never happened" if ever_s is None else f"happened at {_clock(ever_s)}, outside the time given"
-    return Verdict(expectation.text, False, happened, ever_s, *window)
+    happened = words.NEVER if ever_s is None else words.TOO_LATE.of(at=_clock(ever_s))
+    return Verdict(expectation_text(expectation), False, happened, ever_s, *window)
 
 
 def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables) -> Verdict:
@@ -111,11 +124,12 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
     if expectation.holds is Property.NO_INVARIANT_BROKEN:
         return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
-        happened = "; ".join(unfinished(result))
-        return Verdict(expectation.text, (not happened) is not expectation.absent, happened or "all arrived")
+        missing = missing_said(result)
+        happened = joined(missing, "; ", "；") if missing else words.ALL_ARRIVED
+        return Verdict(expectation_text(expectation), (not missing) is not expectation.absent, happened)
     window = _window(expectation, seen)
-    if isinstance(window, str):
-        return Verdict(expectation.text, False, window)
+    if isinstance(window, Phrase):
+        return Verdict(expectation_text(expectation), False, window)
     if expectation.holds is Property.SPEED_AT_MOST:
         return _judge_speed(expectation, tables, *window)
     return _judge_entry(expectation, tables, *window)
@@ -123,11 +137,11 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
 
 def _judge_safety(expectation: Expectation, result: RunResult) -> Verdict:
     """No broken invariant, no collision, nothing that the world calls unsafe."""
-    broken = broken_rules(result)
-    outside = outside_design(result)
-    none = "; outside the design: ".join(("none broken", *outside))
-    at_s, happened = min(broken, default=(None, none))
-    return Verdict(expectation.text, (not broken) is not expectation.absent, happened, at_s)
+    broken = rules_said(result)
+    outside = [words.OUTSIDE_DESIGN.of(what=what) for what in outside_said(result)]
+    none = joined((words.NONE_BROKEN, *outside), "; ", "；")
+    at_s, happened = min(broken, key=lambda found: (found[0], found[1].en), default=(None, none))
+    return Verdict(expectation_text(expectation), (not broken) is not expectation.absent, happened, at_s)
 
 
 def _judge_speed(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:
@@ -135,10 +149,12 @@ def _judge_speed(expectation: Expectation, tables: RunTables, from_s: float, to_
         (pl.col("unit") == expectation.unit) & (pl.col("t_s") >= from_s) & (pl.col("t_s") <= to_s)
     )
     if rows.is_empty():
-        return Verdict(expectation.text, True, "stood all the time", None, from_s, to_s)
+        return Verdict(expectation_text(expectation), True, words.STOOD, None, from_s, to_s)
     fastest_kmh = float(rows["speed_mps"].max() or 0.0) * KMH_PER_MPS  # type: ignore[arg-type]
     passed = fastest_kmh <= expectation.kmh + SPEED_TOLERANCE_KMH
-    return Verdict(expectation.text, passed, f"at most {fastest_kmh:.1f} km/h", None, from_s, to_s)
+    return Verdict(
+        expectation_text(expectation), passed, words.AT_MOST.of(kmh=fastest_kmh), None, from_s, to_s
+    )
 
 
 def _judge_entry(expectation: Expectation, tables: RunTables, from_s: float, to_s: float) -> Verdict:
@@ -149,9 +165,15 @@ def _judge_entry(expectation: Expectation, tables: RunTables, from_s: float, to_
         & (pl.col("entered_s") <= to_s)
     )
     if rows.is_empty():
-        return Verdict(expectation.text, True, "did not enter", None, from_s, to_s)
+        return Verdict(expectation_text(expectation), True, words.NOT_ENTERED, None, from_s, to_s)
     at_s = float(rows["entered_s"][0])
-    return Verdict(expectation.text, False, f"entered at {_clock(at_s)}", at_s, from_s, to_s)
+    return Verdict(
+        expectation_text(expectation), False, words.ENTERED.of(at=_clock(at_s)), at_s, from_s, to_s
+    )
+
+
+def _never(matcher: Matcher) -> Phrase:
+    return words.NO_STRETCH.of(what=Phrase(matcher.text, matcher_text(matcher)))
 
 
 def _clock(t_s: float) -> str:

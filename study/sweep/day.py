@@ -28,8 +28,8 @@ from simulation.setup import Setup
 from study.measures.day_figures import EVENTS, DayFigures, day_figures
 from study.outcome import Outcome, outcome_of
 from study.run.crash import named
-from study.run.outcome import broken_rules, unfinished
-from study.run.run import TEMPORARY, CarrierKind, Course, carrier_factory, through, waiting_text
+from study.run.outcome import broken_rules, unfinished, waiting_said
+from study.run.run import TEMPORARY, CarrierKind, Course, carrier_factory, through
 from study.scenario.scenario import Scenario, load_scenario, with_seed
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
 from sumo_cfg.build import net_for
@@ -167,7 +167,7 @@ def outcome_of_day(result: RunResult) -> tuple[DayOutcome, str]:
     dead = [(t_s, text) for t_s, text in broken if text.startswith(f"{Checker.NO_DEAD_STATE}: ")]
     unsafe = [found for found in broken if found not in dead]
     missing = unfinished(result)
-    waiting = [waiting_text(waiting) for waiting in result.waiting] if missing else []
+    waiting = [waiting_said(waiting).en for waiting in result.waiting] if missing else []
     if unsafe:
         t_s, text = unsafe[0]
         more = f", and {len(unsafe) - 1} more" if unsafe[1:] else ""

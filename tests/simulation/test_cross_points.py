@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from network.model import Position
+from simulation.events import Danger, Unsafe
 from simulation.loop import Simulation
 from simulation.setup import Setup
 
@@ -29,8 +30,8 @@ class World:
             position_of=lambda _points: position, force=lambda _step, points_id: self.forced.append(points_id)
         )
 
-    def _unsafe(self, _slot: int, text: str) -> None:
-        self.texts.append(text)
+    def _unsafe(self, _slot: int, danger: Danger, points_id: str) -> None:
+        self.texts.append(Unsafe(unit_id="K1", danger=danger, points_id=points_id).text)
 
 
 def crossed(setup: Setup, before: str, expected: str, position: Position | None) -> World:

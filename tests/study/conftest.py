@@ -166,8 +166,11 @@ def make_run(line: Line, timetable: Timetable, seed: int = 1) -> RunTables:
     first = rows.tables["trajectory"][len(rows.tables["trajectory"]) // 2]
     rows.tables["trajectory"][len(rows.tables["trajectory"]) // 2] = (*first[:11], 1, *first[12:])
     for i in range(260):
-        rows.add("events", 36_000.0 + i, first[1], "refusal", f"route refused, number {i}")
-    rows.add("events", first[0], first[1], "intervention", "service brake: 1.2 km/h above permitted <speed>")
+        rows.add(
+            "events", 36_000.0 + i, first[1], "refusal", f"route refused, number {i}", f"進路要求を拒否 {i}"
+        )
+    brakes = "service brake: 1.2 km/h above permitted <speed>"
+    rows.add("events", first[0], first[1], "intervention", brakes, "常用ブレーキ")
     return rows.finish()
 
 

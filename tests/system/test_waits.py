@@ -16,12 +16,13 @@ from simulation.events import MANAGER
 from simulation.result import Waiting
 from simulation.setup import STEPS_PER_S, Setup
 from study.measures.wait import Asked, Cause, Wait
-from study.measures.wait_text import names_of, text_of
+from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.run.drill import find_drill
 from study.run.run import simulated
 from study.run.waits_table import wait_at
 from study.scenario.scenario import load_scenario
+from study.wording.phrase import names_of
 
 ON_LINE_UNIT = (Cause.RUNS, Cause.STOP_LIMIT, Cause.STARTING)
 BEFORE_ITS_TIME = (Cause.DEPARTURE_TIME, Cause.DWELL, Cause.SET_BACK)

@@ -168,14 +168,17 @@ export function placeOf(courses, unit, time) {
   return place;
 }
 
-/** Events with their kind bare and their place on the graph; broken invariants among them. */
+/** The id of who tells an event: its name in English. */
+const idOf = (event) => (Array.isArray(event.source) ? event.source[0] : event.source);
+
+/** Events with their kind bare and their place on the graph; broken invariants among them. Source and text in both languages. */
 function eventsOf(data, table, courses) {
   const told = rowsOf(table).map((row) => ({
     t: row.time, source: row.source, kind: row.event_kind.slice("event_".length), text: row.text,
   }));
   const broken = data.broken.map((row) => ({ t: row.t, source: row.checker, kind: "broken", text: row.text }));
   return [...told, ...broken].filter((event) => event.t !== null).map((event) => ({
-    ...event, m: data.devices[event.source] ?? placeOf(courses, event.source, event.t),
+    ...event, m: data.devices[idOf(event)] ?? placeOf(courses, idOf(event), event.t),
   })).sort((a, b) => a.t - b.t);
 }
 

@@ -1,7 +1,7 @@
 // The train graph as a paper: its canvas with tools, what is said of a train pointed at, texts of events, print.
 import { lastBefore, placeOf, valueAt, waitAt } from "./data.js";
 import { makeLayer, makeMovable } from "./layer.js";
-import { drawShape, eventsAt, kindsShown, shownEvents } from "./marks.js";
+import { drawShape, eventsAt, kindsShown, marksLegend, shownEvents } from "./marks.js";
 import { partsOf } from "./stairway.js";
 import { element } from "./tables.js";
 import { boundsOf, drawTrainGraph, gutterOf, nearestTrain, plotOf, scaleOf } from "./traingraph.js";
@@ -136,17 +136,22 @@ function tools(doc, paper, context) {
 }
 
 function legend(doc, day, options, words) {
-  const items = kindsShown(day, options).map(({ kind, shape }) => {
+  const signOf = (draw) => {
     const sign = element(doc, "canvas", { width: 32, height: 32, "aria-hidden": "true" });
     const drawn = sign.getContext("2d");
     drawn.scale(2, 2);
-    drawShape(drawn, 8, 8, ...shape);
+    draw(drawn);
+    return sign;
+  };
+  const drill = marksLegend(day).map(([word, draw]) => element(doc, "span", {}, signOf(draw), words.say(word)));
+  const items = kindsShown(day, options).map(({ kind, shape }) => {
+    const sign = signOf((drawn) => drawShape(drawn, 8, 8, ...shape));
     const count = shownEvents(day, options).filter((event) => event.kind === kind).length;
     return element(doc, "span", {}, sign, `${words.has(`event_${kind}`) ? words.say(`event_${kind}`) : kind} ${count}`);
   });
   const parts = (options.stairway ? partsOf(day) : []).map(([part, colour]) => element(doc, "span", {},
     element(doc, "span", { class: "part", style: `background:${colour}` }), words.say(`part_${part}`)));
-  return element(doc, "p", { class: "legend" }, ...items, ...parts);
+  return element(doc, "p", { class: "legend" }, ...drill, ...items, ...parts);
 }
 
 function point(paper, context, x, y) {
@@ -188,7 +193,7 @@ function pick(paper, context, popup, x, y) {
   popup.replaceChildren(
     element(doc, "button", { type: "button", class: "quiet", onclick: () => { popup.hidden = true; } }, words.say("close")),
     element(doc, "strong", {}, words.say("event_here")),
-    ...events.slice(0, 40).map((event) => element(doc, "p", {}, `${clock(event.t, true)} ${event.source} · ${kind(event.kind)} · ${event.text}`)),
+    ...events.slice(0, 40).map((event) => element(doc, "p", {}, `${clock(event.t, true)} ${words.said(event.source)} · ${kind(event.kind)} · ${words.said(event.text)}`)),
   );
   popup.style.left = `${Math.max(Math.min(x + 10, paper.layer.width - 340), 4)}px`;
   popup.style.top = `${Math.max(Math.min(y + 10, paper.layer.height - 140), 4)}px`;

@@ -1,4 +1,5 @@
 // What happened, on the train graph: marks of events, and a drill's faults, acts and expectations.
+import { valueAt } from "./data.js";
 import { COLOURS, font } from "./layer.js";
 import { spread } from "./view.js";
 
@@ -81,14 +82,82 @@ export function kindsShown(day, options) {
   return kinds.map((kind) => ({ kind, shape: SHAPES[kind] ?? LESSER }));
 }
 
-/** A drill's faults as pale bands and its acts as dashed lines. */
+// Where a fault is while it lasts: a stretch of line as a box, a train as a broad band along its run.
+const PLACE = "rgba(179,38,30,0.3)";
+const TRAIN_PX = 9;
+
+function drawPlace(context, day, scale, mark, end) {
+  const x0 = scale.x(mark.from);
+  const to = mark.to ?? end;
+  context.fillStyle = context.strokeStyle = PLACE;
+  for (const [low, high] of mark.stretches) {
+    const [y0, y1] = [scale.y(low), scale.y(high)];
+    context.fillRect(x0, Math.min(y0, y1), Math.max(scale.x(to) - x0, 2), Math.max(Math.abs(y1 - y0), 3));
+  }
+  context.lineWidth = TRAIN_PX;
+  context.lineCap = "round";
+  context.setLineDash([]);
+  for (const unit of mark.units) {
+    for (const course of day.courses) {
+      if (course.unit !== unit || course.to < mark.from || course.from > to) continue;
+      const from = Math.max(mark.from, course.from);
+      const until = Math.min(to, course.to);
+      context.beginPath();
+      context.moveTo(scale.x(from), scale.y(valueAt(course.t, course.m, from)));
+      course.t.forEach((t, i) => { if (t > from && t < until) context.lineTo(scale.x(t), scale.y(course.m[i])); });
+      context.lineTo(scale.x(until), scale.y(valueAt(course.t, course.m, until)));
+      context.stroke();
+    }
+  }
+  context.lineCap = "butt";
+}
+
+/** What the bands, boxes and lines of a drill mean, each as [word, how its sign is drawn in 16 px]. */
+export function marksLegend(day) {
+  const faults = day.marks.filter((mark) => mark.kind === "F");
+  const found = [];
+  const sign = (colour) => (context) => {
+    context.fillStyle = colour;
+    context.fillRect(1, 3, 14, 10);
+  };
+  if (faults.length) found.push(["legend_fault_time", sign("rgba(179,38,30,0.14)")]);
+  if (faults.some((mark) => mark.stretches.length)) found.push(["legend_fault_stretch", sign("rgba(179,38,30,0.37)")]);
+  if (faults.some((mark) => mark.units.length)) {
+    found.push(["legend_fault_train", (context) => {
+      context.strokeStyle = "rgba(179,38,30,0.37)";
+      context.lineWidth = 5;
+      context.lineCap = "round";
+      context.beginPath();
+      context.moveTo(3, 13);
+      context.lineTo(13, 3);
+      context.stroke();
+    }]);
+  }
+  if (day.marks.some((mark) => mark.kind === "A")) {
+    found.push(["legend_act", (context) => {
+      context.strokeStyle = COLOURS.ink;
+      context.lineWidth = 1.2;
+      context.setLineDash([3, 3]);
+      context.beginPath();
+      context.moveTo(8, 0);
+      context.lineTo(8, 16);
+      context.stroke();
+    }]);
+  }
+  return found;
+}
+
+/** A drill's faults as pale bands with their places, and its acts as dashed lines. */
 export function drawFaults(context, day, scale, plot) {
   const shown = day.marks.filter((mark) => mark.kind !== "E" && mark.from !== null).sort((a, b) => a.from - b.from);
   for (const mark of shown) {
     const x = scale.x(mark.from);
     const end = scale.x(mark.to ?? day.window[1]);
     context.fillStyle = "rgba(179,38,30,0.07)";
-    if (mark.kind === "F") context.fillRect(x, plot.top, Math.max(end - x, 0), plot.height);
+    if (mark.kind === "F") {
+      context.fillRect(x, plot.top, Math.max(end - x, 0), plot.height);
+      drawPlace(context, day, scale, mark, day.window[1]);
+    }
     context.strokeStyle = mark.kind === "F" ? COLOURS.red : COLOURS.ink;
     context.lineWidth = 0.9;
     context.setLineDash(mark.kind === "F" ? [] : [3, 3]);
@@ -134,7 +203,7 @@ export function drawStrip(context, day, view, scale, plot, options) {
     context.textAlign = "right";
     context.textBaseline = "middle";
     context.fillText(mark.label, plot.left - 6, y);
-    drawText(context, mark, scale, y, plot, day.window[1]);
+    drawText(context, mark, scale, y, plot, day.window[1], options.words);
     context.strokeStyle = COLOURS.fine;
     context.lineWidth = 1;
     context.beginPath();
@@ -145,13 +214,13 @@ export function drawStrip(context, day, view, scale, plot, options) {
 }
 
 /** What a row is about, beside its mark: to the right of it, or to the left where there is more room. */
-function drawText(context, mark, scale, y, plot, end) {
+function drawText(context, mark, scale, y, plot, end, words) {
   const inside = (x) => Math.min(Math.max(x, plot.left), plot.left + plot.width);
   const places = [mark.from ?? end, mark.at ?? mark.to ?? end].map((t) => inside(scale.x(t)));
   const [first, last] = [Math.min(...places) - 8, Math.max(...places) + 8];
   const [left, right] = [first - plot.left - 4, plot.left + plot.width - last - 4];
   context.textAlign = right >= left ? "left" : "right";
-  context.fillText(fitted(context, mark.text, Math.max(left, right)), right >= left ? last : first, y);
+  context.fillText(fitted(context, words.said(mark.text), Math.max(left, right)), right >= left ? last : first, y);
 }
 
 function stretch(context, mark, scale, y, end) {

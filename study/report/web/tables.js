@@ -23,6 +23,7 @@ export function written(value, column, words) {
     case "place": return value === "" ? words.say("whole_line") : words.place(value);
     case "clock": return clock(value, true);
     case "word": return words.say(value);
+    case "said": return words.said(value);
     case "call": return words.say(`call_${value}`);
     case "number": return fixed(value, column.digits, words.lang);
     case "signed": return (value > 0 ? "+" : "") + fixed(value, column.digits, words.lang);

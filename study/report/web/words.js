@@ -72,6 +72,10 @@ export const WORDS = {
   tip_on_time: ["on time at {place}", "{place} で定時"],
   down: ["down", "下り"],
   up: ["up", "上り"],
+  legend_fault_time: ["while a fault lasts (F)", "故障の時間（F）"],
+  legend_fault_stretch: ["its stretch of the line", "故障の区間"],
+  legend_fault_train: ["the train that has it", "故障した列車"],
+  legend_act: ["a person acts (A)", "人の操作（A）"],
   event_here: ["Events here", "この点の事象"],
   close: ["Close", "閉じる"],
   event_intervention: ["intervention", "介入"],
@@ -80,6 +84,13 @@ export const WORDS = {
   event_fault: ["fault", "故障"],
   "event_fault over": ["fault over", "故障復旧"],
   event_act: ["act", "人の操作"],
+  event_late: ["came late", "遅れて進入"],
+  event_doors: ["doors", "戸閉の遅れ"],
+  event_fix: ["fix", "位置補正"],
+  "event_fix refused": ["fix refused", "位置補正の棄却"],
+  "event_fix missed": ["fix missed", "位置検知なし"],
+  "event_foreign track": ["foreign track", "異曲率区間"],
+  "event_position found": ["position found", "位置確定"],
   event_stop: ["stop", "停止"],
   "event_unable to leave": ["unable to leave", "出発不能"],
   "event_able to leave": ["able to leave", "出発可能"],
@@ -348,7 +359,8 @@ export const WORDS = {
   until: ["until", "まで"],
   why: ["why", "理由"],
   // events and telegrams
-  events_caption: ["Texts are the journal's own words.", "内容は記録の原文（英語）"],
+  events_caption: ["What a person should hear of; the journal has all. Refusals that repeat are one line with their count.",
+    "人が知るべき事象（全件は記録にある）。続けて繰り返した拒否は回数とともに一行で示す"],
   table_events: ["Events", "事象"],
   events_none: ["None: no intervention, refusal or fault.", "なし"],
   time: ["time", "時刻"],
@@ -410,5 +422,7 @@ export function wordsIn(lang, stations = new Map()) {
     const text = entry ? entry[lang === "ja" ? 1 : 0] : key;
     return text.replace(/\{(\w+)\}/g, (_, name) => values[name] ?? "");
   };
-  return { lang, say, place, has: (key) => key in WORDS };
+  // What is said in both languages, as [English, Japanese].
+  const said = (pair) => (Array.isArray(pair) ? pair[lang === "ja" ? 1 : 0] : pair);
+  return { lang, say, said, place, has: (key) => key in WORDS };
 }

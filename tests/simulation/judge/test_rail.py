@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 
 from network.model import Position
-from simulation.events import WORLD, Collision, PointsMoving, ProofDropped, Unsafe
+from simulation.events import WORLD, Collision, Danger, PointsMoving, ProofDropped, Unsafe
 from simulation.judge.checkers import Checker
 from tests.simulation.judge.stage import Stage, authorised, in_track, on_points, second
 
@@ -92,7 +92,7 @@ def test_what_does_not_rest_on_the_brakes_is_judged_on_any_rail() -> None:
 
 @pytest.mark.parametrize(("share", "told"), [(0.1, {"unsafe"}), (1.0, set[str]())])
 def test_what_the_world_calls_unsafe_is_told_apart_too(share: float, told: set[str]) -> None:
-    stage = rail(in_track(), share).world(Unsafe(unit_id="A", text="ran onto points 2"))
+    stage = rail(in_track(), share).world(Unsafe(unit_id="A", danger=Danger.NO_POSITION, points_id="2"))
     assert outside(stage) == told
 
 

@@ -11,6 +11,7 @@ import pytest
 from onboard.charge import ChargeWatch
 from simulation.battery_settings import Beyond
 from simulation.carriers.plain_track import PlainTrack
+from simulation.events import Danger
 from simulation.loop import Simulation
 from simulation.result import BatteryEvent
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
@@ -84,16 +85,16 @@ def test_who_moves_with_its_pantograph_up_is_told_of_once() -> None:
 
 @pytest.mark.parametrize(("on_sight", "told"), [(True, 1), (False, 0)])
 def test_who_moves_so_is_unsafe_and_who_is_held_on_sight_looks_again(on_sight: bool, told: int) -> None:
-    world, happened, unsafe = World(battery_setup()), list[Any](), list[str]()
+    world, happened, unsafe = World(battery_setup()), list[Any](), list[Danger]()
     loop: Any = SimpleNamespace(
         _step=0,
-        _unsafe=lambda _slot, text: unsafe.append(text),
+        _unsafe=lambda _slot, danger: unsafe.append(danger),
         _cabs=SimpleNamespace(tell=lambda slot, _step, what: happened.append((slot, what))),
         on_board=SimpleNamespace(shown=lambda _slot: SimpleNamespace(on_sight=on_sight)),
     )
     world.control["moved"], world.control["pantograph"] = MOVED, FALLING
     Simulation._look_at_pantographs(loop, world.charging)
-    assert unsafe == ["moved with its pantograph up"] and not happened
+    assert unsafe == [Danger.PANTOGRAPH_UP] and not happened
     world.control["pantograph"] = DOWN
     Simulation._look_at_pantographs(loop, world.charging)
     assert len(unsafe) == 1 and len(happened) == told

@@ -93,7 +93,7 @@ def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: Run
     )
     found = list(figures_of(side(with_tables(weekday, margins=margins))))
     least = next(f for f in found if (f.group, f.name, f.unit) == ("margins", "smallest planned", "s"))
-    assert (least.value, least.where) == (-3.0, "330M Karasuyama – Hoshakuji")
+    assert (least.value, least.where.en) == (-3.0, "330M Karasuyama – Hoshakuji")
     percent = next(f for f in found if (f.group, f.name, f.unit) == ("margins", "smallest planned", "%"))
     assert percent.value == 20.0
 

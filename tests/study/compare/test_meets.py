@@ -106,7 +106,7 @@ def test_a_meet_moves_in_time_goes_and_comes(weekday: Run) -> None:
     later = run_of(weekday, *(part.with_columns(pl.col("t_s") + 3.0) for part in (down, up)))
     assert compare_meets(base, later, 3.0) == ()
     (moved,) = compare_meets(base, later, 1.0)
-    assert (moved.fate, moved.by_s, moved.why) == (Fate.OTHER_TIME, 3.0, "")
+    assert (moved.fate, moved.by_s, moved.why.en) == (Fate.OTHER_TIME, 3.0, "")
 
     far = run_of(weekday, down, course("U", "V2", -1, [(110.0, 12000.0), (195.0, 3800.0)]))
     (elsewhere,) = compare_meets(base, far, 1000.0)
@@ -117,13 +117,13 @@ def test_a_meet_moves_in_time_goes_and_comes(weekday: Run) -> None:
     alone = run_of(weekday, down)
     (gone,) = compare_meets(base, alone, 1.0)
     assert (gone.fate, gone.new, gone.by_s) == (Fate.GONE, None, None)
-    assert gone.why == "U did not run in the new run"
+    assert gone.why.en == "U did not run in the new run"
     (new,) = compare_meets(alone, base, 1.0)
-    assert (new.fate, new.old, new.why) == (Fate.NEW, None, "U did not run in the base run")
+    assert (new.fate, new.old, new.why.en) == (Fate.NEW, None, "U did not run in the base run")
 
     apart = run_of(weekday, down, course("U", "V2", -1, [(120.0, 9000.0), (220.0, 5000.0)]))
     (parted,) = compare_meets(base, apart, 1.0)
-    assert (parted.fate, parted.why) == (Fate.GONE, "")
+    assert (parted.fate, parted.why.en) == (Fate.GONE, "")
 
 
 def test_a_place_is_a_station_with_tracks_or_what_it_is_between() -> None:

@@ -133,7 +133,7 @@ def test_a_pair_of_round_trips(made: MADE, name: str) -> None:
             (meet,) = (change for change in pair.meets if change.fate is Fate.NEW)
             assert (meet.down_train, meet.up_train) == ("323M", "324M")
             assert meet.new is not None and meet.new.at == ("OGN",)
-            assert meet.why == "323M did not run in the base run"
+            assert meet.why.en == "323M did not run in the base run"
         case _:
             assert "trains.default" in keys
             assert {"energy", "margins"} <= {table for table, rows in pair.rows.items() if rows}

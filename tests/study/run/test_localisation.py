@@ -26,6 +26,7 @@ def tables(events: list[tuple[float, str, str]]) -> RunTables:
         "source": [e[1] for e in events],
         "kind": [e[2] for e in events],
         "text": [""] * len(events),
+        "text_ja": [""] * len(events),
     }
     return replace(empty, trajectory=make_table("trajectory", rows), events=make_table("events", told))
 

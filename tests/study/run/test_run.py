@@ -14,7 +14,7 @@ import study.run.run
 from host.party import PartySpec
 from network.errors import InputError
 from radio.noted import TelegramDropped
-from simulation.events import WORLD, Unsafe
+from simulation.events import WORLD, Danger, Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
 from simulation.judge.rail import Slippery
@@ -64,7 +64,7 @@ def result(
 ) -> RunResult:
     journal = Journal()
     if unsafe:
-        journal.write(5.0, WORLD, Unsafe(unit_id="K1", text=unsafe))
+        journal.write(5.0, WORLD, Unsafe(unit_id="K1", danger=Danger.SET_AGAINST, points_id=unsafe))
     return RunResult(
         name="made up",
         seed=1,
@@ -103,7 +103,7 @@ def test_what_makes_a_run_a_failure() -> None:
     seen = Violation(1.0, "points-under-train", "P5 moves under K1")
     assert broken_by(result(violations=(seen,)), setup) == ("points-under-train: P5 moves under K1",)
     forced = "ran through points P5 set against it"
-    assert broken_by(result(unsafe=forced), setup) == (f"K1 {forced}",)
+    assert broken_by(result(unsafe="P5"), setup) == (f"K1 {forced}",)
     stays = "K1 has neither left the line nor stands where its last duty ends"
     assert broken_by(result(unfinished=("K1",)), setup) == (stays,)
 
@@ -120,7 +120,7 @@ def test_what_is_outside_the_design_is_told_and_makes_no_failure_but_a_collision
     slid = "ran through points P5 set against it"
     apart = (Violation(5.0, "inside-holding", "K1 is in section 5"), Violation(5.0, "unsafe", f"K1 {slid}"))
     stretch = Slippery("K1", 36_000.0, 0.1, 36_060.0)
-    run = replace(result(unsafe=slid), outside_design=apart, slippery=(stretch, replace(stretch, least=0.05)))
+    run = replace(result(unsafe="P5"), outside_design=apart, slippery=(stretch, replace(stretch, least=0.05)))
     assert broken_by(run, setup) == ()
     assert outside_design(run) == (
         "K1 had less adhesion than the design counts on 2 times from 10:00:00 to 10:01:00,"

@@ -10,7 +10,7 @@ import pytest
 
 from network.model import Position
 from onboard.notes import Departs, MissionBegun, Overran, Proven, Resumed, UnitRestarted
-from simulation.events import Event, Unsafe
+from simulation.events import Danger, Event, Unsafe
 from simulation.faults.script import Expectation, Matcher, Property
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
@@ -138,7 +138,7 @@ def test_broken_invariants_and_collisions_are_not_passed_over() -> None:
     violation = Violation(5.0, "inside-holding", "K1 is in section 5")
     assert verdict(sound, result_of(violations=(violation,))) == (False, "inside-holding: K1 is in section 5")
     assert not verdict(sound, result_of(collisions=("K1 and K2",)))[0]
-    unsafe = result_of((5.0, "world", Unsafe(unit_id="K1", text="ran through points P7 set against it")))
+    unsafe = result_of((5.0, "world", Unsafe(unit_id="K1", danger=Danger.SET_AGAINST, points_id="P7")))
     assert verdict(sound, unsafe) == (False, "K1 ran through points P7 set against it")
     late = Violation(5.0, "everyone-arrives", "T1 has not arrived")
     assert verdict(sound, result_of(violations=(late,)))[0]

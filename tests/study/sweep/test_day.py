@@ -12,7 +12,7 @@ import pytest
 from network.errors import InputError
 from simulation.carriers.plain_track import PlainTrack
 from simulation.carriers.sumo import SumoCarrier
-from simulation.events import Left, Unsafe
+from simulation.events import Danger, Left, Unsafe
 from simulation.journal import Journal
 from simulation.judge.checkers import Checker, Violation
 from simulation.result import Ending, RunResult, Waiting
@@ -161,7 +161,7 @@ def test_of_the_journal_only_what_is_asked_for_stays() -> None:
     seen: list[object] = []
     kept.watch(seen.append)
     for journal in (kept, whole):
-        journal.write(1.0, "world", Unsafe(unit_id="V1", text="ran off"))
+        journal.write(1.0, "world", Unsafe(unit_id="V1", danger=Danger.END_OF_TRACK))
         journal.write(2.0, "world", Left(unit_id="V1"))
     assert kept.digest() == whole.digest()
     assert [type(entry.event) for entry in kept.entries] == [Unsafe]

@@ -1,0 +1,217 @@
+"""Events that a person should hear of, as sentences: one template a type of event and language.
+
+`TOLD` is the whole table. A field that may be empty has a clause of its own, which then is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from network.clock import clock
+from onboard import notes
+from radio.noted import Noted, TelegramDropped
+from simulation import events
+from simulation.events import EventType
+from simulation.judge.checkers import Checker
+from study.wording.outcome import CHECKERS, unsafe_text
+from study.wording.phrase import NOTHING, Names, Phrase
+from study.wording.script import act_text, fault_text, value_text
+from study.wording.telegrams import telegram
+from wayside import said
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """How the report tells a type of event: under which kind, in which words, with which clauses where it has them."""
+
+    kind: str
+    words: Phrase
+    clauses: Mapping[str, Phrase] = field(default_factory=dict[str, Phrase])
+
+
+_WHY: Final = {"why": Phrase(": {}", "：{}")}
+_OF_UNIT: Final = {
+    "unit_id": Phrase(" to {}", "{}の"),
+    "section_ids": Phrase(", sections {}", "（区間 {}）"),
+    "token": Phrase(", token {}", "、トークン {}"),
+    "other_id": Phrase(", against {}", "、相手 {}"),
+    **_WHY,
+}
+_AT_POINTS: Final = {
+    "section_id": Phrase(", section {}", "（{}区間）"),
+    "token": Phrase(", token {}", "、トークン {}"),
+    **_WHY,
+}
+TOLD: Final[Mapping[EventType, Told]] = {
+    notes.Intervention: Told("intervention", Phrase("{level}", "{level}")),
+    notes.EmergencyReleased: Told(
+        "intervention", Phrase("the driver has acknowledged the emergency stop", "非常停止を運転士が確認")
+    ),
+    notes.RouteDenied: Told(
+        "refusal", Phrase("route {route_id} refused{why}", "進路 {route_id} の要求を拒否された{why}"), _WHY
+    ),
+    notes.ThrowDenied: Told(
+        "refusal",
+        Phrase("points {points_id} refused{why}", "転てつ機 {points_id} の制御を拒否された{why}"),
+        _WHY,
+    ),
+    notes.SignOnDenied: Told("refusal", Phrase("sign-on refused{why}", "在線登録を拒否された{why}"), _WHY),
+    said.Refused: Told(
+        "refusal",
+        Phrase(
+            "refused{unit_id}{section_ids}{token}{other_id}{why}",
+            "{unit_id}要求を拒否{section_ids}{token}{other_id}{why}",
+        ),
+        _OF_UNIT,
+    ),
+    said.ThrowRefused: Told(
+        "refusal",
+        Phrase(
+            "points {points_id} refused to {unit_id}{section_id}{token}{why}",
+            "{unit_id}からの転てつ機 {points_id} の制御を拒否{section_id}{token}{why}",
+        ),
+        _AT_POINTS,
+    ),
+    said.Contradicted: Told(
+        "contradiction",
+        Phrase(
+            "contradiction{unit_id}{section_ids}{token}{other_id}{why}",
+            "{unit_id}登録が矛盾{section_ids}{token}{other_id}{why}",
+        ),
+        _OF_UNIT | {"unit_id": Phrase(" of {}", "{}の")},
+    ),
+    events.FaultBegan: Told("fault", Phrase("{fault}", "{fault}")),
+    events.FaultOver: Told("fault over", Phrase("{fault}", "{fault}")),
+    events.Acted: Told("act", Phrase("{acted}", "{acted}")),
+    events.CameLate: Told(
+        "late",
+        Phrase(
+            "{train} ({unit_id}) comes {late_s:.0f} s late to its portal",
+            "{train}（{unit_id}）が線区端に {late_s:.0f} 秒遅れて到着",
+        ),
+    ),
+    events.DoorsHeld: Told(
+        "doors",
+        Phrase(
+            "doors of {train} ({unit_id}) at {station} closed at {until}:"
+            " {people_s:.0f} s people, {doors_s:.0f} s doors",
+            "{train}（{unit_id}）{station} の戸閉が {until}（客扱い {people_s:.0f} 秒、戸閉不良 {doors_s:.0f} 秒）",
+        ),
+    ),
+    notes.PositionFault: Told("fault", Phrase("position fault{why}", "位置検知異常{why}"), _WHY),
+    notes.PositionFound: Told("position found", Phrase("the position is known again", "位置が確定")),
+    notes.FoundElsewhere: Told(
+        "fix refused",
+        Phrase(
+            "{reader} finds the train where it does not hold all sections",
+            "{reader}の示す位置が確保区間の外のため棄却",
+        ),
+    ),
+    notes.FixTaken: Told(
+        "fix",
+        Phrase(
+            "{reader} taken after {after}: the position moved by {correction_m:+.2f} m",
+            "{reader}による位置補正 {correction_m:+.2f} m（直前：{after}）",
+        ),
+    ),
+    notes.FixRefused: Told(
+        "fix refused", Phrase("{reader} misses the bounds", "{reader}の示す位置が誤差範囲の外のため棄却")
+    ),
+    notes.FixMissed: Told(
+        "fix missed", Phrase("{reader} shows nothing where it should", "{reader}が検知すべき所で検知なし")
+    ),
+    notes.ForeignTrack: Told(
+        "foreign track",
+        Phrase(
+            "{reader} sees a track that is not the map's", "{reader}の測定が地図と一致しない（異曲率区間）"
+        ),
+    ),
+    notes.StoppedShort: Told(
+        "stop",
+        Phrase("stands {short_m:.1f} m before its target{why}", "停止位置の {short_m:.1f} m 手前で停止{why}"),
+        _WHY,
+    ),
+    notes.StopImpossible: Told(
+        "stop",
+        Phrase("the stop at {station} cannot be made{why}", "{station} の停止位置に停止できない{why}"),
+        _WHY,
+    ),
+    notes.UnableToLeave: Told(
+        "unable to leave", Phrase("unable to leave {station}{why}", "{station} を出発できない{why}"), _WHY
+    ),
+    notes.AbleToLeave: Told("able to leave", Phrase("able to leave {station}", "{station} を出発できる")),
+    notes.Overran: Told(
+        "stop",
+        Phrase("stands {beyond_m:.2f} m beyond the mark", "停止目標を {beyond_m:.2f} m 行き過ぎて停止"),
+    ),
+    events.Unsafe: Told("unsafe", Phrase("{unit_id} {how}", "{unit_id}{how}")),
+    events.Collision: Told("unsafe", Phrase("{text}", CHECKERS[Checker.SUMO_COLLISION])),
+    events.PointsForced: Told(
+        "unsafe", Phrase("points {points_id} were run through", "転てつ機 {points_id} の割出し")
+    ),
+    TelegramDropped: Told(
+        "telegram",
+        Phrase("dropped by {receiver}{kind}{source}{why}", "{receiver}が電文を棄却{kind}{source}{why}"),
+        {"kind": Phrase(": {}", "（{}）"), "source": Phrase(" of {}", "、送信元 {}"), **_WHY},
+    ),
+    said.PointsUnproven: Told(
+        "points",
+        Phrase(
+            "points {points_id} of {unit_id} not proven{section_id}{token}{why}",
+            "{unit_id}の転てつ機 {points_id} が未照査{section_id}{token}{why}",
+        ),
+        _AT_POINTS,
+    ),
+    events.Reversed: Told("reversal", Phrase("{unit_id} changes ends", "{unit_id} が折返し（エンド交換）")),
+    events.Entered: Told(
+        "train", Phrase("{train} ({unit_id}) comes onto the line", "{train}（{unit_id}）が線区に進入")
+    ),
+    events.Left: Told("train", Phrase("{unit_id} has left the line", "{unit_id} が線区から進出")),
+}
+
+
+def event_text(event: Noted, names: Names) -> Phrase:
+    """An event as a sentence, with the names of stations."""
+    told = TOLD[type(event)]
+    return told.words.of(**{name: _part(told, name, value) for name, value in _values(event, names).items()})
+
+
+def _part(told: Told, name: str, value: object) -> object:
+    clause = told.clauses.get(name)
+    if clause is None:
+        return value
+    words = value if isinstance(value, Phrase) else Phrase(str(value))
+    return (
+        NOTHING
+        if words.en in ("", "0")
+        else Phrase(clause.en.format(words.en), clause.ja.format(words.in_("ja")))
+    )
+
+
+def _values(event: Noted, names: Names) -> dict[str, object]:
+    """The fields of an event in words, figures as they are, and what several fields say together."""
+    fields: dict[str, object] = {name: getattr(event, name) for name in event.__struct_fields__}
+    match event:
+        case events.FaultBegan() | events.FaultOver():
+            return {"fault": fault_text(event.kind, event.target, event.parameters)}
+        case events.Acted():
+            return {"acted": act_text(event.act, "", event.target, event.section_ids)}
+        case events.DoorsHeld():
+            fields["until"] = clock(int(event.until_s))
+        case events.Unsafe():
+            fields["how"] = unsafe_text(event)
+        case TelegramDropped():
+            fields["kind"] = NOTHING if event.kind is None else telegram(event.kind)
+        case _:
+            pass
+    return {name: _in_words(name, value, names) for name, value in fields.items()}
+
+
+def _in_words(name: str, value: object, names: Names) -> object:
+    if isinstance(value, float | Phrase):
+        return value
+    if name == "station":
+        return names.get(str(value), Phrase(str(value)))
+    return value_text(name, value)

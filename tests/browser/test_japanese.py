@@ -1,0 +1,112 @@
+"""The report of a drill, compared with another one, opened in Japanese: nothing on it is left in English."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+import pytest
+
+from study.compare.comparison import compare
+from study.compare.parts import parts_against
+from study.compare.side import of_run
+from study.report.report import write_report
+from study.report.style import drawing
+from study.run.drill import Drill, run_drill, shown
+from study.run.run import Link
+from study.run.shown import shown_of
+from tests.browser.test_report_in_chromium import opened, picture
+from tests.study.wording.test_wording import english_in
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.browser
+TEXTS = """
+() => {
+  const texts = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    const at = node.parentElement;
+    const shown = !at.closest("script, style, datalist, noscript") && at.checkVisibility();
+    if (shown) texts.push(node.textContent.trim());
+  }
+  return texts.filter((text) => text);
+}
+"""
+# A name or a code in any language: files and keys of inputs, ids, digests, the other language.
+NAMES = re.compile(
+    r"[\w.\[\]\"-]*[._\[][\w.\[\]\"-]*|[0-9a-f]{16,}|CSV|English|rtri\w*|Link\S*|summary.json|events.parquet"
+)
+
+
+@pytest.fixture(scope="module")
+def drills() -> tuple[Drill, Drill]:
+    """Two drills of one line with faults, acts, refusals and interventions."""
+    found = [
+        run_drill(f"rtri/{name}", Link.SIMULATED)
+        for name in ("06_unit_manager_link", "09b_manager_power_by_hand")
+    ]
+    return found[0], found[1]
+
+
+@pytest.fixture(scope="module")
+def report(drills: tuple[Drill, Drill], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The second drill's report, with what changed against the first."""
+    base, new = drills
+    setup = new.run.scenario.setup
+    with drawing(), mpl.rc_context():
+        parts = parts_against(compare([of_run(base.run, "A"), of_run(new.run, "B")], 1.0), graphs=False)
+    drill = shown(new)
+    kept = shown_of(new.run.result, new.run.failures, (), drill, {})
+    facts = kept.facts(new.run.summary, new.run.scenario.inputs)
+    folder = tmp_path_factory.mktemp("japanese")
+    return write_report(folder, setup.line, setup.timetable, new.run.tables, facts, {}, drill, parts)
+
+
+def left_in_english(texts: list[str], names: set[str]) -> Iterator[str]:
+    for text in texts:
+        bare = NAMES.sub(" ", text)
+        if any(word not in names for word in english_in(bare)):
+            yield text
+
+
+def test_a_japanese_planner_reads_no_english(
+    browser: Browser, report: Path, drills: tuple[Drill, Drill]
+) -> None:
+    scenario = drills[1].run.scenario
+    titles = {
+        word for text in (scenario.name, scenario.setup.timetable.name) for word in re.findall(r"\w+", text)
+    }
+    with opened(browser, report) as page:
+        page.click("#language")
+        for paper in (
+            "summary",
+            "compared",
+            "graph",
+            "curve",
+            "stations",
+            "punctuality",
+            "energy",
+            "margins",
+            "stopping",
+            "sections",
+            "trains",
+            "events",
+        ):
+            page.click(f"#tab-{paper}")
+            page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+            page.wait_for_timeout(50)
+            picture(page, f"japanese-{paper}")
+            assert list(left_in_english(page.evaluate(TEXTS), titles)) == [], paper
+
+
+def test_the_legend_says_what_a_faults_bands_are(browser: Browser, report: Path) -> None:
+    with opened(browser, report) as page:
+        assert "while a fault lasts (F)" in page.locator(".legend").inner_text()
+        picture(page, "drill-en-graph")
+        page.click("#language")
+        assert "故障の時間（F）" in page.locator(".legend").inner_text()

@@ -1,0 +1,229 @@
+"""Whatever a report says of typed facts it says in Japanese too: a new event, fault, reason or figure without fails."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from enum import Enum
+from pathlib import Path
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+import msgspec
+import pytest
+
+from network.model import Direction, Position, TagPurpose
+from onboard.driving.tasc import Verdict
+from onboard.localisation.fix import OUTCOMES
+from onboard.localisation.table import READER_NAMES
+from radio import messages
+from radio.envelope import DropReason
+from radio.noted import Noted
+from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, FaultOver
+from simulation.faults.script import ActKind, Expectation, Failure, Property, matcher_of
+from simulation.faults.table import FAULTS
+from simulation.judge.checkers import Checker
+from simulation.result import Ending
+from study.compare.comparison import FATES
+from study.compare.measures import TABLES, columns_in
+from study.compare.meets import Fate
+from study.report.bundle import modules
+from study.run.drill import find_drill
+from study.scenario.scenario import load_scenario
+from study.wording import outcome, script
+from study.wording.compared import WORDS
+from study.wording.event_names import EVENT_NAMES
+from study.wording.events import TOLD, event_text
+from study.wording.phrase import Phrase
+from study.wording.reasons import reason
+from study.wording.telegrams import TELEGRAMS
+from wayside.reentry import Clash
+from wayside.register import Stage, Standing
+
+ENGLISH = re.compile(r"[A-Za-z]*[a-z]{3,}[A-Za-z]*")
+CODES = {"ppm", "rms", "GNSS", "LiDAR", "kWh"}  # and what stands for names: one capital, one figure
+ROOT = Path(__file__).parents[3]
+# Of the words that parties give as reasons those that never come to a person: they stand in no event that is told.
+UNTOLD_OF = {"dispatch.py", "order.py"}  # how trains are ordered stands in the journal alone
+UNTOLD = {"the train does not stand at a known place", "the train may have entered the route"}
+
+
+def english_in(text: str) -> list[str]:
+    """Words in a text that only English has."""
+    return [word for word in ENGLISH.findall(text) if word not in CODES]
+
+
+def example(kind: Any, name: str) -> Any:  # noqa: ANN401 - of the field's type
+    """A value of a field's type, with nothing in it but names."""
+    if name in ("why", "was", "stage"):
+        return "HELD"
+    if name == "kind":
+        return "RouteRequest"
+    if name in ("act", "after", "reader"):
+        return {"act": ActKind.POWER_ON.value, "after": "missed", "reader": "curvature"}[name]
+    if get_origin(kind) in (Union, type(int | str)):
+        return example(next(one for one in get_args(kind) if one is not type(None)), name)
+    if get_origin(kind) is tuple:
+        return (example(get_args(kind)[0], name),)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return next(iter(kind))
+    values: dict[Any, Any] = {str: "K1", int: 1, float: 1.5, bool: True}
+    return values.get(kind, {})
+
+
+def made(event: EventType) -> Noted:
+    hints = get_type_hints(event)
+    fields = {field.name: example(hints[field.name], field.name) for field in msgspec.structs.fields(event)}
+    if event in (FaultBegan, FaultOver):
+        fields["kind"] = "cut"
+    return event(**fields)
+
+
+@pytest.mark.parametrize("event", TOLD, ids=lambda event: event.__name__)
+def test_every_event_that_is_told_is_told_in_japanese_with_all_that_it_says(event: EventType) -> None:
+    said = event_text(made(event), {"K1": Phrase("Here", "甲")})
+    assert english_in(said.in_("ja")) == []
+    assert re.search(r"[ぁ-んァ-ヶ一-龠]", said.ja)
+    assert "{" not in said.en + said.ja
+    shared = re.findall(r"K1|1\.5|甲", said.ja)
+    if event is not Collision:  # whose text is the carrier's own
+        assert len(shared) >= len(re.findall(r"K1|Here", said.en))
+
+
+def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
+    refused = EVENTS["refused"](why="HELD")
+    said = event_text(refused, {})
+    assert said == Phrase("refused: HELD", "要求を拒否：他の列車が確保しています")
+
+
+def test_every_kind_of_event_has_its_word_on_the_page() -> None:
+    words = modules()["words.js"]
+    for told in TOLD.values():
+        assert f"event_{told.kind}:" in words or f'"event_{told.kind}":' in words, told.kind
+
+
+@pytest.mark.parametrize(
+    ("there", "said"),
+    [
+        (set(EVENTS.values()), set(EVENT_NAMES)),
+        (set(FAULTS), set(script.FAULT_NAMES)),
+        ({f for kind in FAULTS.values() for f in kind.model_fields} - {"target"}, set(script.FIGURE_NAMES)),
+        (set(ActKind), set(script.ACT_NAMES)),
+        (set(TagPurpose), set(script.PURPOSES)),
+        ({*READER_NAMES, *OUTCOMES, "driver's eye"}, set(script.READERS)),
+        (set(Checker), set(outcome.CHECKERS)),
+        (set(Danger), set(outcome.DANGERS)),
+        (set(Ending), set(outcome.ENDINGS)),
+        (set(Fate), set(FATES)),
+        ({kind.__name__ for kind in get_args(messages.AnyMessage)}, set(TELEGRAMS)),
+    ],
+    ids=lambda names: None if not names else str(sorted(map(str, names))[0]),
+)
+def test_every_table_of_words_is_whole(there: set[Any], said: set[Any]) -> None:
+    assert there == said
+
+
+def reasons() -> Iterator[str]:
+    """Every reason that a party gives: the members of its enums, and the constants that it writes as `why`."""
+    for kind in (messages.RefusalReason, messages.PointsRefusalReason, Verdict):
+        yield from (member.name for member in kind)
+    for words in (DropReason, Clash, Standing, Stage):
+        yield from (member.value for member in words)
+    for path in (*(ROOT / "onboard").rglob("*.py"), *(ROOT / "wayside").rglob("*.py")):
+        if path.name not in UNTOLD_OF:
+            yield from _whys(ast.parse(path.read_text("utf-8")))
+
+
+def _whys(tree: ast.AST) -> Iterator[str]:
+    """Texts that go by the name of a reason, or to who writes one down."""
+    for node in ast.walk(tree):
+        given: list[ast.expr | None] = []
+        if isinstance(node, ast.Call):
+            given += [keyword.value for keyword in node.keywords if keyword.arg == "why"]
+            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if name in ("_refused", "_lose", "_unproven_note", "disagrees", "Limit"):
+                given += node.args[1:3] if name != "_lose" else node.args[:1]
+        elif isinstance(node, ast.Assign) and any(getattr(t, "id", "") == "why" for t in node.targets):
+            given.append(node.value)
+        for expression in given:
+            yield from _texts(expression)
+
+
+def _texts(expression: ast.AST | None) -> Iterator[str]:
+    match expression:
+        case ast.Constant(value=str() as text):
+            yield text
+        case ast.IfExp(body=one, orelse=other):
+            yield from _texts(one)
+            yield from _texts(other)
+        case ast.JoinedStr(values=parts):
+            yield "".join(str(p.value) if isinstance(p, ast.Constant) else "K1" for p in parts)
+        case _:
+            pass
+
+
+def test_every_reason_has_japanese_words() -> None:
+    found = {
+        why: english_in(reason(why.lower().replace("_", " ")).in_("ja"))
+        for why in reasons()
+        if why not in UNTOLD
+    }
+    assert len(found) > 60
+    assert {why: left for why, left in found.items() if left} == {}
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_a_fault_is_said_with_its_figures(kind: str) -> None:
+    figures = {name: 2.0 for name in FAULTS[kind].model_fields if name != "target"}
+    said = script.fault_text(kind, "K1 <-> *", figures)
+    assert english_in(said.ja) == [] and "全装置" in said.ja
+    assert said.ja.count("2") >= len(figures)
+
+
+EXPECTATIONS = (
+    Expectation("it moves", event=matcher_of("points P7 move"), absent=True, until=matcher_of("K1 restarts")),
+    Expectation("slow", holds=Property.SPEED_AT_MOST, unit="K1", kmh=25.0, within_s=20.0),
+    Expectation("never", holds=Property.NEVER_ENTERS, unit="K1", section="5", by_s=36_000.0),
+)
+
+
+def test_an_expectation_is_said_from_what_is_judged() -> None:
+    said = [script.expectation_text(expectation).ja for expectation in EXPECTATIONS]
+    assert said == [
+        "転てつ機の転換（P7）がない［K1の車上装置の再起動・装置の起動まで］",
+        "K1の速度が 25 km/h 以下［20 秒以内］",
+        "K1が5区間に入らない［10:00:00まで］",
+    ]
+
+
+@pytest.mark.parametrize(
+    "name", ["rtri/09b_manager_power_by_hand", "karasuyama/12_terminal_power", "rtri/59_unit_barred"]
+)
+def test_of_a_drill_nothing_is_left_in_english(name: str) -> None:
+    drill = load_scenario(find_drill(name), None).setup.script
+    said = [script.item_text(item).ja for item in (*drill.faults, *drill.acts)]
+    said += [script.expectation_text(expectation).ja for expectation in drill.expectations]
+    assert drill.faults or drill.acts
+    assert all(isinstance(item, Failure) for item in drill.faults)
+    for person in {act.person for act in drill.acts}:  # people's own names
+        said = [text.removeprefix(f"{person}：") for text in said]
+    assert [text for text in said if english_in(text)] == []
+
+
+def test_what_is_compared_has_its_words() -> None:
+    whole = (ROOT / "study" / "compare" / "measures.py").read_text("utf-8")
+    names = {
+        node.args[i].value  # type: ignore[attr-defined]
+        for node in ast.walk(ast.parse(whole))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Figure"
+        for i in (0, 1, 2)
+        if isinstance(node.args[i], ast.Constant)
+    }
+    assert len(names) > 30
+    assert {name for name in names - set(WORDS) if english_in(name)} == set()
+    assert all(columns_in(table) for table in TABLES)
+
+
+def test_positions_and_directions_go_by_the_fields_words() -> None:
+    assert [script.value_text("position", position).ja for position in Position] == ["定位", "反位"]
+    assert script.value_text("direction", Direction.DOWN.name.lower()).ja == "下り"
