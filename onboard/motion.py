@@ -44,6 +44,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.unable import Unable
 from onboard.fixes import ROOM_M, Fixes
+from onboard.localisation.axles import forget_axles
 from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import Heard, TagDoubt
@@ -108,6 +109,8 @@ class Motion:
         self.reads_tags = True  # a train without a reader expects none
         self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
+        row.axles_differ_share = parameters.wheel_varies_share
+        forget_axles(row)
         row.pulse_m, row.believes_wheels = pulse_m(train), int(parameters.believes_wheels)
         self._line: Final = line
         self._parameters: Final = parameters
