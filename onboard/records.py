@@ -51,7 +51,8 @@ class UnitRow(Protocol):
     slid_ahead_m: Annotated[float, "by which slides have widened the bound ahead in all, beyond its growth"]
     slipped_behind_m: Annotated[float, "the same of slips and the bound behind"]
     position_known: int
-    odometer_m: Annotated[float, "tachometer reading at the last tick"]
+    odometer_m: Annotated[float, "what was counted until the last tick: the tachometer's reading, and"]
+    odometer_off_m: Annotated[float, "what the last axle has counted more than it, in its place"]
     pulse_m: Annotated[
         float, "of the tachometer: it shows whole pulses, so a way between two readings may be one off"
     ]

@@ -34,7 +34,7 @@ def forget_axles(unit: UnitRow) -> None:
     """Nothing has been compared yet."""
     unit.last_axle_mps = NO_AXLE_MPS
     unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = unit.agree_m = unit.braked_mps = 0.0
-    unit.apart, unit.liar = 0, NO_LIAR
+    unit.apart, unit.liar, unit.odometer_off_m = 0, NO_LIAR, 0.0
 
 
 @compiled

@@ -44,8 +44,7 @@ def locate(
     last_mps: float = NO_AXLE_MPS,
 ) -> int:
     """Take one tachometer reading (distance m, speed m/s), and the last axle's speed, if shown; returns event bits."""
-    run_m = odometer_m - unit.odometer_m
-    unit.odometer_m = odometer_m
+    run_m = odometer_m + unit.odometer_off_m - unit.odometer_m
     short_m = long_m = 0.0
     events, speed_mps = 0, shown_mps
     if last_mps >= 0.0:
@@ -58,9 +57,9 @@ def locate(
             short_m, long_m = max(last_m - run_m, 0.0), max(run_m - last_m - unit.pulse_m, 0.0)
         speed_mps = speed_to_go_by_mps(unit, shown_mps, last_mps, step_s)
         if unit.liar == TACHOMETER_LIES:
-            unit.slid_ahead_m += short_m * unit.odometer_scale
-            unit.slipped_behind_m += long_m * unit.odometer_scale
+            unit.odometer_off_m += last_m - run_m
             run_m, short_m, long_m = last_m, 0.0, 0.0
+    unit.odometer_m = odometer_m + unit.odometer_off_m
     run(unit, train, run_m, speed_mps, step_s, short_m, long_m)
     if unit.apart == 0:
         events |= doubt_tachometer(unit, train, speed_mps, step_s)
