@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 
 from documents.page import write_page
 from network.files.kinds import origin_of
-from onboard.localisation import curvature_map_file, fix, tachometer, tags
+from onboard.localisation import axles, curvature_map_file, fix, tachometer, tags
 from onboard.localisation.table import READERS
 from onboard.unit_records import UnitParameters
 from simulation.faults.table import KINDS
@@ -53,7 +53,7 @@ PAGES: Final[dict[str, Page]] = {
         "",
         None,
         "moves with every pulse",
-        "only widen them: with the way, with slides and slips",
+        "only widen them: with the way, with slides and slips, with what another axle contradicts",
         "sensors",
         Sensors,
         ("wheel_factor_sigma", "creep_share", "tread_conicity", "flangeway_m", "tachometer_axle"),
@@ -62,8 +62,8 @@ PAGES: Final[dict[str, Page]] = {
         "Slide protection (滑走防止装置)",
         "",
         None,
-        "none of itself: tells the wheels' reader what not to believe",
-        "widen them while wheels slide or slip",
+        "none of itself: tells the wheels' reader what not to believe, and shows it another axle",
+        "widen them while wheels slide or slip, and by what the two axles differ",
     ),
     "load_sensor": Page("Load sensor (応荷重)", "", None, "none: it tells the load", "none"),
     "tag_reader": Page(
@@ -160,6 +160,8 @@ def document() -> str:
         reader = sys.modules[readers[page.reader].function.__module__].__doc__ if page.reader else None
         if name == "tachometer":
             reader = tachometer.__doc__
+        elif name == "slide_protection":
+            reader = axles.__doc__
         elif name == "tag_reader":
             reader = tags.__doc__
         parts += _section(

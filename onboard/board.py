@@ -24,6 +24,8 @@ class SensedRow(Protocol):
     odometer_m: Annotated[float, "what the tachometer has counted"]
     speed_mps: Annotated[float, "what the tachometer shows"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
+    last_axle_taken: Annotated[int, "1: the slide protection shows its last axle"]
+    last_axle_mps: Annotated[float, "that axle's speed, by the circumference that the tachometer is set for"]
     load_share: Annotated[float, "from the load sensor: 0 empty, 1 full"]
     readings: Annotated[ReadingsRow, "of the sensors in the table of readers"]
 

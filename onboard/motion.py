@@ -44,6 +44,7 @@ from onboard.duty.records import (
 )
 from onboard.duty.unable import Unable
 from onboard.fixes import ROOM_M, Fixes
+from onboard.localisation.axles import forget_axles
 from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import Heard, TagDoubt
@@ -108,6 +109,8 @@ class Motion:
         self.reads_tags = True  # a train without a reader expects none
         self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
+        row.axles_differ_share = parameters.wheel_varies_share
+        forget_axles(row)
         row.pulse_m, row.believes_wheels = pulse_m(train), int(parameters.believes_wheels)
         self._line: Final = line
         self._parameters: Final = parameters
@@ -135,6 +138,7 @@ class Motion:
     def stand_at_start(self, mission: Mission, path: PathData, odometer_m: float) -> None:
         """The crew has entered a train number at its first mark: that is where the train stands."""
         row = self.row
+        forget_axles(row)
         row.odometer_m = odometer_m
         if not row.odometer_scale:
             row.odometer_scale = 1.0
@@ -166,6 +170,7 @@ class Motion:
     def switch_on(self, mission: Mission, path: PathData, odometer_m: float, speed_mps: float) -> None:
         """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
         row = self.row
+        forget_axles(row)
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
         row.speed_mps = speed_mps
         self._doubt.placed()
@@ -269,6 +274,7 @@ class Motion:
     def tag_read(self, tag_id: int, odometer_m: float) -> list[Sensed]:
         """The reader read a tag when the tachometer stood at `odometer_m`."""
         known = self._tags.get(tag_id)
+        odometer_m += self.row.odometer_off_m
         if self._shows_stand() and not (known and self._reaches(known[1])):
             return self._lose("a tag was passed while the tachometer shows a stand", wheels_lie=True)
         if known is None:

@@ -51,12 +51,24 @@ class UnitRow(Protocol):
     slid_ahead_m: Annotated[float, "by which slides have widened the bound ahead in all, beyond its growth"]
     slipped_behind_m: Annotated[float, "the same of slips and the bound behind"]
     position_known: int
-    odometer_m: Annotated[float, "tachometer reading at the last tick"]
+    odometer_m: Annotated[float, "what was counted until the last tick: the tachometer's reading, and"]
+    odometer_off_m: Annotated[float, "what the last axle has counted more than it, in its place"]
     pulse_m: Annotated[
         float, "of the tachometer: it shows whole pulses, so a way between two readings may be one off"
     ]
     odometer_scale: Annotated[float, "calibration against the distance between tags"]
     tachometer_doubt_s: Annotated[float, "for how long its readings have not fitted what was commanded"]
+    # the tachometer against the last axle (`onboard.localisation.axles`)
+    last_axle_mps: Annotated[float, "its speed a step ago; negative: none has been shown"]
+    axles_differ_share: Annotated[float, "two that roll differ by no more: what the way of a turn varies by"]
+    short_m: Annotated[float, "by which the tachometer has counted less than that axle, beyond this share"]
+    short_most_m: Annotated[float, "the most of it since it was last nothing: the bound ahead holds it"]
+    long_m: Annotated[float, "the same of what it has counted more"]
+    long_most_m: float
+    apart: Annotated[int, "1: the two contradict one another"]
+    agree_m: Annotated[float, "the way since they last did"]
+    braked_mps: Annotated[float, "what the train may still run at while they do"]
+    liar: Annotated[int, "which of them turned while the train surely stood"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
     may_slip_s: Annotated[float, "above 0: what it calls a slide may still be the slip that it saw before"]
     speed_mps: float

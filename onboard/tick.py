@@ -12,6 +12,7 @@ from onboard.driving.ahead import own_deceleration_mps2
 from onboard.driving.notches import drive
 from onboard.driving.stopping import hold, issued, ride_over_slide
 from onboard.driving.supervision import supervise
+from onboard.localisation.axles import NO_AXLE_MPS
 from onboard.localisation.table import read_all
 from onboard.localisation.tachometer import locate
 from onboard.records import (
@@ -53,11 +54,13 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
     """Take what the sensors show, set `unit.notch` and `unit.emergency`; returns event bits."""
     path = chart.path
     unit, train, behaviour, tasc = board.unit, board.kind, board.behaviour, board.tasc
-    speed_mps, step_s = sensed.speed_mps, behaviour.step_s
+    step_s = behaviour.step_s
     before_mps = unit.speed_mps
     run_m = sensed.odometer_m - unit.odometer_m
     unit.wheel_slide = sensed.wheel_slide
-    events = locate(unit, train, sensed.odometer_m, speed_mps, step_s)
+    last_mps = sensed.last_axle_mps if sensed.last_axle_taken != 0 else NO_AXLE_MPS
+    events = locate(unit, train, sensed.odometer_m, sensed.speed_mps, step_s, last_mps)
+    speed_mps = unit.speed_mps
     if events & (EVENT_TACHOMETER | EVENT_TAG_OVERDUE) != 0:
         unit.intervention = (
             EMERGENCY_INTERVENTION  # at once, whatever the event-driven part does of it, and when

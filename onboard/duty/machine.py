@@ -446,6 +446,7 @@ TABLE: Final[Mapping[tuple[Phase, type[Event]], Handler]] = MappingProxyType(
         (Phase.RUNNING, AtMark): on_sight.at_mark_unawares,
         **dict.fromkeys(((p, AtMark) for p in AT_A_MARK), confirm),
         **dict.fromkeys(((p, NotAtMark) for p in (Phase.STANDING, Phase.FINISHED)), on_sight.not_at_mark),
+        (Phase.SIGNING_OFF, NotAtMark): on_sight.not_in_its_portal,
         **dict.fromkeys(((p, TagPassed) for p in _ON_THE_LINE), tag_passed),
         **dict.fromkeys(((p, TagReached) for p in _ON_THE_LINE), tag_reached),
         **dict.fromkeys(((p, Found) for p in _ON_THE_LINE), found),

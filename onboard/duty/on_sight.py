@@ -68,6 +68,12 @@ def not_at_mark(turn: Turn, _event: NotAtMark) -> None:
     turn.set(at=max(turn.state.at - 1, 0), stands_at=None, may_leave=True)
 
 
+def not_in_its_portal(turn: Turn, event: NotAtMark) -> None:
+    """Signing off, it stands short of its mark: goes on on sight, unless the manager has been asked already."""
+    if turn.state.authority.open(Ask.SIGN_OFF) is None:
+        not_at_mark(turn, event)
+
+
 def give_up_position(turn: Turn) -> None:
     """The position is of no use where the train stands: goes on on sight from here."""
     turn.actions.append(Order.LOSE)

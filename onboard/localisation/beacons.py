@@ -101,7 +101,7 @@ def go_on(own: BeaconsRow, unit: UnitRow, chart: Chart) -> None:
 def taken_for(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Chart, row: int) -> int:
     """The beacon noticed is taken for that of a row; what came of it."""
     place = chart.places[unit.places_offset + row]
-    since_m = (unit.odometer_m - reading.odometer_m) * unit.odometer_scale
+    since_m = (unit.odometer_m - unit.odometer_off_m - reading.odometer_m) * unit.odometer_scale
     front_m = place.position_m + since_m
     within_m = own.accuracy_m + unit.pulse_m + abs(since_m) * unit.bound_growth
     if own.trusts != 0:
@@ -137,7 +137,8 @@ def by_number(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
 def by_window(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Chart) -> int:
     """A beacon without a number: the one that is due, if it was noticed in the window of that."""
     place = chart.places[unit.places_offset + own.next]
-    at_m = unit.position_m - (unit.odometer_m - reading.odometer_m) * unit.odometer_scale
+    since_m = (unit.odometer_m - unit.odometer_off_m - reading.odometer_m) * unit.odometer_scale
+    at_m = unit.position_m - since_m
     if place.told != 0 or abs(at_m - place.position_m) > half_window_m(own, unit, chart):
         return NOTHING
     outcome = taken_for(own, reading, unit, chart, own.next)

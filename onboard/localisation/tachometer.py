@@ -5,13 +5,22 @@ error stays within `bound_growth` metres per metre run, and while they slide or 
 allows. Wheels that may be locked tell nothing: the bound ahead then grows with time, by the speed that the train had
 when they last rolled, less what it surely brakes. Bounds only grow until a fix cuts them. A tachometer that shows what
 no train can do is reported (速度発電機の出力異常・出力なし, table 5): no output, output that does not answer power or
-brake.
+brake, output that another axle contradicts (`onboard.localisation.axles`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from onboard.localisation.axles import (
+    NO_AXLE_MPS,
+    SURE_BRAKE_MPS2,
+    TACHOMETER_LIES,
+    come_apart,
+    compare,
+    last_run_m,
+    speed_to_go_by_mps,
+)
 from onboard.records import EVENT_SAFE_REAR, EVENT_TACHOMETER, EVENT_TAG_OVERDUE, UnitRow
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
@@ -21,40 +30,85 @@ TACHOMETER_DOUBT_S = 4.0  # assumed: well over dead time and lag of traction and
 LOST_SHARE = 0.5  # slide protection keeps the wheel above this share of the train's speed
 LOST_FROM_MPS = 1.0
 GAINED_MPS = 2.5  # wheels spin up by less than this, and than their speed again, within a step
-SURE_BRAKE_MPS2 = 0.05  # assumed: locked wheels on a rail with adhesion 0.02, down 15 permille
 BY_TURNS_S = 1.0  # a slip that was seen may go on this long under the name of a slide
 ANSWERS_MPS2 = 0.1  # half the service brake slows a train by more than this on any gradient here
 
 
 @compiled
-def locate(unit: UnitRow, train: TrainRow, odometer_m: float, speed_mps: float, step_s: float) -> int:
-    """Take one tachometer reading (distance m, speed m/s); returns event bits."""
-    run_m = odometer_m - unit.odometer_m
-    unit.odometer_m = odometer_m
+def locate(
+    unit: UnitRow,
+    train: TrainRow,
+    odometer_m: float,
+    shown_mps: float,
+    step_s: float,
+    last_mps: float = NO_AXLE_MPS,
+) -> int:
+    """Take one tachometer reading (distance m, speed m/s), and the last axle's speed, if shown; returns event bits."""
+    run_m = odometer_m + unit.odometer_off_m - unit.odometer_m
+    short_m = long_m = 0.0
+    events, speed_mps = 0, shown_mps
+    if last_mps >= 0.0:
+        last_m = last_run_m(unit, last_mps, step_s)
+        if unit.wheel_slide == 0:
+            short_m, long_m = compare(unit, run_m, last_m)
+            if come_apart(unit, shown_mps, last_mps, last_m):
+                events |= EVENT_TACHOMETER
+        else:  # the last axle may slide and slip as well
+            short_m, long_m = max(last_m - run_m, 0.0), max(run_m - last_m - unit.pulse_m, 0.0)
+        speed_mps = speed_to_go_by_mps(unit, shown_mps, last_mps, step_s)
+        if unit.liar == TACHOMETER_LIES:
+            unit.odometer_off_m += last_m - run_m
+            run_m, short_m, long_m = last_m, 0.0, 0.0
+    unit.odometer_m = odometer_m + unit.odometer_off_m
+    run(unit, train, run_m, speed_mps, step_s, short_m, long_m)
+    if unit.apart == 0:
+        events |= doubt_tachometer(unit, train, speed_mps, step_s)
+    smoothing = step_s / (ACCELERATION_SMOOTHING_S + step_s)
+    unit.acceleration_mps2 += smoothing * ((speed_mps - unit.speed_mps) / step_s - unit.acceleration_mps2)
+    unit.speed_mps = speed_mps
+    return events | passed(unit, train)
+
+
+@compiled
+def run(
+    unit: UnitRow,
+    train: TrainRow,
+    run_m: float,
+    speed_mps: float,
+    step_s: float,
+    short_m: float,
+    long_m: float,
+) -> None:
+    """Move the estimate by what was counted and widen the bounds: by their growth, by slides and slips, and by what
+    another axle says that it was too short or too long by.
+    """
     unit.position_m += run_m * unit.odometer_scale
     growth_m = abs(run_m) * unit.bound_growth
     unit.bound_ahead_m += growth_m
     unit.bound_behind_m += growth_m
     share = min(train.wheel_slide_share_max, LOST_SHARE)
     unseen_m = unseen_run_m(unit, train, run_m * unit.odometer_scale, speed_mps, step_s)
-    slid_m = slipped_m = 0.0
+    slid_m, slipped_m = short_m * (unit.odometer_scale + unit.bound_growth), long_m * unit.odometer_scale
     if unit.wheel_slide != 0:  # on such a rail wheels slip and slide by turns
-        slid_m = max(abs(run_m) * (unit.odometer_scale + unit.bound_growth) * share / (1.0 - share), unseen_m)
+        held_m = abs(run_m) * (unit.odometer_scale + unit.bound_growth) * share / (1.0 - share)
+        slid_m = max(held_m, unseen_m, slid_m)
     elif unseen_m > 0.0:
-        slid_m = unseen_m
+        slid_m = max(unseen_m, slid_m)
     if unit.wheel_slide > 0:
         unit.may_slip_s = BY_TURNS_S
     if unit.wheel_slide != 0 and unit.may_slip_s > 0.0:
-        slipped_m = abs(run_m)
+        slipped_m = max(abs(run_m), slipped_m)
     unit.may_slip_s -= step_s
     unit.bound_ahead_m += slid_m
     unit.bound_behind_m += slipped_m
     unit.slid_ahead_m += slid_m
     unit.slipped_behind_m += slipped_m
-    events = doubt_tachometer(unit, train, speed_mps, step_s)
-    smoothing = step_s / (ACCELERATION_SMOOTHING_S + step_s)
-    unit.acceleration_mps2 += smoothing * ((speed_mps - unit.speed_mps) / step_s - unit.acceleration_mps2)
-    unit.speed_mps = speed_mps
+
+
+@compiled
+def passed(unit: UnitRow, train: TrainRow) -> int:
+    """What the front or the rear has surely passed; event bits."""
+    events = 0
     if unit.position_known == 1:
         certain_front_m = unit.position_m - unit.bound_behind_m
         if certain_front_m > unit.expected_tag_m + unit.tag_window_m:

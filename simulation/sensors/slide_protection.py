@@ -4,17 +4,21 @@ It has pulses of the first and of the last axle, and never the train's speed. An
 one, or slows down faster than any brake could slow the train, slides; one that turns faster, or gains speed faster than
 the motors could give it, slips. While it sees a slide it lets the last axle go (`last_axle_released`): its wheels then
 roll and show the speed that the first one has to come back to.
+
+It also shows the unit how fast its last axle turns, in terms of the circumference that the tachometer is set for: by
+how much its wheels differ from those it finds itself while all roll. These pulses are not the tachometer's.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final, Protocol
+from typing import TYPE_CHECKING, Annotated, Final, Protocol
 
 import numpy as np
 
 from onboard.board import SensedRow
 from radio.chance import generator
 from simulation.sensors.scene import SceneRow
+from simulation.sensors.tag_reader import WithTachometer
 from vehicle.compiled import compiled
 from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
@@ -43,6 +47,7 @@ class SlideProtectionRow(Protocol):
     lowest_mps: Annotated[float, "and at least, by its slowest"]
     last_mps: Annotated[float, "of the last axle, a step ago"]
     since_s: Annotated[float, "how long it has seen a slide or a slip"]
+    shows_axle: Annotated[int, "1: it shows its unit the last axle"]
     state: Annotated[int, "-1 slides, 1 slips, 0 rolls"]
 
 
@@ -51,6 +56,7 @@ def fit(own: SlideProtectionRow, setup: Setup, stock_id: str) -> None:
     drawn = generator(setup.seed, "axles", stock_id).normal(0.0, DIAMETERS_SIGMA)
     limit = 4.0 * DIAMETERS_SIGMA
     fit_train(own, setup.trains[stock_id].row.view(np.recarray)[0], float(np.clip(drawn, -limit, limit)))
+    own.shows_axle = 1
 
 
 def fit_train(own: SlideProtectionRow, train: TrainRow, diameters_differ: float = 0.0) -> None:
@@ -71,7 +77,7 @@ def rolls_at(own: SlideProtectionRow, speed_mps: float) -> None:
 @compiled
 def slide_protection(
     own: SlideProtectionRow,
-    _sensors: Any,  # noqa: ANN401
+    sensors: WithTachometer,
     scene: SceneRow,
     sensed: SensedRow,
 ) -> None:
@@ -95,3 +101,5 @@ def slide_protection(
     elif own.state <= 0 and first > own.lowest_mps + seen:
         own.state, own.since_s = 1, 0.0
     sensed.wheel_slide = own.state
+    sensed.last_axle_taken = own.shows_axle
+    sensed.last_axle_mps = scene.last_wheel_mps / sensors.tachometer.wheel_factor

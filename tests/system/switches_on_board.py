@@ -200,6 +200,24 @@ def bounds_do_not_grow(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def compares_no_axles(patch: pytest.MonkeyPatch) -> None:
+    """The slide protection shows its unit no axle."""
+    place = Trains.place
+
+    def alone(self: Trains, slot: int, duty: Duty) -> None:
+        place(self, slot, duty)
+        self.stock["sensors"]["slide_protection"]["shows_axle"][slot] = 0
+
+    patch.setattr(Trains, "place", alone)
+
+
+@switch
+def stands_for_no_reason(patch: pytest.MonkeyPatch) -> None:
+    """Nobody looks again at a train that may drive on and stands (decision 055)."""
+    patch.setattr(Motion, "_stands_idle", lambda _self: [])
+
+
+@switch
 def restarts_at_full_speed(patch: pytest.MonkeyPatch) -> None:
     obey = Motion.obey
 

@@ -360,8 +360,15 @@ PEOPLE: Final[dict[str, Case]] = {
             ),
             (Order.LOSE, RELEASE_LATER),
         )
-        for at in (Phase.STANDING, Phase.FINISHED)
+        for at in (Phase.STANDING, Phase.FINISHED, Phase.SIGNING_OFF)
     },
+    "the manager has been asked already whether it may leave: it goes nowhere": (
+        SIGNING_OFF,
+        NotAtMark(),
+        AT_B,
+        SIGNING_OFF,
+        (),
+    ),
     "the crew sees points lie as needed": (
         ON_SIGHT,
         PointsSeen(P7),

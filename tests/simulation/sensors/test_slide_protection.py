@@ -8,8 +8,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from onboard.board import SENSED
+from simulation.sensors import tachometer
 from simulation.sensors.scene import SCENE
 from simulation.sensors.slide_protection import SlideProtectionRow, fit_train, rolls_at, slide_protection
+from simulation.sensors.table import SENSORS_ROW
 from vehicle.dynamics import step
 from vehicle.record import dtype_of
 from vehicle.train_file import load_train, new_plant, shipped_train
@@ -22,13 +24,21 @@ ROW = dtype_of(SlideProtectionRow)
 class Run:
     """A train with its protection, a step at a time; `speed_shown` stands in for the truth where given."""
 
-    def __init__(self, speed_mps: float, diameters_differ: float = 0.0, share_max: float = 0.3) -> None:
+    def __init__(
+        self,
+        speed_mps: float,
+        diameters_differ: float = 0.0,
+        share_max: float = 0.3,
+        wheel_factor: float = 1.0,
+    ) -> None:
         self.train = np.array(TRAIN)
         self.train["wheel_slide_share_max"] = share_max
         self.plant = new_plant(1, speed_mps).view(np.recarray)[0]
         self.own = np.zeros(1, dtype=ROW).view(np.recarray)[0]
         self.scene = np.zeros(1, dtype=SCENE).view(np.recarray)[0]
         self.sensed = np.zeros(1, dtype=SENSED).view(np.recarray)[0]
+        self.sensors = np.zeros(1, dtype=SENSORS_ROW).view(np.recarray)[0]
+        tachometer.fit_train(self.sensors.tachometer, self.train.view(np.recarray)[0], wheel_factor)
         fit_train(self.own, self.train.view(np.recarray)[0], diameters_differ)
         rolls_at(self.own, speed_mps)
 
@@ -43,7 +53,7 @@ class Run:
             self.plant.last_wheel_speed_mps,
         )
         self.scene.step_s = STEP_S
-        slide_protection(self.own, None, self.scene, self.sensed)
+        slide_protection(self.own, self.sensors, self.scene, self.sensed)
         return int(self.sensed.wheel_slide)
 
     @property

@@ -1,0 +1,100 @@
+"""The tachometer against another axle (速度発電機の照合): what the two differ by is in the bounds, or a doubt.
+
+The slide protection has pulses of the last axle, which the tachometer's axle is not: it shows that axle's speed by the
+tachometer's circumference. Two that roll differ by no more than what the way of a turn varies by
+(`unit.axles_differ_share`), which the bounds' growth on what is counted holds already. What is beyond that is added up,
+to either side; as it grows it widens the bound on its side, so the interval spans what both axles say.
+
+Invariant: the front is inside the bounds while one of the two axles shows the way as well as wheels are stated to, and
+both while they slide or slip. Axles `APART_M` apart contradict one another: a doubt, told once, until they have agreed
+for `AGREES_M` (decision 072). From then on the train goes by the faster one, and while it brakes by what it may still
+run at the most; an axle that turns when the train must long stand is the liar, and the other one counts.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from onboard.records import UnitRow
+from vehicle.compiled import compiled
+
+NO_AXLE_MPS: Final = -1.0  # nothing shows another axle
+APART_M: Final = 1.0  # assumed: slides that the protection does not see differ by less
+AGREES_M: Final = 50.0
+ALIKE_MPS: Final = 0.02  # assumed: a clock between pulses shows speeds no finer
+SURE_BRAKE_MPS2: Final = 0.05  # assumed: locked wheels on a rail with adhesion 0.02, down 15 permille
+
+# unit.liar
+NO_LIAR: Final = 0
+TACHOMETER_LIES: Final = 1
+LAST_AXLE_LIES: Final = 2
+
+
+def forget_axles(unit: UnitRow) -> None:
+    """Nothing has been compared yet."""
+    unit.last_axle_mps = NO_AXLE_MPS
+    unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = unit.agree_m = unit.braked_mps = 0.0
+    unit.apart, unit.liar, unit.odometer_off_m = 0, NO_LIAR, 0.0
+
+
+@compiled
+def last_run_m(unit: UnitRow, last_mps: float, step_s: float) -> float:
+    """What the last axle has rolled in this step, m; keeps its speed."""
+    before_mps = unit.last_axle_mps if unit.last_axle_mps >= 0.0 else last_mps
+    unit.last_axle_mps = last_mps
+    return (before_mps + last_mps) / 2.0 * step_s
+
+
+@compiled
+def beyond_m(sum_m: float, most_m: float, pulse_m: float) -> float:
+    """By how much a sum has passed the most that it has been, m: what whole pulses differ by is no difference."""
+    return max(sum_m - max(most_m, pulse_m), 0.0)
+
+
+@compiled
+def compare(unit: UnitRow, run_m: float, last_m: float) -> tuple[float, float]:
+    """Add up what the tachometer (`run_m`) has counted less than the last axle (`last_m`) while both roll, and more.
+
+    Returns by how much the bounds ahead and behind are to be wider, m.
+    """
+    less_m, hidden_m = last_m - run_m, unit.axles_differ_share * run_m
+    unit.short_m = max(unit.short_m + less_m - hidden_m, 0.0)
+    unit.long_m = max(unit.long_m - less_m - hidden_m, 0.0)
+    ahead_m = beyond_m(unit.short_m, unit.short_most_m, unit.pulse_m)
+    behind_m = beyond_m(unit.long_m, unit.long_most_m, unit.pulse_m)
+    unit.short_most_m = max(unit.short_most_m, unit.short_m) if unit.short_m > 0.0 else 0.0
+    unit.long_most_m = max(unit.long_most_m, unit.long_m) if unit.long_m > 0.0 else 0.0
+    return ahead_m, behind_m
+
+
+@compiled
+def come_apart(unit: UnitRow, shown_mps: float, last_mps: float, last_m: float) -> bool:
+    """Whether the two axles contradict one another from now on; ends the doubt once they have long agreed."""
+    if unit.apart == 0:
+        unit.apart = 1 if max(unit.short_m, unit.long_m) > APART_M else 0
+        unit.agree_m = 0.0
+        return bool(unit.apart != 0)
+    alike = abs(shown_mps - last_mps) <= unit.axles_differ_share * last_mps + ALIKE_MPS
+    unit.agree_m = unit.agree_m + last_m if alike else 0.0
+    if unit.agree_m >= AGREES_M:
+        unit.apart, unit.liar = 0, NO_LIAR
+        unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = 0.0
+    return False
+
+
+@compiled
+def speed_to_go_by_mps(unit: UnitRow, shown_mps: float, last_mps: float, step_s: float) -> float:
+    """The tachometer's speed, or what is safe to take for it while the axles contradict one another."""
+    if unit.apart == 0:
+        unit.braked_mps = shown_mps
+        return shown_mps
+    if unit.liar != NO_LIAR:
+        return last_mps if unit.liar == TACHOMETER_LIES else shown_mps
+    faster_mps, slower_mps = max(shown_mps, last_mps), min(shown_mps, last_mps)
+    if unit.notch < 0.0 or unit.emergency != 0:
+        unit.braked_mps = max(min(unit.braked_mps, faster_mps) - SURE_BRAKE_MPS2 * step_s, slower_mps)
+    else:
+        unit.braked_mps = faster_mps
+    if unit.braked_mps <= 0.0 < faster_mps:
+        unit.liar = TACHOMETER_LIES if shown_mps > 0.0 else LAST_AXLE_LIES
+    return float(unit.braked_mps)

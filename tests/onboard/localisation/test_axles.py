@@ -1,0 +1,186 @@
+"""The tachometer against another axle: whichever errs, the front stays inside the bounds, and soon there is a doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from onboard.localisation.axles import APART_M, LAST_AXLE_LIES, NO_AXLE_MPS, TACHOMETER_LIES, forget_axles
+from onboard.localisation.tachometer import locate
+from onboard.records import EVENT_TACHOMETER, UNIT, UnitRow
+from onboard.unit_records import UnitParameters
+from vehicle.train_file import load_train, shipped_train
+
+STEP_S = 0.1
+PULSE_M = 0.03
+TRAIN = load_train(shipped_train("ev_e301")).row.view(np.recarray)[0]
+PARAMETERS = UnitParameters()
+VARIES = PARAMETERS.wheel_varies_share
+POWER_MPS2, COAST_MPS2, BRAKE_MPS2 = 0.6, -0.03, -0.7
+
+Shows = Callable[[float], float]  # of an axle: what it shows at a speed, m/s
+
+
+def new_unit() -> UnitRow:
+    row: UnitRow = np.zeros(1, dtype=UNIT).view(np.recarray)[0]
+    row.position_known, row.odometer_scale, row.bound_growth = 1, 1.0, PARAMETERS.wheel_error_share
+    row.expected_tag_m = row.rear_trigger_m = np.inf
+    row.bound_ahead_m = row.bound_behind_m = PARAMETERS.tag_accuracy_m + PULSE_M
+    row.pulse_m, row.axles_differ_share = PULSE_M, VARIES
+    forget_axles(row)
+    return row
+
+
+@dataclass
+class Ride:
+    """A train whose two axles show what they show; counts where it really is, and when its unit doubts."""
+
+    speed_mps: float = 0.0
+    shown: bool = True  # the last axle is
+    unit: UnitRow = field(default_factory=new_unit)
+    true_m: float = 0.0
+    turned_m: float = 0.0
+    doubts_m: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.unit.speed_mps = self.unit.last_axle_mps = self.speed_mps
+
+    def go(self, mps2: float, seconds: float, tachometer: Shows = abs, last: Shows = abs) -> Iterator[float]:
+        """Run so, a step at a time; yields by how much the front is out of its bounds, m (negative: within)."""
+        for _ in range(round(seconds / STEP_S)):
+            before_mps, self.speed_mps = self.speed_mps, max(self.speed_mps + mps2 * STEP_S, 0.0)
+            self.true_m += (before_mps + self.speed_mps) / 2.0 * STEP_S
+            self.turned_m += (tachometer(before_mps) + tachometer(self.speed_mps)) / 2.0 * STEP_S
+            odometer_m = self.turned_m // PULSE_M * PULSE_M
+            last_mps = last(self.speed_mps) if self.shown else NO_AXLE_MPS
+            self.unit.notch = float(np.sign(mps2)) if abs(mps2) > 0.1 else 0.0
+            if (
+                locate(self.unit, TRAIN, odometer_m, tachometer(self.speed_mps), STEP_S, last_mps)
+                & EVENT_TACHOMETER
+            ):
+                self.doubts_m.append(self.true_m)
+            yield self.out_m
+
+    @property
+    def out_m(self) -> float:
+        """How far the front is outside."""
+        unit = self.unit
+        low_m, high_m = unit.position_m - unit.bound_behind_m, unit.position_m + unit.bound_ahead_m
+        return float(max(low_m - self.true_m, self.true_m - high_m))
+
+
+def times(factor: float) -> Shows:
+    """An axle that shows its speed so many times."""
+    return lambda mps: factor * mps
+
+
+def stuck(at_mps: float) -> Shows:
+    """One that shows the same for ever."""
+    return lambda _mps: at_mps
+
+
+LIES = st.one_of(st.floats(0.0, 3.0).map(times), st.floats(0.0, 30.0).map(stuck))
+PIECES = st.lists(
+    st.tuples(st.sampled_from([POWER_MPS2, COAST_MPS2, BRAKE_MPS2]), st.floats(1.0, 30.0)),
+    min_size=1,
+    max_size=5,
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(PIECES, LIES, st.booleans(), st.floats(-VARIES, VARIES), st.floats(0.0, 25.0))
+@example([(POWER_MPS2, 30.0), (BRAKE_MPS2, 30.0)], times(0.2), False, 0.0, 0.0)
+@example([(POWER_MPS2, 30.0), (COAST_MPS2, 30.0)], times(0.93), False, VARIES, 0.0)
+def test_the_front_is_inside_whichever_axle_lies_and_however(
+    pieces: list[tuple[float, float]], lie: Shows, last_lies: bool, off: float, begins_mps: float
+) -> None:
+    ride = Ride(begins_mps)
+    ride.unit.bound_growth = VARIES + abs(
+        off
+    )  # what the one in order varies by, and what hides below the doubt
+    sound = times(1.0 + off)
+    tachometer, last = (sound, lie) if last_lies else (lie, sound)
+    for mps2, seconds in pieces:
+        for out_m in ride.go(mps2, seconds, tachometer, last):
+            assert out_m <= PULSE_M
+
+
+def doubted_after_m(factor: float, begins_mps: float, mps2: float) -> float:
+    """The way from the fault to the doubt."""
+    ride = Ride(begins_mps)
+    for _ in ride.go(mps2, 200.0, times(factor)):
+        if ride.doubts_m:
+            return ride.doubts_m[0]
+    return np.inf
+
+
+FACTORS = (0.2, 0.5, 0.7, 0.9, 0.93, 0.95, 0.98, 0.99, 1.01, 1.02, 1.05, 1.1, 1.5, 2.0)
+PHASES = ((0.0, POWER_MPS2), (25.0, COAST_MPS2), (25.0, BRAKE_MPS2))
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize(("begins_mps", "mps2"), PHASES)
+def test_a_factor_is_doubted_within_the_way_that_it_takes_to_err_by_a_metre(
+    factor: float, begins_mps: float, mps2: float
+) -> None:
+    err = abs(1.0 - factor) - VARIES
+    step_m = 25.0 * STEP_S
+    assert doubted_after_m(factor, begins_mps, mps2) <= (APART_M + 2.0 * PULSE_M) / err + step_m
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.0 - 0.9 * VARIES, 1.0 + 0.9 * VARIES])
+def test_what_the_way_of_a_turn_varies_by_is_no_doubt_and_widens_nothing_else(factor: float) -> None:
+    ride = Ride()
+    for mps2, seconds in ((POWER_MPS2, 40.0), (COAST_MPS2, 200.0), (BRAKE_MPS2, 40.0)):
+        list(ride.go(mps2, seconds, times(factor)))
+    assert ride.doubts_m == []
+    assert ride.unit.slid_ahead_m == pytest.approx(0.0, abs=2e-3)
+    assert ride.unit.slipped_behind_m == pytest.approx(0.0, abs=2e-3)
+
+
+@pytest.mark.parametrize(("factor", "out_m"), [(0.2, 200.0), (0.93, 20.0)])
+def test_without_another_axle_the_front_leaves_its_bounds_and_nobody_knows(
+    factor: float, out_m: float
+) -> None:
+    ride = Ride(shown=False)
+    outs_m = [*ride.go(POWER_MPS2, 35.0, times(factor)), *ride.go(COAST_MPS2, 10.0, times(factor))]
+    assert ride.doubts_m == []
+    assert max(outs_m) > out_m
+
+
+def test_a_doubt_is_told_once_and_ends_when_axles_have_long_agreed() -> None:
+    ride = Ride(20.0)
+    list(ride.go(COAST_MPS2, 20.0, times(0.8)))
+    assert len(ride.doubts_m) == 1
+    list(ride.go(COAST_MPS2, 10.0))
+    assert ride.unit.apart == 0
+    list(ride.go(COAST_MPS2, 10.0, times(0.8)))
+    assert len(ride.doubts_m) == 2
+
+
+@pytest.mark.parametrize("factor", [0.2, 3.0])
+def test_in_doubt_a_train_goes_by_the_faster_axle(factor: float) -> None:
+    ride = Ride(10.0)
+    list(ride.go(COAST_MPS2, 10.0, times(factor)))
+    assert ride.unit.speed_mps == pytest.approx(max(1.0, factor) * ride.speed_mps)
+
+
+@pytest.mark.parametrize(("tachometer", "last", "liar"), [(stuck(8.0), abs, 1), (abs, stuck(8.0), 2)])
+def test_an_axle_that_turns_when_the_train_must_long_stand_counts_no_more(
+    tachometer: Shows, last: Shows, liar: int
+) -> None:
+    assert (TACHOMETER_LIES, LAST_AXLE_LIES) == (1, 2)
+    ride = Ride(12.0)
+    list(ride.go(BRAKE_MPS2, 60.0, tachometer, last))
+    assert ride.unit.speed_mps > 0.0
+    list(ride.go(BRAKE_MPS2, 300.0, tachometer, last))
+    assert ride.unit.liar == liar
+    assert ride.unit.speed_mps == 0.0
+    list(ride.go(POWER_MPS2, 10.0, tachometer, last))
+    assert ride.unit.speed_mps == pytest.approx(ride.speed_mps)
+    assert ride.out_m < 0.0
