@@ -3,9 +3,10 @@
 They see that something has no power, that points do not lie as they must, and what the block manager shows its
 controller; after a time of their own (`[people]`) they do what the rules of operation say, and again, less and less
 often, while it is as it was: switch on what is off, or put it into service again; wind points to where no train is in
-the way; bar a unit that claims what is not so, and unbar it, again where that did not get through; see to the picture of the line until it is
-accepted; and for a unit whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it
-shows that it holds. They act through the injector's door, so that what they did can be written down as acts of a drill.
+the way; bar a unit that claims what is not so, and unbar it, again where that did not get through; see to the picture
+of the line until it is accepted; and for a unit whose word the manager waits for, or does not hear, two of them say
+where its train truly stands and what it shows that it holds. They act through the injector's door, so that what they
+did can be written down as acts of a drill.
 """
 
 from __future__ import annotations

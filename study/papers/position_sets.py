@@ -208,7 +208,7 @@ def moments_of(trouble: Trouble, stock_id: str, key: int, in_force: InForce) -> 
 
     def world(trains: Trains) -> World:
         nobody = cast("WaysideWorld", None)  # no fault here asks the wayside, or a unit, for anything
-        return World(trains, nobody, _nothing, _nothing, _nothing, _nothing, _nothing)
+        return World(trains, nobody, _nothing, _nothing, _nothing, _nothing, _nothing, _nothing)
 
     def begin(trains: Trains, _slot: int) -> None:
         in_force.begin(key, fault, world(trains))

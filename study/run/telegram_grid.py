@@ -22,7 +22,7 @@ from radio.chance import generator
 from radio.noted import Sent, TookEffect
 from simulation.faults.devices import PowerOff
 from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
-from simulation.faults.script import Failure
+from simulation.faults.script import Act, Failure
 from simulation.faults.table import FAULTS
 from simulation.setup import STEPS_PER_S, Setup
 from study.run.forks import alone
@@ -149,7 +149,8 @@ def _course(setup: Setup) -> _Course:
 
 def _last_known_s(setup: Setup, window: Window) -> float | None:
     """The last instant, where it is known before anything is run."""
-    triggers = [item.trigger for item in (*setup.script.faults, *setup.script.acts)]
+    items: tuple[Failure | Act, ...] = (*setup.script.faults, *setup.script.acts)
+    triggers = [item.trigger for item in items]
     times_s = [trigger.at_s + trigger.after_s for trigger in triggers if trigger.at_s is not None]
     script_s = max(times_s) + AFTER_S if times_s and len(times_s) == len(triggers) else None
     return script_s if window.to_s is None else window.to_s
