@@ -68,14 +68,25 @@ def compare(unit: UnitRow, run_m: float, last_m: float) -> tuple[float, float]:
 
 
 @compiled
+def alike(unit: UnitRow, shown_mps: float, last_mps: float) -> bool:
+    """Whether two axles turn as fast as each other."""
+    return bool(abs(shown_mps - last_mps) <= unit.axles_differ_share * last_mps + ALIKE_MPS)
+
+
+@compiled
+def contradict(unit: UnitRow, shown_mps: float, last_mps: float) -> None:
+    """From now on the two contradict one another."""
+    unit.apart, unit.agree_m, unit.braked_mps = 1, 0.0, max(shown_mps, last_mps)
+
+
+@compiled
 def come_apart(unit: UnitRow, shown_mps: float, last_mps: float, last_m: float) -> bool:
     """Whether the two axles contradict one another from now on; ends the doubt once they have long agreed."""
     if unit.apart == 0:
-        unit.apart = 1 if max(unit.short_m, unit.long_m) > APART_M else 0
-        unit.agree_m = 0.0
+        if max(unit.short_m, unit.long_m) > APART_M:
+            contradict(unit, shown_mps, last_mps)
         return bool(unit.apart != 0)
-    alike = abs(shown_mps - last_mps) <= unit.axles_differ_share * last_mps + ALIKE_MPS
-    unit.agree_m = unit.agree_m + last_m if alike else 0.0
+    unit.agree_m = unit.agree_m + last_m if alike(unit, shown_mps, last_mps) else 0.0
     if unit.agree_m >= AGREES_M:
         unit.apart, unit.liar = 0, NO_LIAR
         unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = 0.0
@@ -86,8 +97,8 @@ def come_apart(unit: UnitRow, shown_mps: float, last_mps: float, last_m: float) 
 def speed_to_go_by_mps(unit: UnitRow, shown_mps: float, last_mps: float, step_s: float) -> float:
     """The tachometer's speed, or what is safe to take for it while the axles contradict one another."""
     if unit.apart == 0:
-        unit.braked_mps = shown_mps
-        return shown_mps
+        stands = shown_mps == 0.0 and (last_mps <= ALIKE_MPS or unit.wheel_slide != 0)
+        return shown_mps if stands or shown_mps > 0.0 else last_mps
     if unit.liar != NO_LIAR:
         return last_mps if unit.liar == TACHOMETER_LIES else shown_mps
     faster_mps, slower_mps = max(shown_mps, last_mps), min(shown_mps, last_mps)

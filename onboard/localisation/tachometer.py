@@ -16,8 +16,10 @@ from onboard.localisation.axles import (
     NO_AXLE_MPS,
     SURE_BRAKE_MPS2,
     TACHOMETER_LIES,
+    alike,
     come_apart,
     compare,
+    contradict,
     last_run_m,
     speed_to_go_by_mps,
 )
@@ -45,24 +47,26 @@ def locate(
 ) -> int:
     """Take one tachometer reading (distance m, speed m/s), and the last axle's speed, if shown; returns event bits."""
     run_m = odometer_m + unit.odometer_off_m - unit.odometer_m
-    short_m = long_m = 0.0
-    events, speed_mps = 0, shown_mps
-    if last_mps >= 0.0:
+    short_m = long_m = last_m = 0.0
+    shown = last_mps >= 0.0
+    events = 0
+    if shown:
         last_m = last_run_m(unit, last_mps, step_s)
         if unit.wheel_slide == 0:
             short_m, long_m = compare(unit, run_m, last_m)
-            if come_apart(unit, shown_mps, last_mps, last_m):
-                events |= EVENT_TACHOMETER
+            events |= EVENT_TACHOMETER if come_apart(unit, shown_mps, last_mps, last_m) else 0
         else:  # the last axle may slide and slip as well
             short_m, long_m = max(last_m - run_m, 0.0), max(run_m - last_m - unit.pulse_m, 0.0)
-        speed_mps = speed_to_go_by_mps(unit, shown_mps, last_mps, step_s)
-        if unit.liar == TACHOMETER_LIES:
-            unit.odometer_off_m += last_m - run_m
-            run_m, short_m, long_m = last_m, 0.0, 0.0
+    if unit.apart == 0:
+        events |= doubt_tachometer(unit, train, shown_mps, step_s)
+        if shown and events != 0 and not alike(unit, shown_mps, last_mps):
+            contradict(unit, shown_mps, last_mps)
+    speed_mps = speed_to_go_by_mps(unit, shown_mps, last_mps, step_s) if shown else shown_mps
+    if unit.liar == TACHOMETER_LIES:
+        unit.odometer_off_m += last_m - run_m
+        run_m, short_m, long_m = last_m, 0.0, 0.0
     unit.odometer_m = odometer_m + unit.odometer_off_m
     run(unit, train, run_m, speed_mps, step_s, short_m, long_m)
-    if unit.apart == 0:
-        events |= doubt_tachometer(unit, train, speed_mps, step_s)
     smoothing = step_s / (ACCELERATION_SMOOTHING_S + step_s)
     unit.acceleration_mps2 += smoothing * ((speed_mps - unit.speed_mps) / step_s - unit.acceleration_mps2)
     unit.speed_mps = speed_mps

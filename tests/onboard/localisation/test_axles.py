@@ -184,3 +184,17 @@ def test_an_axle_that_turns_when_the_train_must_long_stand_counts_no_more(
     list(ride.go(POWER_MPS2, 10.0, tachometer, last))
     assert ride.unit.speed_mps == pytest.approx(ride.speed_mps)
     assert ride.out_m < 0.0
+
+
+@pytest.mark.parametrize("begins_mps", [0.8, 4.0, 15.0])
+def test_a_silent_tachometer_neither_makes_a_liar_of_the_other_axle_nor_a_stand_of_a_stop(
+    begins_mps: float,
+) -> None:
+    ride = Ride(begins_mps)
+    ride.unit.emergency = 1
+    for out_m in ride.go(BRAKE_MPS2, begins_mps / -BRAKE_MPS2 + 60.0, times(0.0)):
+        assert out_m <= PULSE_M
+        assert ride.unit.speed_mps >= ride.speed_mps - 0.05
+    assert len(ride.doubts_m) == (1 if begins_mps > 1.0 else 0) or ride.true_m < APART_M
+    assert ride.unit.liar == 0
+    assert ride.unit.bound_ahead_m < ride.true_m + 5.0
