@@ -1,4 +1,7 @@
-"""Bounds are judged in a run but while a faulty tachometer has made the position false (decision 004)."""
+"""Bounds are judged in a run but while a faulty tachometer has made the position false (decision 004).
+
+No other axle is shown here: with one the position is not false in the first place (decision 072, `test_two_axles`).
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,18 @@ from simulation.judge.checkers import Checkers
 from simulation.world.premises import Premises
 from study.run.run import CarrierKind, Link, Run, execute
 from study.scenario.scenario import load_scenario
+from tests.system.switchboard import SWITCHES
 
 pytestmark = pytest.mark.system
 
 BEGINS_S = 36_005.0  # T1 departs at 10:00:00
 LASTS_S = 20.0
+
+
+@pytest.fixture(autouse=True)
+def one_axle(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is compared with the tachometer."""
+    SWITCHES["compares_no_axles"](monkeypatch)
 
 
 @pytest.fixture
