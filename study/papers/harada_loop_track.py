@@ -27,9 +27,7 @@ from study.papers.reproduction import NullMethod, Options, Parameter, Reproducti
 STATIONS: Final = 4
 AT: Final = 2  # the third station
 SLOW_KMH: Final = 45.0
-NULL: Final = NullMethod(
-    "no threshold on the mismatch (equation 3)", ("entering the loop is noticed", "fixes on the loop")
-)
+NULL: Final = NullMethod("no threshold on the mismatch (equation 3)", ("fixes on the loop",))
 NO_THRESHOLD_PER_M: Final = 0.01  # the greatest that a file may say: no track bends so
 AROUND_M: Final = 250.0
 BEFORE_M: Final = 700.0
@@ -180,8 +178,8 @@ def reproduce(options: Options) -> Reproduction:
     remarks = [
         "The path of the unit, and so its map, has the main track; the loop is as long, 4 m beside it.",
         "The error says nothing of the threshold: a fix here is an interval that grows with what map and run differ by,"
-        " so those that are taken without it move nothing either. What equation 3 does is that the loop is noticed and"
-        " that no fix is taken there.",
+        " so those that are taken without it move nothing either. What equation 3 does is that the loop is noticed"
+        " (without a threshold nothing could be) and that no fix is taken there.",
     ]
     if options.out is not None:
         marks = ((loop.from_m, loop.to_m, "on the loop"),)

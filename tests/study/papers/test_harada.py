@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from network.model import Line
+from onboard.localisation.curvature_map import CurvatureMap
 from simulation.sensor_settings import BeaconTrust, Curvature, Filter
 from simulation.settings import Carried
 from study.papers import harada_accuracy, harada_beacons, harada_loop_track, harada_slide
@@ -105,6 +106,18 @@ def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> Non
     assert off.rides[0].result.out_m <= 0.0
     rows = harada_accuracy.rows_of(off, [space], [], "")
     assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_wheels_alone_fail_by_far_whatever_the_seed(seed: int) -> None:
+    """Over the slice of `--quick` they kept within 2 m with seed 3: it is what their train had learned them on."""
+    place = mountain_line(stations=harada_accuracy.QUICK_STATIONS)
+    wheels = Trip(place, seed=seed, day=1).run().wheels
+    bench = harada_accuracy.Bench(place, CurvatureMap(place.line.id, {}), seed, 1, (wheels,))
+    sigma, within = harada_accuracy.accuracy(harada_accuracy.wheels_alone(bench), "")
+    assert not within.passed
+    assert isinstance(sigma.ours, float)
+    assert sigma.ours > 2.0 * harada_accuracy.SIGMA_MAX_M
 
 
 @pytest.mark.nightly
