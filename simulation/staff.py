@@ -15,10 +15,11 @@ from collections import Counter
 from typing import Final
 
 from network.model import SectionKind
+from onboard.notes import UnitRestarted
 from radio.chance import generator
 from radio.messages import ClaimQuery
 from radio.noted import Sent
-from simulation.events import Acted, Commissioned, Entry
+from simulation.events import Acted, Commissioned, Entry, Left
 from simulation.faults.injector import Injector
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.journal import Journal
@@ -32,7 +33,17 @@ from simulation.world.points import WaysideWorld
 from simulation.world.trains import Trains
 from wayside.config import MANAGER_ID, ReentryMode
 from wayside.register import Stage
-from wayside.said import Accepted, Barred, ConfirmedByHand, Outside, PictureChanged, Started, Unbarred
+from wayside.said import (
+    Accepted,
+    Barred,
+    ConfirmedByHand,
+    Freed,
+    Granted,
+    Outside,
+    PictureChanged,
+    Started,
+    Unbarred,
+)
 
 LOOKS_EVERY_STEPS: Final = STEPS_PER_S
 AGAIN_S: Final = 40.0  # assumed: before the same is done again, and each time as much longer,
@@ -69,6 +80,10 @@ class Staff:
             str, dict[str, bool]
         ] = {}  # what each person said last: whether a unit is to be barred
         self._barred: set[tuple[str, str]] = set()  # device and unit
+        self._speaks_until_s: dict[str, float] = {}
+        self._routes: dict[str, set[str]] = {}  # what each unit was granted and has not given back
+        self._forgetful: set[str] = set()  # units that have booted since they were granted anything
+        self._left: set[str] = set()  # units that were on the line
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
         self._mad = MadUnits(trains.slot_of, self._held)
@@ -86,6 +101,17 @@ class Staff:
             case PictureChanged(stage=stage):
                 self._restores = stage != Stage.DEFINED.value
                 self._stage = Stage(stage)
+            case Sent(source=source, receiver=unit_id, kind=ClaimQuery.__name__) if source == MANAGER_ID:
+                self._awaited.setdefault(unit_id)
+            case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
+                self._awaited.pop(unit_id, None)
+                self._from_s.pop((Pause.SILENT, unit_id), None)
+            case _:
+                self._see_units(entry)
+
+    def _see_units(self, entry: Entry) -> None:
+        """What becomes of units: barred, gone, granted something, started again."""
+        match entry.event:
             case Acted(act=act, target=unit_id) if act in _BARS:
                 self._bars.setdefault(unit_id, {})[entry.who] = _BARS[act]
             case Barred(unit_id=unit_id):
@@ -96,11 +122,16 @@ class Staff:
                 self._barred.discard((entry.who, unit_id))
             case Commissioned(device_id=device_id):  # what was barred there is forgotten
                 self._barred = {known for known in self._barred if known[0] != device_id}
-            case Sent(source=source, receiver=unit_id, kind=ClaimQuery.__name__) if source == MANAGER_ID:
-                self._awaited.setdefault(unit_id)
-            case Accepted(unit_id=unit_id) | Outside(unit_id=unit_id) | ConfirmedByHand(unit_id=unit_id):
-                self._awaited.pop(unit_id, None)
-                self._from_s.pop((Pause.SILENT, unit_id), None)
+            case Left(unit_id=unit_id):
+                self._left.add(unit_id)
+                self._routes.pop(unit_id, None)
+            case Granted(unit_id=unit_id, section_ids=section_ids):
+                self._routes.setdefault(unit_id, set()).update(section_ids)
+                self._forgetful.discard(unit_id)
+            case Freed(unit_id=unit_id, section_ids=section_ids):
+                self._routes.get(unit_id, set()).difference_update(section_ids)
+            case UnitRestarted():
+                self._forgetful.add(entry.who)
             case _:
                 pass
 
@@ -143,8 +174,10 @@ class Staff:
             return
         self._tries[key] += 1
         self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
-        # Two who say the same say it one after the other.
-        at_s = round(t_s + STEP_S + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
+        # Nobody says two things at once.
+        from_s = max(t_s + STEP_S, self._speaks_until_s.get(person, 0.0))
+        at_s = round(from_s + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
+        self._speaks_until_s[person] = at_s
         act = Act(kind, target, Trigger(at_s=at_s), person, sections, position, place=place)
         self.acts.append(act)
         self._injector.add(act, at_s)
@@ -217,12 +250,40 @@ class Staff:
             return
         if self._setup.operation.reentry is ReentryMode.BY_HAND:
             self._enter_all(t_s)
-        elif (
+            return
+        self._say_who_left(t_s)
+        self._say_what_was_granted(t_s)
+        if (
             ActKind.REENTER_ASSISTED,
             LINE,
             CONTROLLER,
         ) not in self._again_s or self._stage is Stage.COMPLETE:
             self._act(t_s, ActKind.REENTER_ASSISTED, LINE, CONTROLLER)
+
+    def _say_who_left(self, t_s: float) -> None:
+        """By which portal those have left that the manager may yet have on the line; else all is to be swept."""
+        for slot, unit_id in enumerate(self._trains.stock_ids):
+            if unit_id in self._left and not self._trains.truths[slot].active:
+                self._act(t_s, ActKind.CONFIRM_OUTSIDE, unit_id, CONTROLLER, place=self._portal(slot))
+
+    def _say_what_was_granted(self, t_s: float) -> None:
+        """What units were granted and have forgotten: else another train may come to where they have to go on."""
+        for slot in self._trains.active():
+            if granted := self._granted_ahead(slot):
+                unit_id = self._trains.stock_ids[slot]
+                self._act(t_s, ActKind.ENTER_SECTION, unit_id, CONTROLLER, granted)
+
+    def _granted_ahead(self, slot: int) -> tuple[str, ...]:
+        """What lies ahead of the train of the route that its unit has forgotten, as the controller remembers it."""
+        unit_id, line = self._trains.stock_ids[slot], self._setup.line
+        if unit_id not in self._forgetful:
+            return ()
+        front_m = float(self._trains.truths[slot].position_m)
+        pieces = (step.piece_id for step in self._trains.true_path(slot).steps if step.start_m > front_m)
+        route = self._routes.get(unit_id, set())
+        others = (under for other, under in self._trains.sections_under().items() if other != unit_id)
+        free = route.difference(*others)
+        return tuple(dict.fromkeys(s for p in pieces if (s := line.pieces[p].section_id) in free))
 
     def _enter_all(self, t_s: float) -> None:
         """Two persons enter every section of the line, alike; one accepts the picture."""
@@ -253,9 +314,9 @@ class Staff:
         return next((s.section_id for s in reversed(spans) if s.section_id in portals), (*portals, "")[0])
 
     def _held(self, slot: int) -> tuple[str, ...]:
-        """What the train occupies, and what its unit shows beyond that, in the order of the line."""
+        """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line."""
         under = self._trains.sections_under()[self._trains.stock_ids[slot]]
-        held = under.union(self._on_board.shown(slot).held)
+        held = under.union(self._on_board.shown(slot).held, self._granted_ahead(slot))
         return tuple(section for section in self._setup.line.sections if section in held)
 
 

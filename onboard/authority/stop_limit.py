@@ -17,13 +17,18 @@ NOT_PROVEN: Final = "points not proven"
 
 
 def stop_limit(
-    plan: Plan, authority: Authority, entered: Collection[str] = frozenset(), *, sweeps: bool = False
+    plan: Plan,
+    authority: Authority,
+    entered: Collection[str] = frozenset(),
+    *,
+    sweeps: bool = False,
+    left: int = 0,
 ) -> Limit:
     """The stop limit on the plan's path; the path's beginning when nothing on it is held.
 
     Points of sections that the train has `entered` on their proof no longer hold it back: they are locked under
     it, whatever has become of the proof since (4.4 (1), table 3). Before a section that must be passed on sight it
-    stops, unless it `sweeps` already.
+    stops, unless it `sweeps` already, or it is of the first spans, which its front has `left`.
     """
     begun = False
     for joint, span in enumerate(plan.spans):
@@ -32,7 +37,7 @@ def stop_limit(
                 return Limit(joint, span.section_id, "not held")
             continue
         begun = True
-        if span.section_id in authority.unswept and not sweeps:
+        if span.section_id in authority.unswept and not sweeps and joint >= left:
             return Limit(joint, span.section_id, "to be passed on sight")
         missing = any(needed not in authority.proven for needed in span.points)
         if missing and span.section_id not in entered:

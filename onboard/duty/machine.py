@@ -322,11 +322,21 @@ def react(turn: Turn) -> None:
 
 
 def begin_or_end_sweep(turn: Turn) -> None:
-    """From a stand the train goes on on sight through what must be swept, until none of it is held."""
+    """From a stand the train goes on on sight through what must be swept, until its front has left all of it.
+
+    The rest it goes as any other: what lies behind its front it has run through, though it gives it back later.
+    """
     state = turn.state
-    sweeps = bool(state.authority.unswept) and (state.sweeps or state.place.stands)
+    left = {span.section_id for span in turn.plan.spans[: front_has_left(state)]}
+    to_sweep = any(section_id not in left for section_id in state.authority.unswept)
+    sweeps = to_sweep and (state.sweeps or state.place.stands)
     if sweeps is not state.sweeps:
         turn.set(sweeps=sweeps)
+
+
+def front_has_left(state: DutyState) -> int:
+    """How many spans of the plan, from its beginning, the front has surely left."""
+    return max(state.place.sure - 1, 0) if state.place.known else 0
 
 
 def held_up(turn: Turn) -> None:
@@ -378,7 +388,9 @@ def throw_wanted(turn: Turn) -> None:
 def set_limit(turn: Turn) -> None:
     """The stop limit by what is held and proven."""
     state = turn.state
-    limit = stop_limit(turn.plan, state.authority, state.entered, sweeps=state.sweeps)
+    limit = stop_limit(
+        turn.plan, state.authority, state.entered, sweeps=state.sweeps, left=front_has_left(state)
+    )
     if limit == state.limit:
         return
     turn.set(limit=limit)
@@ -400,6 +412,7 @@ def stand(turn: Turn) -> None:
         return
     if state.may_ask and state.unable is None:  # it would hold what it cannot use
         turn.ask(turn.plan.leg_at(turn.stop(state.at).span))
+        throw_departure(turn)
     perhaps_upon = turn.state.limit.why == NOT_PROVEN and state.place.perhaps > turn.state.limit.joint
     if state.may_leave and perhaps_upon and not state.halted:
         on_sight.give_up_position(turn)  # it would wait for points that nobody throws under it
@@ -407,6 +420,20 @@ def stand(turn: Turn) -> None:
         turn.set(phase=Phase.RUNNING)
         turn.note(notes.Departs(station=turn.stop(state.at).place))
         turn.actions.append(Order.DEPART)
+
+
+def throw_departure(turn: Turn) -> None:
+    """Who holds its whole route and was not granted it at this stop (the register gave it back after a boot before the
+    portal) throws its departure points, for it asks for nothing.
+    """
+    state, leg = turn.state, turn.leg_from_stop(turn.state.at)
+    if leg is None or state.limit.why != NOT_PROVEN or state.halted:
+        return
+    if state.authority.open(Ask.ROUTE) is None and all(map(state.authority.holds, leg.section_ids)):
+        points = turn.plan.departure_points(leg.from_section)
+        if not {*state.wanted, *state.authority.proven}.issuperset(points):
+            turn.want(points)
+            throw_wanted(turn)
 
 
 def way_is_free(turn: Turn) -> bool:

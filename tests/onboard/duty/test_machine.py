@@ -11,9 +11,12 @@ from onboard.authority.records import (
     Command,
     PeerRestarted,
     Proof,
+    SendCommand,
+    SignedOn,
 )
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
+    LEAVE,
     DutyState,
     Event,
     Heard,
@@ -39,11 +42,13 @@ from tests.onboard.duty.stage import (
     NOW_S,
     ON_6,
     ON_SIGHT,
+    P5,
     P7,
     PLAN,
     REPORT_OPEN,
     ROUTE_OPEN,
     RUNNING,
+    SECTIONS,
     SIGNING_OFF,
     SIGNING_ON,
     STANDING,
@@ -216,3 +221,27 @@ def test_what_must_be_swept_is_shown() -> None:
 )
 def test_a_train_says_what_it_waits_for(state: DutyState, words: str) -> None:
     assert waits_for(PLAN, state) == words
+
+
+def test_who_is_given_its_whole_route_with_its_sign_on_throws_the_departure_points() -> None:
+    """It started again before its portal, with the route in hand: it asks for nothing, so nothing is granted."""
+    waits = replace(SIGNING_ON, may_ask=True)
+    event = Heard(SignedOn(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
+    after, actions = step(PLAN, TIMES, waits, event, AT_A, NOW_S)
+    assert after.phase is Phase.STANDING
+    assert SendCommand(P5) in actions
+    assert SendCommand(P7) not in actions  # thrown at the approach tag
+    again, more = step(PLAN, TIMES, after, TimerDue(LEAVE), AT_A, NOW_S)
+    assert SendCommand(P5) not in more  # it is under way
+    assert again.authority.commands == after.authority.commands
+
+
+@pytest.mark.parametrize(("unswept", "sweeps"), [("5", False), ("6", True), ("7", True)])
+def test_it_runs_on_sight_until_its_front_has_left_what_must_be_swept(unswept: str, sweeps: bool) -> None:
+    """What lies behind its front it gives back much later, at an arrival tag."""
+    held = replace(HOLDS_REST, held=("5", "6", "7", "8"), unswept=(unswept,), proven=(P7,))
+    on_sight = replace(RUNNING, authority=held, sweeps=True, limit=TO_THE_END)
+    after, _ = step(PLAN, TIMES, on_sight, Looked(), replace(ON_6, clear=1, clear_at_mark=1), NOW_S)
+    assert after.sweeps is sweeps
+    assert after.limit == TO_THE_END  # what it has left does not stop it
+    assert unswept in after.authority.unswept
