@@ -24,7 +24,7 @@ from simulation.faults.devices import PowerOff
 from simulation.faults.links import ONE_WAY, Cut, Link, LinkFault
 from simulation.faults.script import Act, Failure
 from simulation.faults.table import FAULTS
-from simulation.setup import STEPS_PER_S, Setup
+from simulation.setup import STEPS_PER_S, Setup, latest_end_s
 from study.run.forks import alone
 from study.run.moving import NO_TIME, SINGLES, single_faults
 from study.run.outcome_class import SweptRun, swept_run_of
@@ -35,6 +35,9 @@ from study.scenario.script_file import names_of
 BEFORE_S: Final = 60.0  # of what the script does first, and
 AFTER_S: Final = 300.0  # after the last of it
 LASTS_S: Final = 3600.0  # without a script, from the first telegram on
+ENDS_AFTER_S: Final = (
+    14_400.0  # a day that is cut goes on so long at most, as the whole one could; a stall ends it
+)
 FOLLOWS_S: Final = (
     1200.0  # trains that begin later than this after the last instant cannot show anything of it
 )
@@ -60,7 +63,8 @@ class _Course(msgspec.Struct, frozen=True):
 class Grid:
     """What is swept: the setup, cut after the last instant, and each fault with its instants.
 
-    `own`: what became of the setup as it is written. `of`: runs of the complete grid, where this is a sample.
+    `own`: what is wrong without any fault beside, where the setup expects that. `of`: runs of the complete grid, where
+    this is a sample.
     """
 
     setup: Setup
@@ -157,9 +161,11 @@ def _last_known_s(setup: Setup, window: Window) -> float | None:
 
 
 def _own(setup: Setup, course: _Course) -> tuple[SweptRun, ...]:
-    """What the setup comes to as it is written; of a drill that expects what is wrong, without staff who react, too."""
+    """What a drill comes to as it is written that expects what is wrong: with staff who react, and without. Of any
+    other nothing is its own.
+    """
     if not any(e.absent and e.holds for e in setup.script.expectations):
-        return (course.own,)
+        return ()
     people = setup.people.model_copy(update={"react": False})
     return course.own, alone(_Course, partial(_course, replace(setup, people=people))).own
 
@@ -238,8 +244,12 @@ def shortened(setup: Setup, until_s: float) -> Setup:
         return setup
     if any(act.target in gone for act in setup.script.acts):
         return setup
+    timetable = replace(old, trains=trains, diagrams=tuple(diagrams))
+    limits = setup.limits
+    time_limit_s = limits.time_limit_s + setup.latest_end_s - latest_end_s(timetable, limits)
     return replace(
         setup,
-        timetable=replace(old, trains=trains, diagrams=tuple(diagrams)),
+        timetable=timetable,
+        limits=limits.model_copy(update={"time_limit_s": min(time_limit_s, ENDS_AFTER_S)}),
         trains={stock_id: train for stock_id, train in setup.trains.items() if stock_id in stocks},
     )
