@@ -108,14 +108,16 @@ def test_nobody_reacts_unless_it_is_said() -> None:
 
 
 def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> None:
-    """The block manager is off when the second person unbars: only who looks at its screen sees that."""
+    """The block manager is off when the second person unbars: only who looks at its screen sees that. Their patience is
+    such that nobody unbars it before of themselves.
+    """
     arrives: dict[str, bool] = {}
     for react in ("true", "false"):
         file = tmp_path / "bar.toml"
         file.write_text(
             'extends = "'
             + find_drill("rtri/59_unit_barred")
-            + f'"\nid = "bar"\npeople.react = {react}\nexpect = []\n'
+            + f'"\nid = "bar"\npeople = {{ react = {react}, silent_s = 1800.0 }}\nexpect = []\n'
             '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:20:06.5"\nduration_s = 60.0\n'
             '[[patch.act.add]]\nkind = "reenter_assisted"\nstart = "10:21:30"\n',
             "utf-8",
