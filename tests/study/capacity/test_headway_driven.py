@@ -153,11 +153,11 @@ def drives_of(name: str) -> Generator[tuple[Drives, tuple[Case, ...]]]:
 
 
 def row(cases: Iterable[Case], station_id: str, kind: HeadwayKind, first: str, second: str) -> Case:
-    return next(
-        case
-        for case in cases
-        if (case.station_id, case.headway.kind, case.first, case.second) == (station_id, kind, first, second)
-    )
+    return next(case for case in cases if key_of(case) == (station_id, kind, first, second))
+
+
+def key_of(case: Case) -> tuple[str, HeadwayKind, str, str]:
+    return case.station_id, case.headway.kind, case.first, case.second
 
 
 def test_a_row_of_each_kind_can_be_driven_and_a_second_less_is_late() -> None:
@@ -200,29 +200,22 @@ def test_without_its_stand_a_last_train_would_have_passed_its_terminus(
     assert passed.arrives_s < stood.arrives_s - 15.0
 
 
-ROWS_THAT_WAIT_BOTH_WAYS: Final = {"karasuyama_weekday": 1, "kururi_weekday": 1}
+# Not seen yet: the first has to wait for the second where they meet, and the second then for the first (076).
+WAIT_BOTH_WAYS: Final = {
+    ("OGN", HeadwayKind.DEPARTURE_ARRIVAL, "down, OGN.1", "up, OGN.2"),
+    ("YKT", HeadwayKind.DEPARTURE_ARRIVAL, "down, YKT.1", "up, YKT.2"),
+}
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(
-    "name",
-    [
-        "busy_line",
-        "isumi_weekday",
-        "isumi_holiday",
-        "karasuyama_weekday",
-        "karasuyama_holiday",
-        "kururi_weekday",
-        "kururi_holiday",
-    ],
-)
+@pytest.mark.parametrize("name", ["busy_line", "isumi_weekday", "karasuyama_weekday", "kururi_weekday"])
 def test_every_row_of_every_shipped_line_is_what_a_run_needs(name: str) -> None:
     """None is below what a run needs but for a second or two of driving, none above by more than the points that lie
     right and the driving of the way."""
     with drives_of(name) as (drives, cases):
         driven = [drives.driven(case) for case in cases]
-    off = [one for one in driven if not one.agrees]
+    off = [one for one in driven if not one.agrees and key_of(one.case) not in WAIT_BOTH_WAYS]
     below = [one for one in off if not one.needs_s <= one.case.headway.least_s + DRIVING_S]
     above = [one for one in off if one.needs_s < one.case.headway.least_s - THROW_S - DRIVING_S]
-    assert len(below) <= ROWS_THAT_WAIT_BOTH_WAYS.get(name, 0), [one.text for one in below]
+    assert not below, [one.text for one in below]
     assert not above, [one.text for one in above]
