@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from simulation.setup import Setup
     from study.capacity.headway import Case
     from study.capacity.occupation import Occupation
+    from study.scenario.scenario import Scenario
 
 Source = Annotated[
     str, typer.Argument(help="A shipped scenario, a scenario file (.toml), or a run directory.")
@@ -32,6 +33,13 @@ def headway(
     source: Source,
     station: Annotated[str | None, typer.Option("--station", help="At one station, by id.")] = None,
     theory: ByTheory = False,
+    drive: Annotated[
+        bool,
+        typer.Option(
+            "--drive",
+            help="Those of theory, each driven by its two trains alone: at it, and with a second less.",
+        ),
+    ] = False,
     out: Annotated[
         Path | None, typer.Option("--out", help="Directory for headways.csv and the pictures as PNG and SVG.")
     ] = None,
@@ -46,14 +54,23 @@ def headway(
 
     if as_csv and as_json:
         raise InputError("command line", "--csv", None, "one of --csv and --json")
+    if drive and out is not None:
+        raise InputError("command line", "--drive", None, "--drive without --out")
     if out is not None:
         check_out(out, FILES.__contains__, "headways")
-    setup, occupations = occupations_of(source, theory=theory)
+    if drive:
+        scenario = undisturbed_scenario(source)
+        setup, occupations = scenario.setup, planned(scenario.setup)
+    else:
+        setup, occupations = occupations_of(source, theory=theory)
     stations = [s.id for s in setup.line.stations.values() if not s.is_halt]
     if station is not None and station not in stations:
         raise InputError("command line", "--station", station, one_of(stations, station))
     cases = line_cases(setup.line, occupations, setup.unit.dwell_min_s)
     shown = tuple(case for case in cases if station in (None, case.station_id))
+    if drive:
+        _print_driven(scenario, shown, as_csv=as_csv, as_json=as_json)
+        return
     if out is not None:
         with replaced(out, FILES.__contains__, "headways") as folder:
             write_headways(folder, setup.line, shown)
@@ -71,10 +88,53 @@ def occupations_of(source: str, *, theory: bool) -> tuple[Setup, tuple[Occupatio
     setup, as_run = source_of(source, runs=not theory)
     if not theory and as_run is not None:
         return setup, as_run
+    return setup, planned(setup)
+
+
+def planned(setup: Setup) -> tuple[Occupation, ...]:
+    """What trains occupy by theory, ways set as late as can be."""
     from study.capacity.rules import MINIMAL
     from study.capacity.theory import occupations
 
-    return setup, occupations(setup, MINIMAL)
+    return occupations(setup, MINIMAL)
+
+
+def undisturbed_scenario(source: str) -> Scenario:
+    """A scenario in which nothing is drawn, to be driven."""
+    from dataclasses import replace
+
+    from study.capacity.two_trains import undisturbed
+    from study.scenario.scenario import load_scenario
+
+    scenario = load_scenario(source)
+    return replace(scenario, setup=undisturbed(scenario.setup))
+
+
+def _print_driven(scenario: Scenario, cases: tuple[Case, ...], *, as_csv: bool, as_json: bool) -> None:
+    """A line a headway: by how much the second train is late with it, and with a second less, and what a run needs."""
+    from host.scratch import scratch
+    from study.evaluate.headways_driven import Drives
+    from study.report.headways import kind_name, table_of
+    from study.run.run import TEMPORARY
+
+    with scratch(TEMPORARY) as folder:
+        drives = Drives(scenario, folder)
+        driven = []
+        for number, case in enumerate(cases, start=1):
+            tell(f"{number} of {len(cases)}: {case.station_id}, {case.headway.kind.english}")
+            driven.append(drives.driven(case))
+    rows = [{**one.case.as_dict(), **one.as_dict()} for one in driven]
+    if as_json:
+        print_json({"of": "theory, driven", "headways": rows})
+        return
+    if as_csv:
+        sys.stdout.write(table_of(rows).write_csv())
+        return
+    for one in driven:
+        head = f"{one.case.station_id}, {kind_name(one.case)}, {one.case.first} / {one.case.second}"
+        sys.stdout.write(f"{head}: {one.text}\n")
+    agree = sum(one.agrees for one in driven)
+    sys.stdout.write(f"{agree} of {len(driven)}: not late at the headway, and late with a second less\n")
 
 
 def _print(line: Line, cases: tuple[Case, ...]) -> None:

@@ -21,17 +21,9 @@ from enum import StrEnum
 from typing import Any, Final
 
 from network.model import Direction, Line
-from study.capacity.legs import (
-    Leg,
-    costs_between,
-    joined_legs,
-    legs_of,
-    places_of,
-    slack_of,
-    stand_of,
-    stands_in,
-)
-from study.capacity.occupation import COST_OF, TOUCH_S, Cost, Occupation
+from study.capacity.claims import Claim, Claims, Event
+from study.capacity.legs import Leg, joined_legs, legs_of, places_of, stand_of
+from study.capacity.occupation import TOUCH_S, Cost, Occupation
 
 
 class HeadwayKind(StrEnum):
@@ -62,7 +54,6 @@ _ENGLISH: Final[Mapping[HeadwayKind, str]] = {
     HeadwayKind.DEPARTURE_ARRIVAL: "departure to arrival",
 }
 NEAR: Final = 8  # trains: who is further from another is not held up by it
-WAY_IN_COUNTS = True  # off: a train that starts from where another one was may have been there all the time
 _BETWEEN: Mapping[HeadwayKind, str] = {
     HeadwayKind.FOLLOWING: "departure to departure",
     HeadwayKind.OPEN: "departure to departure",
@@ -73,35 +64,12 @@ _BETWEEN: Mapping[HeadwayKind, str] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
-    """A train arrives at a place, or departs from it: the leg into it, or out of it.
-
-    `before`: by which legs its set came to where that leg starts, the last one first; `after`: by which it goes on.
-    """
-
-    leg: Leg
-    arrival: bool
-    before: tuple[Leg, ...] = ()
-    after: tuple[Leg, ...] = ()
-
-    @property
-    def time_s(self) -> float:
-        """When."""
-        return self.leg.arrives_s if self.arrival else self.leg.departs_s
-
-    @property
-    def track_id(self) -> str:
-        """The section of the place."""
-        place = self.leg.end if self.arrival else self.leg.start
-        return "" if place is None else place.section_id
-
-
-@dataclass(frozen=True, slots=True)
 class Headway:
     """The least time from an event of the first train to one of the second, s, and the section that makes it so.
 
     `costs_s` make up `least_s`. `first_s` and `second_s`: what of it is the first train's, from its event until the
     section is free, and the second's, from when it needs the section to its event. `planned_s`: as the two are.
+    `ahead` and `behind` are the legs that count, `possible`: whether the second can come after the first (`Claims`).
     """
 
     kind: HeadwayKind
@@ -112,6 +80,9 @@ class Headway:
     first_s: float
     second_s: float
     costs_s: Mapping[Cost, float]
+    ahead: tuple[Leg, ...]
+    behind: tuple[Leg, ...]
+    possible: bool
 
     @property
     def planned_s(self) -> float:
@@ -124,21 +95,6 @@ class Headway:
         return self.planned_s - self.least_s
 
 
-@dataclass(frozen=True, slots=True)
-class _Claim:
-    """A section of one of the two trains, and what the time between its event and the section's end, or begin, goes
-    into: for the first from the event until the section is free, for the second from its need of it to the event.
-    """
-
-    occupation: Occupation
-    costs_s: Mapping[Cost, float]
-
-    @property
-    def time_s(self) -> float:
-        """The whole of that time, s."""
-        return math.fsum(self.costs_s.values())
-
-
 def least_between(
     kind: HeadwayKind, first: Event, second: Event, held: Iterable[Occupation], dwell_min_s: float = math.inf
 ) -> Headway | None:
@@ -148,109 +104,18 @@ def least_between(
     second's leg says what that one needs, and so does the one before where it comes after the first. Of
     sections that free at once the first on the second's way counts.
     """
-    holds = {o.section_id: _hold(o, first, dwell_min_s) for o in held if math.isfinite(o.end_s)}
-    critical: tuple[float, _Claim, _Claim] | None = None
-    for hold, need in _needs(first, second, holds, dwell_min_s):
+    claims = Claims(first, second, held, dwell_min_s)
+    critical: tuple[float, Claim, Claim] | None = None
+    for hold, need in claims.shared():
         least_s = hold.time_s + need.time_s
         if critical is None or least_s > critical[0] + TOUCH_S:
             critical = (least_s, hold, need)
     if critical is None:
         return None
     least_s, hold, need = critical
-    costs_s = _sum(hold.costs_s, need.costs_s)
-    return Headway(
-        kind, first, second, need.occupation.section_id, least_s, hold.time_s, need.time_s, costs_s
-    )
-
-
-def _hold(one: Occupation, first: Event, dwell_min_s: float) -> _Claim:
-    """What the first train holds; a stand that comes after the event is as short as it can be."""
-    spent_s = costs_between(one, first.time_s, one.end_s)
-    if stand_of(one).arrives_s >= first.time_s - TOUCH_S:
-        slack_s = slack_of(one, dwell_min_s)
-        spent_s = {cost: spent_s[cost] - slack_s[cost] for cost in Cost}
-    return _Claim(one, spent_s)
-
-
-def _onward(first: Event, dwell_min_s: float) -> tuple[str, list[_Claim]]:
-    """To which place the first train departs, and what it holds as it goes on from there after the shortest stand."""
-    place, onward = first.leg.end, next(iter(first.after), None)
-    if first.arrival or place is None or onward is None:
-        return "", []
-    sooner_s = _sum(_run_s(Event(first.leg, arrival=True)), _stood_s(place, dwell_min_s))
-    departs = Event(onward, arrival=False)
-    holds = [_hold(one, departs, dwell_min_s) for one in onward.occupations if math.isfinite(one.end_s)]
-    return place.section_id, [_Claim(hold.occupation, _sum(sooner_s, hold.costs_s)) for hold in holds]
-
-
-def _needs(
-    first: Event, second: Event, holds: dict[str, _Claim], dwell_min_s: float
-) -> Iterator[tuple[_Claim, _Claim]]:
-    """Each section that the second train needs and the first one holds: the one's claim and the other's.
-
-    Who leaves a place that the first train held came there after it: by the leg before, or it signed on there. Who
-    comes to the place to which the first departs comes also after what the first holds as it goes on from there.
-    """
-    needs = [_need(one, second, {}) for one in second.leg.occupations if math.isfinite(one.begin_s)]
-    start = second.leg.start
-    place_id, onward = _onward(first, dwell_min_s)
-    comes_to = {one.section_id for one in second.leg.occupations}
-    comes_after = WAY_IN_COUNTS and start is not None and start.section_id in holds
-    if start is not None and comes_after:
-        comes_to.add(start.section_id)
-    if place_id in comes_to:  # what it has there and back it has until it comes back
-        holds = holds | {hold.occupation.section_id: hold for hold in onward}
-    if start is not None and comes_after:
-        later_s = _sum(_run_s(second), _stood_s(start, dwell_min_s))
-        if second.before:
-            came = Event(second.before[0], arrival=True)
-            own = (one for one in came.leg.occupations if math.isfinite(one.begin_s))
-            needs[:0] = [_need(one, came, later_s) for one in own]
-        elif math.isfinite(start.enters_s):
-            signs_on_s = costs_between(start, start.begin_s, stand_of(start).arrives_s)
-            needs.insert(0, _Claim(start, _sum(later_s, signs_on_s)))
-    for need in needs:
-        hold = holds.get(need.occupation.section_id)
-        if hold is not None:
-            yield hold, need
-
-
-def _need(one: Occupation, event: Event, later_s: Mapping[Cost, float]) -> _Claim:
-    """A section of the leg of an event, and what comes after that.
-
-    Once its front is out of the section the train drives on to its event, however long its rear holds the section.
-    """
-    until_s = min(event.time_s, max(one.leaves_s, one.begin_s))
-    found = costs_between(one, one.begin_s, until_s, event.leg.occupations)
-    found[Cost.DRIVING] += event.time_s - until_s
-    return _Claim(one, _sum(found, later_s))
-
-
-def _run_s(event: Event) -> dict[Cost, float]:
-    """What the time from a leg's departure to its event goes into, s."""
-    found = dict.fromkeys(Cost, 0.0)
-    if event.arrival:
-        leg = event.leg
-        for stand in (s for one in leg.occupations[:-1] for s in stands_in(one)):
-            found[COST_OF[stand.part]] += stand.length_s
-        found[Cost.DRIVING] += leg.arrives_s - leg.departs_s - math.fsum(found.values())
-    return found
-
-
-def _stood_s(place: Occupation, dwell_min_s: float) -> dict[Cost, float]:
-    """What the shortest stand in a place goes into, s; infinite parts of one that has no end are left out."""
-    stand = stand_of(place)
-    if not (math.isfinite(stand.arrives_s) and math.isfinite(stand.departs_s)):
-        return dict.fromkeys(Cost, 0.0)
-    stood_s, slack_s = (
-        costs_between(place, stand.arrives_s, stand.departs_s),
-        slack_of(place, dwell_min_s),
-    )
-    return {cost: stood_s[cost] - slack_s[cost] for cost in Cost}
-
-
-def _sum(*costs_s: Mapping[Cost, float]) -> dict[Cost, float]:
-    return {cost: math.fsum(one.get(cost, 0.0) for one in costs_s) for cost in Cost}
+    costs_s = {cost: hold.costs_s[cost] + need.costs_s[cost] for cost in Cost}
+    section_id, ways = need.occupation.section_id, (claims.ahead, claims.behind, claims.possible)
+    return Headway(kind, first, second, section_id, least_s, hold.time_s, need.time_s, costs_s, *ways)
 
 
 @dataclass(frozen=True, slots=True)
@@ -428,13 +293,15 @@ class _Found:
 def cases_at(station_id: str, visits: Sequence[Visit], dwell_min_s: float = math.inf) -> tuple[Case, ...]:
     """The headways at a station by kinds of trains, in the order in which they first come.
 
-    A train is held against the NEAR trains after it, and against those before it as if they came after.
+    A train is held against the NEAR trains after it, and against those before it as if they came after, where they can.
     """
     found: dict[tuple[str, str, HeadwayKind], _Found] = {}
     for index, visit in enumerate(visits):
         for other in visits[index + 1 : index + 1 + NEAR]:
             for first, second in ((visit, other), (other, visit)):
                 for one in headways_of(first, second, dwell_min_s):
+                    if not one.possible:
+                        continue
                     key = kind_of_visit(first), kind_of_visit(second), one.kind
                     found.setdefault(key, _Found(one)).take(one)
     return tuple(

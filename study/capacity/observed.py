@@ -20,7 +20,8 @@ from radio.noted import Sent, TookEffect
 from simulation.events import MANAGER, Entry, Left
 from simulation.result import BatteryEvent, Phase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
-from study.capacity.occupation import Occupation, Part
+from study.capacity import passage
+from study.capacity.occupation import TOUCH_S, Occupation, Part
 from study.capacity.passage import Passage, Standing, Throwing, occupation_of, setting_out
 from study.capacity.visits import Visit, visits_of
 from wayside import said
@@ -76,8 +77,8 @@ def observed(result: RunResult, setup: Setup) -> tuple[Occupation, ...]:
     found: list[Occupation] = []
     for hold in register.holds:
         own = visits.get(hold.unit, ()), standing[hold.unit]
-        passage = _passage(hold, *own, portal=hold.section_id in portals)
-        found.append(occupation_of(passage, ends_s))
+        moments = _passage(hold, *own, portal=hold.section_id in portals)
+        found.append(occupation_of(moments, ends_s))
     return tuple(sorted(found, key=lambda o: (o.begin_s, o.section_id)))
 
 
@@ -351,10 +352,15 @@ def _passage(
 
 
 def _standing(result: RunResult, setup: Setup, holds: Sequence[_Hold]) -> dict[str, tuple[Standing, ...]]:
-    """What each stock stood for, by the truth; of what went on at once the last one told counts."""
+    """What each stock stood for, by the truth; of what went on at once the last one told counts.
+
+    A stand of no length is that of a train that comes to a stand as the run ends.
+    """
     found: dict[str, list[Standing]] = defaultdict(list)
+    ends_s = result.end_step / STEPS_PER_S
     for record in result.energy:
-        if record.phase in PART_OF and record.end_s > record.begin_s:
+        lasts = passage.LAST_STANDS and abs(record.end_s - ends_s) <= TOUCH_S
+        if record.phase in PART_OF and (record.end_s > record.begin_s or lasts):
             found[record.stock_id].append(Standing(PART_OF[record.phase], record.begin_s, record.end_s))
     stood = {unit: tuple(own) for unit, own in found.items()}
     for unit, charged in _charging(result, setup):

@@ -107,7 +107,8 @@ def occupation_of(passage: Passage, ends_s: float = math.inf) -> Occupation:
     if (
         LAST_STANDS and passage.enters_s <= end_s < passage.leaves_s
     ):  # who comes to a stand as the day ends does not pass
-        joined += [Slice(s.part, end_s, end_s) for s in passage.standing if abs(s.begin_s - end_s) <= TOUCH_S]
+        ends = [Slice(s.part, end_s, end_s) for s in passage.standing if abs(s.begin_s - end_s) <= TOUCH_S]
+        joined += ends[-1:]
     return Occupation(
         passage.section_id,
         passage.stock_id,

@@ -7,22 +7,17 @@ orders change and some are refused. What a grant costs without a certificate is 
 
 from __future__ import annotations
 
+import math
 import random
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from msgspec.structs import replace as with_fields
 
-from network.graph import all_routes
-from radio.keys import KEY_BYTES
-from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
-from study.run.journeys import dispatch_of
-from study.scenario.scenario import load_scenario
-from wayside.actions import Send
-from wayside.block_manager import Heard, step
+from radio.messages import RouteRequest
+from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from wayside.config import (
     NO_DISPATCH,
     DispatchEntry,
@@ -31,95 +26,63 @@ from wayside.config import (
     ManagerConfig,
     RouteEntry,
     SectionEntry,
-    manager_config,
 )
-from wayside.register import Register, start
-from wayside.said import BoundaryPassed
 
 TRAINS: Final = 20
 ROUNDS: Final = 2  # that each of the twenty makes
 STATIONS: Final = 22
 RUN_S: Final = 360.0
 STAYS_S: Final = 60.0
-AGAIN_S: Final = 5.0
 LATE_S_MAX: Final = 1200.0
 US_MAX: Final = 1000.0
 ASKED_MAX: Final = 200_000  # more, and the day is no bench any more
 
 
-@dataclass
 class Day:
-    """A manager and all its stock, each at a place of its journey."""
+    """A day of a manager, and what each grant and refusal took."""
 
-    config: ManagerConfig
-    journeys: Sequence[Journey]
-    late_s: Callable[[], float]
-    grants_us: list[float] = field(default_factory=list[float])
-    refused_us: list[float] = field(default_factory=list[float])
+    def __init__(
+        self, config: ManagerConfig, journeys: tuple[Journey, ...], late_s: Callable[[], float]
+    ) -> None:
+        self.played = ManagerDay(config, journeys)
+        self.grants_us: list[float] = []
+        self.refused_us: list[float] = []
+        self._late_s = late_s
 
-    def __post_init__(self) -> None:
-        terminals = {terminal for section in self.config.sections for terminal in section.terminal_ids}
-        keys = {terminal: bytes(KEY_BYTES) for terminal in terminals}
-        self.register: Register = start(self.config, 1, keys)
-        self.routes = {route.route_id: route for route in self.config.routes}
-        self.at = [0] * len(self.journeys)
-        for journey in self.journeys:
-            first = self.routes.get(journey.moves[0].route_id) if journey.moves else None
-            self._hear(journey.unit_id, Claim((first.from_section,) if first else (), 0), 0.0)
+    @property
+    def left(self) -> int:
+        """How many moves were not made."""
+        return sum(len(j.moves) - at for j, at in zip(self.played.journeys, self.played.at, strict=True))
 
     def play(self) -> None:
         """Whoever is due first asks; who is refused asks again a little later, until nobody has anything to do."""
-        due_s = [self._due_s(k) for k in range(len(self.journeys))]
+        due_s = [self._due_s(k) for k in range(len(self.played.journeys))]
         for _ in range(ASKED_MAX):
             k = min(range(len(due_s)), key=due_s.__getitem__)
-            if due_s[k] == float("inf"):
+            if due_s[k] == math.inf:
                 return
             granted = self._asks(k, due_s[k])
             due_s[k] = max(self._due_s(k), due_s[k] + STAYS_S) if granted else due_s[k] + AGAIN_S
 
     def _due_s(self, k: int) -> float:
-        moves, at = self.journeys[k].moves, self.at[k]
+        moves, at = self.played.journeys[k].moves, self.played.at[k]
         if at == len(moves):
-            return float("inf")
+            return math.inf
         begins = at == 0 or moves[at - 1].train != moves[at].train
-        return moves[at].departs_s + (self.late_s() if begins else 0.0)
+        return moves[at].departs_s + (self._late_s() if begins else 0.0)
 
     def _asks(self, k: int, now_s: float) -> bool:
-        unit_id, move = self.journeys[k].unit_id, self.journeys[k].moves[self.at[k]]
-        route = self.routes.get(move.route_id)
-        message: AnyMessage = SignOn(unit_id, (move.section_id,))
-        if route is not None:
-            message = RouteRequest(unit_id, route.route_id, route.section_ids)
-        before = self.register.counter
+        message = self.played.request(k)
         began = time.perf_counter()
-        self._hear(unit_id, message, now_s)
+        granted = self.played.hear(k, message, now_s)
         spent_us = 1e6 * (time.perf_counter() - began)
-        granted = self.register.counter != before
         if not granted:
             self.refused_us.append(spent_us)
-            return False
-        self.at[k] += 1
-        if route is None:
-            return True
-        self.grants_us.append(spent_us)
-        token = self.register.unit(unit_id).token
-        self._hear(unit_id, HoldingReport((move.section_id,), token), now_s)
-        if move.leaves:
-            self._hear(unit_id, SignOff(unit_id, token), now_s)
-            self.register, _ = step(self.register, BoundaryPassed(move.section_id), now_s)
-        return True
-
-    def _hear(self, unit_id: str, message: AnyMessage, now_s: float) -> None:
-        self.register, actions = step(self.register, Heard(unit_id, 1, True, 0, message), now_s)
-        assert any(isinstance(action, Send) for action in actions)
-
-
-def of_scenario(scenario: str) -> ManagerConfig:
-    """The manager of a scenario, with the certificate."""
-    setup = load_scenario(scenario).setup
-    given = replace(setup, dispatch=setup.dispatch.model_copy(update={"certificate": True}))
-    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
-    return manager_config(setup.line, all_routes(setup.line), unit_ids, dispatch=dispatch_of(given))
+        else:
+            if isinstance(message, RouteRequest):
+                self.grants_us.append(spent_us)
+            self.played.arrives(k, now_s)
+        return granted
 
 
 def of_twenty() -> ManagerConfig:
@@ -176,8 +139,6 @@ def day_of(config: ManagerConfig, *, certificate: bool, late: bool) -> Day:
 def row_of(name: str, config: ManagerConfig, *, late: bool) -> dict[str, Any]:
     """The figures of one day."""
     without, with_it = (day_of(config, certificate=c, late=late) for c in (False, True))
-    left = sum(len(j.moves) - at for j, at in zip(with_it.journeys, with_it.at, strict=True))
-    lost = sum(len(j.moves) - at for j, at in zip(without.journeys, without.at, strict=True))
     grants = sorted(with_it.grants_us)
     return {
         "day": name,
@@ -188,14 +149,14 @@ def row_of(name: str, config: ManagerConfig, *, late: bool) -> dict[str, Any]:
         "us_max": round(grants[-1], 1),
         "us_without": round(statistics.fmean(without.grants_us), 1),
         "us_refused_max": round(max(with_it.refused_us, default=0.0), 1),
-        "moves_left": left,
-        "moves_left_without": lost,
+        "moves_left": with_it.left,
+        "moves_left_without": without.left,
     }
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
     """The days of a scenario and of twenty trains, as planned and late; the best of all rounds counts."""
-    days = {scenario: of_scenario(scenario), f"{TRAINS} trains": of_twenty()}
+    days = {scenario: config_of(scenario), f"{TRAINS} trains": of_twenty()}
     rows: list[dict[str, Any]] = []
     for name, config in days.items():
         for late in (False, True):

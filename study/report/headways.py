@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import polars as pl
@@ -112,7 +112,11 @@ def draw_parts(line: Line, cases: Sequence[Case]) -> Figure | None:
 
 def headway_table(cases: Sequence[Case]) -> pl.DataFrame:
     """A row a headway; without any the names of columns alone."""
-    rows = [case.as_dict() for case in cases]
+    return table_of([case.as_dict() for case in cases])
+
+
+def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
+    """Rows of headways; without any the names of columns alone."""
     return pl.DataFrame(rows, infer_schema_length=None) if rows else pl.DataFrame(schema=list(COLUMNS))
 
 

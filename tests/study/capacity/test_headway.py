@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from network.model import Direction
-from study.capacity import headway as module
+from study.capacity import claims as module
 from study.capacity.headway import Headway, HeadwayKind, headways_of, visits_at
 from study.capacity.legs import costs_between
 from study.capacity.occupation import Cost

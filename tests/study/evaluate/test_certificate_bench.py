@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from study.evaluate import certificate
-from study.evaluate.certificate import bench, of_scenario, report, row_of
+from study.evaluate.certificate import bench, report, row_of
+from study.evaluate.manager_day import config_of
 from study.evaluate.parts import part_of
 
 
@@ -17,7 +18,7 @@ def test_a_grant_that_costs_too_much_is_said_to(us: float, kept: bool) -> None:
 
 def test_the_part_is_listed_and_its_days_end() -> None:
     assert part_of("certificate") is bench
-    row = row_of("planned", of_scenario("karasuyama_weekday"), late=False)
+    row = row_of("planned", config_of("karasuyama_weekday"), late=False)
     assert (row["moves_left"], row["moves_left_without"], row["us_refused_max"]) == (0, 0, 0.0)
     assert row["grants"] == 78
 
@@ -25,5 +26,5 @@ def test_the_part_is_listed_and_its_days_end() -> None:
 def test_twenty_trains_go_round_and_are_home_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(certificate, "ROUNDS", 1)
     day = certificate.day_of(certificate.of_twenty(), certificate=True, late=True)
-    assert day.at == [len(journey.moves) for journey in day.journeys]
-    assert len(day.journeys) == certificate.TRAINS
+    assert day.played.at == [len(journey.moves) for journey in day.played.journeys]
+    assert len(day.played.journeys) == certificate.TRAINS

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from study.evaluate import order_of_trains
-from study.evaluate.order_of_trains import config_of, lost_min
+from study.evaluate.manager_day import config_of
+from study.evaluate.order_of_trains import lost_min
 from wayside.config import Order
 
 MIN_A_DAY = 1440.0

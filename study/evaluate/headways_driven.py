@@ -1,0 +1,220 @@
+"""Least headways driven: two trains as near to each other as a headway says, and a second nearer.
+
+Nothing is drawn, and the second train asks for its way as late as it can (`study.capacity.two_trains`). It is late
+where it leaves or arrives later than when nobody is in its way: at a least headway it is not, with a second less it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from host.scratch import scratch
+from simulation.setup import STEP_S, Setup
+from study.capacity.claims import Event
+from study.capacity.headway import Case
+from study.capacity.legs import Leg, legs_of, places_of
+from study.capacity.observed import observed
+from study.capacity.occupation import TOUCH_S
+from study.capacity.two_trains import (
+    NoSuchDayError,
+    TwoTrains,
+    deciding_leg,
+    thrown_s,
+    two_trains,
+    without_throw,
+)
+from study.run.run import TEMPORARY, CarrierKind, Course, carrier_factory, through
+from study.scenario.scenario import Scenario
+from sumo_cfg.build import net_for
+from sumo_cfg.truth_map import read_net
+
+LATE_S: Final = 0.25  # trains stop to a few centimetres, by seed and step: who is later than that was held up
+LESS_S: Final = 1.0
+FAR_S: Final = 14_400  # trains so far apart do not meet
+OFF_S: Final = 64  # so far from a headway it is looked for in what trains need
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """A headway as it was driven, s.
+
+    `spared_s`: by so much less were the two apart, because the points by which the second leaves lay right.
+    `kept_s`: by how much the second train is late at most with the headway, `nearer_s` with a second less; infinite
+    where it does not come. `needs_s`: the least time between the two events, to a second, with which it is not late;
+    `why` is told where the two cannot be driven.
+    """
+
+    case: Case
+    spared_s: float = 0.0
+    kept_s: float = math.nan
+    nearer_s: float = math.nan
+    needs_s: float = math.nan
+    why: str = ""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether a run needs what the headway says."""
+        return self.kept_s <= LATE_S < self.nearer_s
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        if self.why:
+            return f"not driven: {self.why}"
+        right = f" less {self.spared_s:.1f} s, as points lie right" if self.spared_s else ""
+        found = f"least {self.case.headway.least_s:.1f} s{right}: {self.kept_s:.1f} s late at it"
+        needs = "" if self.agrees else f"; a run needs {self.needs_s:.1f} s"
+        return f"{found}, {self.nearer_s:.1f} s with a second less{needs}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV: times to 0.1 s."""
+        return {
+            "driven_spared_s": _tenth(self.spared_s),
+            "driven_kept_s": _tenth(self.kept_s),
+            "driven_nearer_s": _tenth(self.nearer_s),
+            "driven_needs_s": _tenth(self.needs_s),
+            "driven_why": self.why,
+        }
+
+
+def _tenth(time_s: float) -> float | None:
+    return round(time_s, 1) if math.isfinite(time_s) else None
+
+
+class Drives:
+    """Runs of two trains on the line of a scenario in which nothing is drawn."""
+
+    def __init__(self, scenario: Scenario, folder: Path) -> None:
+        line, net = scenario.setup.line, net_for(scenario.setup.line, folder)
+        self.setup: Final[Setup] = scenario.setup
+        self._scenario = scenario
+        self._folder = folder
+        self._make = carrier_factory(CarrierKind.PLAIN, line, net)
+        self._map = read_net(net)
+        self._is_place = places_of(line)
+
+    def driven(self, case: Case, *, searched: bool = True) -> Driven:
+        """A headway driven; what a run needs instead is looked for where it differs, if that is asked for."""
+        try:
+            drive = _Drive(self, two_trains(self.setup, case.headway))
+            return drive.driven(case, searched=searched)
+        except NoSuchDayError as error:
+            return Driven(case, why=str(error))
+
+    def legs(self, setup: Setup) -> tuple[Leg, ...]:
+        """The legs of a day, as run."""
+        with scratch(TEMPORARY, self._folder) as folder:
+            course = Course(self._make, self._map, folder)
+            setup, result = through(replace(self._scenario, setup=setup), course)
+        return legs_of(observed(result, setup), self._is_place)
+
+
+class _Drive:
+    """The drives of one headway."""
+
+    def __init__(self, drives: Drives, two: TwoTrains) -> None:
+        self._drives, self._two = drives, two
+        try:  # far apart, so that points lie as the first one leaves them
+            self._unhindered(drives.legs(two.day(two.first, two.second.later(FAR_S))), FAR_S)
+        except NoSuchDayError:  # where the one ends the other begins
+            both = drives.legs(two.day(two.first)), drives.legs(two.day(two.second))
+            self._unhindered([*both[0], *both[1]], 0)
+        self._asking = two
+        self._late_s: dict[int, float] = {}
+
+    def _unhindered(self, legs: Sequence[Leg], by_s: int) -> None:
+        """How the two run when neither is in the other's way, the second so much later."""
+        headway = self._two.headway
+        self._way = [_as(legs, leg) for leg in reversed(headway.behind)]
+        one, other = _as(legs, headway.first.leg), _as(legs, headway.second.leg)
+        self._apart_s = _at_s(headway.second, other) - _at_s(headway.first, one) - by_s
+        self._later_s = by_s
+
+    def driven(self, case: Case, *, searched: bool) -> Driven:
+        found = self._at_least(case, self._two, 0.0)
+        if found.kept_s <= LATE_S and not found.agrees:
+            spared_s = self._spared()
+            less = self._at_least(case, without_throw(self._two, spared_s), spared_s) if spared_s else found
+            found = less if less.agrees else self._at_least(case, self._two, 0.0)
+        if found.agrees or not searched:
+            return found
+        kept, nearer = self._times(found.spared_s)
+        needs_s = self._needs(kept if found.nearer_s > LATE_S else nearer)
+        return replace(found, needs_s=self._apart_s + needs_s)
+
+    def _at_least(self, case: Case, two: TwoTrains, spared_s: float) -> Driven:
+        """The headway driven, the second asking as it does in `two`."""
+        self._asking, self._late_s = two, {}
+        kept, nearer = (self.late_s(by_s) for by_s in self._times(spared_s))
+        return Driven(case, spared_s, kept, nearer, case.headway.least_s - spared_s)
+
+    def _times(self, spared_s: float) -> tuple[int, int]:
+        """The whole seconds, later than alone, by which a headway is kept, and by which a second is missing."""
+        least_s = self._two.headway.least_s - spared_s - self._apart_s
+        return math.ceil(least_s + STEP_S - TOUCH_S), math.floor(least_s - LESS_S + TOUCH_S)
+
+    def _spared(self) -> float:
+        """How long the second need not wait for the points by which it leaves: behind the first they lie right."""
+        at = deciding_leg(self._two.headway)
+        if at < 0:
+            return 0.0
+        leg = self._two.headway.behind[at]
+        spared_s = thrown_s(leg) - thrown_s(_as(self._both(self._times(0.0)[0]), leg))
+        return spared_s if spared_s > STEP_S else 0.0
+
+    def _both(self, by_s: int) -> tuple[Leg, ...]:
+        two = self._asking
+        return self._drives.legs(two.day(two.first, two.second.later(by_s)))
+
+    def late_s(self, by_s: int) -> float:
+        """By how much the second train is late at most, so much later than it was alone, up to its event."""
+        if by_s not in self._late_s:
+            self._late_s[by_s] = self._held_up_s(self._both(by_s), by_s)
+        return self._late_s[by_s]
+
+    def _held_up_s(self, both: Sequence[Leg], by_s: int) -> float:
+        late_s = -math.inf
+        for leg in self._way:
+            try:
+                own = _as(both, leg)
+            except NoSuchDayError:
+                return math.inf
+            late_s = max(late_s, own.departs_s - leg.departs_s + self._later_s - by_s)
+            if leg is not self._way[-1] or self._two.headway.second.arrival:
+                late_s = max(late_s, own.arrives_s - leg.arrives_s + self._later_s - by_s)
+        return late_s
+
+    def _needs(self, near: int) -> float:
+        """The least whole time by which the second is not late, OFF_S from one that is near at most."""
+        late = self.late_s(near) > LATE_S
+        step = 1
+        while step <= OFF_S and (self.late_s(near + step if late else near - step) > LATE_S) == late:
+            step *= 2
+        if step > OFF_S:
+            return math.inf if late else -math.inf
+        low, high = (near + step // 2, near + step) if late else (near - step, near - step // 2)
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if self.late_s(middle) > LATE_S else (low, middle)
+        return high
+
+
+def _as(legs: Sequence[Leg], leg: Leg) -> Leg:
+    """The same leg as it was run."""
+    for one in legs:
+        if one.number == leg.number and _ends(one) == _ends(leg):
+            return one
+    raise NoSuchDayError(f"{leg.number} does not come from {_ends(leg)[0]} to {_ends(leg)[1]}")
+
+
+def _ends(leg: Leg) -> tuple[str, str]:
+    start, end = leg.start, leg.end
+    return "" if start is None else start.section_id, "" if end is None else end.section_id
+
+
+def _at_s(event: Event, leg: Leg) -> float:
+    return leg.arrives_s if event.arrival else leg.departs_s

@@ -1,0 +1,77 @@
+"""A day played by the block manager alone, in blocks: it is asked as its host does it, no train is driven, no radio."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from network.graph import all_routes
+from radio.keys import KEY_BYTES
+from radio.messages import AnyMessage, Claim, HoldingReport, RouteRequest, SignOff, SignOn
+from study.run.journeys import dispatch_of
+from study.scenario.scenario import load_scenario
+from wayside.actions import Send
+from wayside.block_manager import Heard, step
+from wayside.config import Journey, JourneyMove, ManagerConfig, Order, RouteEntry, manager_config
+from wayside.register import Register, start
+from wayside.said import BoundaryPassed
+
+AGAIN_S = 5.0  # a refused train asks again
+
+
+class ManagerDay:
+    """A manager and all its stock, each at a place of its journey: `at[k]` is the next move of the k-th."""
+
+    def __init__(self, config: ManagerConfig, journeys: tuple[Journey, ...]) -> None:
+        self.journeys = journeys
+        keys = {
+            terminal: bytes(KEY_BYTES) for section in config.sections for terminal in section.terminal_ids
+        }
+        self.register: Register = start(config, 1, keys)
+        self.at = [0] * len(journeys)
+        self._routes: dict[str, RouteEntry] = {route.route_id: route for route in config.routes}
+        for k, journey in enumerate(journeys):
+            first = self._routes.get(journey.moves[0].route_id) if journey.moves else None
+            self.hear(k, Claim((first.from_section,) if first else (), 0), 0.0)
+
+    def move(self, k: int) -> JourneyMove | None:
+        """The next move of a stock; None: its day is over."""
+        moves, at = self.journeys[k].moves, self.at[k]
+        return moves[at] if at < len(moves) else None
+
+    def request(self, k: int) -> AnyMessage:
+        """What a stock asks for its next move."""
+        unit_id, move = self.journeys[k].unit_id, self.journeys[k].moves[self.at[k]]
+        route = self._routes.get(move.route_id)
+        if route is None:
+            return SignOn(unit_id, (move.section_id,))
+        return RouteRequest(unit_id, route.route_id, route.section_ids)
+
+    def hear(self, k: int, message: AnyMessage, now_s: float) -> bool:
+        """The manager hears a stock; whether it granted it something."""
+        before = self.register.counter
+        heard = Heard(self.journeys[k].unit_id, 1, True, 0, message)
+        self.register, actions = step(self.register, heard, now_s)
+        assert any(isinstance(action, Send) for action in actions)
+        return self.register.counter != before
+
+    def arrives(self, k: int, now_s: float) -> JourneyMove:
+        """A stock has made its move: what lies behind is given back. Tells the move."""
+        unit_id, move = self.journeys[k].unit_id, self.journeys[k].moves[self.at[k]]
+        if move.route_id in self._routes:
+            token = self.register.unit(unit_id).token
+            self.hear(k, HoldingReport((move.section_id,), token), now_s)
+            if move.leaves:
+                self.hear(k, SignOff(unit_id, token), now_s)
+                self.register, _ = step(self.register, BoundaryPassed(move.section_id), now_s)
+        self.at[k] += 1
+        return move
+
+
+def config_of(scenario: str, order: Order | None = None) -> ManagerConfig:
+    """The manager of a scenario, with the certificate; `order` instead of the order of trains that it has."""
+    setup = load_scenario(scenario).setup
+    update = {"certificate": True, "order": setup.dispatch.order if order is None else order}
+    entry = setup.dispatch.model_copy(update=update)
+    unit_ids = tuple(diagram.stock_id for diagram in setup.timetable.diagrams)
+    given = dispatch_of(replace(setup, dispatch=entry))
+    return manager_config(setup.line, all_routes(setup.line), unit_ids, dispatch=given)
