@@ -9,6 +9,7 @@ from typing import Any, Final
 from network.clock import clock
 from network.files.raw import is_row
 from network.model import Position, TagPurpose
+from simulation.events import WORLD
 from simulation.faults.links import BOTH_WAYS, Link
 from simulation.faults.script import Act, ActKind, Expectation, Failure, Matcher, Property
 from study.wording.event_names import EVENT_NAMES
@@ -181,7 +182,13 @@ def expectation_text(expectation: Expectation) -> Phrase:
 
 def matcher_text(matcher: Matcher) -> str:
     """An event that is waited for, in Japanese."""
-    who = f"列車{matcher.train}" if matcher.train else party(matcher.who).in_("ja") if matcher.who else ""
+    who = (
+        f"列車{matcher.train}"
+        if matcher.train
+        else party(matcher.who).in_("ja")
+        if matcher.who and matcher.who != WORLD
+        else ""
+    )
     name = "・".join(dict.fromkeys(EVENT_NAMES[event].in_("ja") for event in matcher.events))
     values = [value_text(field, value).in_("ja") for field, value in matcher.data.items()]
     about = f"（{'、'.join(filter(None, values))}）" if values else ""
