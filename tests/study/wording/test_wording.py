@@ -26,6 +26,7 @@ from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, 
 from simulation.faults.script import ActKind, Expectation, Failure, Property, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.judge.checkers import Checker
+from simulation.late.settings import Late
 from simulation.result import Ending
 from study.compare.comparison import FATES
 from study.compare.measures import TABLES, columns_in
@@ -121,6 +122,7 @@ def test_every_kind_of_event_has_its_word_on_the_page() -> None:
         (set(Danger), set(outcome.DANGERS)),
         (set(Ending), set(outcome.ENDINGS)),
         (set(Fate), set(FATES)),
+        (set(Late.model_fields), set(outcome.DRAWN)),
         ({kind.__name__ for kind in get_args(messages.AnyMessage)}, set(TELEGRAMS)),
     ],
     ids=lambda names: None if not names else str(sorted(map(str, names))[0]),
