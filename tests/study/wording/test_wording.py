@@ -182,7 +182,8 @@ def test_every_reason_has_japanese_words() -> None:
 
 @pytest.mark.parametrize("kind", FAULTS)
 def test_a_fault_is_said_with_its_figures(kind: str) -> None:
-    figures = {name: 2.0 for name in FAULTS[kind].model_fields if name != "target"}
+    fields = (name for name in FAULTS[kind].model_fields if name != "target")
+    figures = {name: "2" if name == "section" else 2.0 for name in fields}
     said = script.fault_text(kind, "K1 <-> *", figures)
     assert english_in(said.ja) == [] and "全装置" in said.ja
     assert said.ja.count("2") >= len(figures)
