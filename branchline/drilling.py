@@ -115,7 +115,7 @@ def drill(
             sys.stdout.write(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
-        sys.stdout.write(f"  {score_text(done.scores)}\n")
+        sys.stdout.write(f"  {score_text(done.scores).en}\n")
     if not done.passed:
         tell_of_plan(done)
     end(judged(done.passed))

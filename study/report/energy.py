@@ -10,6 +10,8 @@ import polars as pl
 from study.report.data import Run
 from study.report.tabular import Column, Kind, Table, table_of
 from study.run.tables import PARTS_KWH
+from study.wording import opinions as words
+from study.wording.phrase import Phrase
 from vehicle.train_file import Receiver
 
 RECEIVER_WORDS: Final[Mapping[str, str]] = {
@@ -212,6 +214,9 @@ def _legs(run: Run) -> Table:
     )
 
 
+_SAID: Final = ("figure", "unit", "source", "comparable")
+
+
 def _opinion(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     """Our figures beside others'; nothing where there are none."""
     compared = facts["comparisons"]
@@ -220,46 +225,39 @@ def _opinion(facts: Mapping[str, Any]) -> tuple[Table, ...]:
     return (
         table_of(
             "opinion",
-            compared,
+            [row | {name: words.opinion(row[name]).both for name in _SAID} for row in compared],
             {
-                "figure": (Kind.TEXT, 0),
+                "figure": (Kind.SAID, 0),
                 "ours": (Kind.NUMBER, 2),
                 "theirs": (Kind.NUMBER, 2),
-                "unit": (Kind.TEXT, 0),
+                "unit": (Kind.SAID, 0),
                 "difference_percent": (Kind.SIGNED, 1),
-                "source": (Kind.TEXT, 0),
-                "comparable": (Kind.TEXT, 0),
+                "source": (Kind.SAID, 0),
+                "comparable": (Kind.SAID, 0),
             },
-            tuple((text, text) for text in meanings(compared)),
+            tuple((said.en, said.in_("ja")) for said in meanings(compared)),
         ),
     )
 
 
-def meanings(compared: list[Mapping[str, Any]]) -> tuple[str, ...]:
+def meanings(compared: list[Mapping[str, Any]]) -> tuple[Phrase, ...]:
     """What the differences mean, a sentence each."""
     by_figure = {row["figure"]: row for row in compared}
-    found: list[str] = []
+    found: list[Phrase] = []
     traction = by_figure.get("traction of the day on the same speeds")
     if traction is not None:
         kwh, percent = traction["ours"] - traction["theirs"], traction["difference_percent"]
-        more = "more" if kwh >= 0.0 else "less"
-        found.append(
-            f"With the train file's resistance the day takes {abs(kwh):,.0f} kWh ({abs(percent):.1f} %) {more} traction"
-            " than with the other formula: the day's traction is known no better than that."
-        )
+        more = words.MORE if kwh >= 0.0 else words.LESS
+        found.append(words.TRACTION.of(kwh=abs(kwh), percent=abs(percent), more=more))
     for row in compared:
+        ours, theirs = row["ours"], row["theirs"]
         if row["figure"].endswith("less than"):
-            kept = row["ours"] < row["theirs"]
-            found.append(
-                f"{row['ours']:.2f} kWh per train-km lies {'within' if kept else 'ABOVE'} the bound of"
-                f" {row['theirs']:.2f}{'; a bound shows no more than that' if kept else ': something is wrong here'}."
-            )
+            form = words.WITHIN if ours < theirs else words.ABOVE_BOUND
+            found.append(form.of(ours=ours, theirs=theirs))
         elif row["unit"] == "kWh per car-km":
-            less = "below" if row["ours"] < row["theirs"] else "above"
-            found.append(
-                f"Per car-km we lie {abs(row['difference_percent']):.0f} % {less} {row['figure']}: the order of"
-                " magnitude agrees; with other trains, speeds, loads and losses more cannot be said."
-            )
+            which = words.BELOW if ours < theirs else words.ABOVE
+            percent, figure = abs(row["difference_percent"]), words.opinion(row["figure"])
+            found.append(words.PER_CAR.of(percent=percent, which=which, figure=figure))
     if not any(row["unit"] == "kWh per car-km" for row in compared):
-        found.append("No public figure stands beside a day on which not every train arrived.")
+        found.append(words.NONE)
     return tuple(found)

@@ -30,6 +30,7 @@ from study.report.template import rendered
 from study.run.directory import REPORT_FILE
 from study.run.summary import summarise
 from study.run.tables import RunTables
+from study.wording.assumptions import assumption
 
 BYTES_AIMED: Final = 1_000_000
 
@@ -76,7 +77,7 @@ def page_of(run: Run, facts: Mapping[str, Any], shows: Shows) -> str:
         headline=headline(run, facts, shows.drill),
         broken=broken_lines(facts),
         parts=shows.first,
-        assumed=(*run.line.assumed, *run.timetable.assumed),
+        assumed=[assumption(text, run.line) for text in (*run.line.assumed, *run.timetable.assumed)],
         style=style_sheet(),
         payload=deflated(payload),
         courses=_COURSES,

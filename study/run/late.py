@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from network.clock import clock
-from simulation.late.day import counts_of, late_day
+from simulation.late.day import Drawn, counts_of, late_day
 from simulation.result import RunResult
 from simulation.setup import Setup
 from study.measures.day_figures import day_figures
 from study.report.parts import Grid, Part
+from study.wording.outcome import DRAWN
+from study.wording.parties import party
 
+_HEAD_JA = ("時刻", "列車・装置", "場所", "秒", "内容", "分布")
 _HEAD = ("when", "who", "where", "seconds", "what", "drawn from")
 
 
@@ -40,15 +43,19 @@ def late_part(setup: Setup) -> Part | None:
     if not day.drawn:
         return None
     rows = tuple(
+        (_clock(one), one.who, one.place, f"{one.seconds:.1f}", one.what, _from(one)) for one in day.drawn
+    )
+    said = [(one, DRAWN[one.source.split(".")[1]], _place(setup, one.place)) for one in day.drawn]
+    rows_ja = tuple(
         (
-            "" if one.at_s is None else clock(int(one.at_s)),
-            one.who,
-            one.place,
+            _clock(one),
+            party(one.who).in_("ja"),
+            place,
             f"{one.seconds:.1f}",
-            one.what,
-            f"{one.source}: {one.of}",
+            form.format(who=party(one.who).in_("ja"), place=place, seconds=one.seconds),
+            _from(one),
         )
-        for one in day.drawn
+        for one, form, place in said
     )
     counted = ", ".join(f"{number} from {source}" for source, number in counts_of(day).items())
     return Part(
@@ -56,6 +63,21 @@ def late_part(setup: Setup) -> Part | None:
         f"Seed {setup.seed} draws this, and the same again: {counted}. When: the planned time that it is about.",
         grids=(Grid(_HEAD, rows, 3, 4),),
         folded=f"{len(rows)} things drawn",
+        folded_ja=f"{len(rows)} 件",
+        grids_ja=(Grid(_HEAD_JA, rows_ja, 3, 4),),
         title_ja="この日に生じさせた遅れの原因",
         caption_ja=f"乱数の種 {setup.seed} から決まり、同じ種では同じになる。時刻はその計画上の時刻",
     )
+
+
+def _clock(one: Drawn) -> str:
+    return "" if one.at_s is None else clock(int(one.at_s))
+
+
+def _from(one: Drawn) -> str:
+    return f"{one.source}: {one.of}"
+
+
+def _place(setup: Setup, place: str) -> str:
+    station = setup.line.stations.get(place)
+    return place if station is None else station.name_ja or station.name

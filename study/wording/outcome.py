@@ -86,6 +86,14 @@ STOOD: Final = Phrase("stood all the time", "終始停止")
 AT_MOST: Final = Phrase("at most {kmh:.1f} km/h", "最高 {kmh:.1f} km/h")
 NOT_ENTERED: Final = Phrase("did not enter", "進入なし")
 ENTERED: Final = Phrase("entered at {at}", "{at} に進入")
+# of what was drawn for a late day, by the table that it comes from
+DRAWN: Final[Mapping[str, str]] = {
+    "entry": "列車{who}が線区端 {place} に {seconds:.0f} 秒遅れて到着",
+    "dwell": "列車{who}の停車が {place} で {seconds:.0f} 秒延びる",
+    "doors": "列車{who}の戸閉が {place} で {seconds:.0f} 秒遅れる",
+    "dead_zones": "{place} 区間が無線の不感地帯となる（{seconds:.0f} 秒）",
+    "failures": "{who} の故障（復旧まで {seconds:.0f} 秒）",
+}
 # of a fault, and of the scores
 LASTS: Final = Phrase("lasts", "継続")
 AT_ONCE: Final = Phrase("at once", "瞬時")

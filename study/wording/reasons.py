@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from study.wording.forms import found
 from study.wording.parties import party
 from study.wording.phrase import Phrase, joined
 from study.wording.telegrams import TELEGRAMS
@@ -191,7 +192,7 @@ def reason(why: str) -> Phrase:
     known = REASONS.get(_word(why))
     if known is not None:
         return known
-    named = _named(why)
+    named = found(_WITH_NAMES, why, _said)
     if named is not None:
         return named
     head, colon, rest = why.partition(":")
@@ -209,22 +210,3 @@ def _said(part: str) -> Phrase:
 
 def _word(why: str) -> str:
     return why.strip().lower().replace("_", " ")
-
-
-def _named(why: str) -> Phrase | None:
-    """A reason of `_WITH_NAMES`, with the names that stand in it."""
-    for form in _WITH_NAMES:
-        parts, at, names = form.en.split("{}"), 0, list[str]()
-        if not why.startswith(parts[0]) or not why.endswith(parts[-1]):
-            continue
-        at = len(parts[0])
-        for part in parts[1:]:
-            end = why.find(part, at) if part else len(why)
-            if end < 0:
-                break
-            names.append(why[at:end])
-            at = end + len(part)
-        if len(names) == len(parts) - 1 and at == len(why):
-            said = [_said(name) for name in names]
-            return Phrase(form.en.format(*(s.en for s in said)), form.ja.format(*(s.in_("ja") for s in said)))
-    return None

@@ -9,6 +9,7 @@ from typing import Any, Final
 from network.clock import clock
 from network.files.raw import is_row
 from network.model import Position, TagPurpose
+from simulation.events import WORLD
 from simulation.faults.links import BOTH_WAYS, Link
 from simulation.faults.script import Act, ActKind, Expectation, Failure, Matcher, Property
 from study.wording.event_names import EVENT_NAMES
@@ -76,6 +77,7 @@ FIGURE_NAMES: Final[Mapping[str, str]] = {
     "visibility_m": "視程 {:g} m",
     "jump_degps": "{:+g} 度/秒",
     "id": "読取番号 {:g}",
+    "section": "{} 区間",
 }
 ACT_NAMES: Final[Mapping[ActKind, str]] = {
     ActKind.CONFIRM_OUTSIDE: "線区外であることの確認",
@@ -90,6 +92,7 @@ ACT_NAMES: Final[Mapping[ActKind, str]] = {
     ActKind.REENTER_ASSISTED: "在線状態の確認と承認",
     ActKind.BAR_UNIT: "車上装置の使用停止",
     ActKind.UNBAR_UNIT: "車上装置の使用停止解除",
+    ActKind.HAUL_AWAY: "動けない列車の線区外への救援",
     ActKind.GIVE_BACK: "進路取消",
 }
 _POSITIONS: Final[Mapping[str, str]] = {Position.NORMAL.value: "定位", Position.REVERSE.value: "反位"}
@@ -130,9 +133,10 @@ READERS: Final[Mapping[str, Phrase]] = {
 def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phrase:
     """A fault with whose it is and its figures."""
     figures = [
-        Phrase(f"{name} {value}", f"{value} 区間")
-        if isinstance(value, str)
-        else Phrase(f"{name} {value:g}", FIGURE_NAMES.get(name, name + " {:g}").format(value))
+        Phrase(
+            f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}",
+            FIGURE_NAMES.get(name, name + " {}").format(value),
+        )
         for name, value in parameters.items()
     ]
     head = Phrase(f"{kind} {target}", f"{FAULT_NAMES.get(kind, kind)}（{_target(target)}）")
@@ -181,7 +185,13 @@ def expectation_text(expectation: Expectation) -> Phrase:
 
 def matcher_text(matcher: Matcher) -> str:
     """An event that is waited for, in Japanese."""
-    who = f"列車{matcher.train}" if matcher.train else party(matcher.who).in_("ja") if matcher.who else ""
+    who = (
+        f"列車{matcher.train}"
+        if matcher.train
+        else party(matcher.who).in_("ja")
+        if matcher.who and matcher.who != WORLD
+        else ""
+    )
     name = "・".join(dict.fromkeys(EVENT_NAMES[event].in_("ja") for event in matcher.events))
     values = [value_text(field, value).in_("ja") for field, value in matcher.data.items()]
     about = f"（{'、'.join(filter(None, values))}）" if values else ""

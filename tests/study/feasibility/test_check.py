@@ -12,11 +12,13 @@ from hypothesis import strategies as st
 
 from network.model import Direction, TagPurpose
 from simulation.settings import Operation
+from simulation.world.books import CALLS_SHORT_M
 from study.feasibility.check import PlanRefusedError, feasibility, refuse
 from study.feasibility.finding import Kind, Severity, lasting, minute, severity_of
 from study.feasibility.planned import planned_day
 from study.feasibility.rehearsal import Rehearsal
 from study.measures.running_times import planned_legs
+from study.run.summary import OFF_MARK_M
 from study.scenario.scenario import load_scenario, shipped_scenarios
 from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan
@@ -324,3 +326,28 @@ def test_trains_of_one_set_are_never_in_its_own_way() -> None:
     alone = replace(plan, trains=(plan.train("D"), plan.train("U")))
     assert feasibility(alone.setup()).findings == ()
     assert {train.direction for train in planned_day(alone.setup()).all()} == set(Direction)
+
+
+# stops that are made, and wide --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("before_m", [400.0, 0.0])
+def test_a_mark_without_tags_near_it_is_told_with_how_far_trains_stop_off_it(before_m: float) -> None:
+    """A halt whose position tags are taken away: the stop is made, farther off than a summary calls at its mark."""
+    setup = load_scenario("karasuyama_weekday").setup
+    halt = next(station for station in setup.line.stations.values() if station.is_halt)
+    marks_m = [m for track in halt.tracks for m in track.marks_m.values()]
+    tags = {
+        number: tag
+        for number, tag in setup.line.tags.items()
+        if tag.purpose is not TagPurpose.POSITION or min(abs(tag.position_m - m) for m in marks_m) > before_m
+    }
+    found = feasibility(replace(setup, line=replace(setup.line, tags=tags)))
+    wide = [finding for finding in found.findings if finding.kind is Kind.STOP]
+    assert [finding.place for finding in wide] == ([] if not before_m else [halt.id] * len(wide))
+    assert bool(wide) is bool(before_m) and found.good
+    for finding in wide:
+        assert finding.severity is Severity.TIGHT
+        assert f"m off its mark at {halt.name}" in finding.text and "position tag" in finding.remedy
+        off_m = float(finding.text.partition("perhaps ")[2].partition(" m off")[0])
+        assert OFF_MARK_M < off_m < CALLS_SHORT_M

@@ -127,4 +127,4 @@ def test_a_bound_that_is_passed_is_said_loudly(ours: float, word: str) -> None:
         "figure": "the EV-E301 on the flat, less than", "unit": "kWh per train-km", "ours": ours, "theirs": 3.8,
         "difference_percent": 0.0,
     }  # fmt: skip
-    assert word in meanings([row])[0]
+    assert word in meanings([row])[0].en

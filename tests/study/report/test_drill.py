@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from study.report.data import Run
-from study.report.drill import DrillShown, Mark, MarkKind, draw_strip, mark_graph, shortened
+from study.report.drill import PLACE, DrillShown, Mark, MarkKind, Where, draw_strip, mark_graph, shortened
 from study.report.graph import draw_train_graph
 from study.report.report import write_report
 from study.report.style import TimeBand, drawing, time_grid
@@ -46,6 +48,35 @@ def test_numbers_of_faults_that_begin_together_do_not_cover_each_other() -> None
         boxes = sorted((t.get_window_extent() for t in axes.texts), key=lambda box: box.x0)
     assert [t.get_text() for t in axes.texts] == [*(f"F{i}" for i in range(1, 9)), "A1"]
     assert all(left.x1 <= right.x0 for left, right in pairwise(boxes))
+
+
+def test_a_faults_place_is_drawn_with_its_time_and_told_in_the_legend(weekday: Run) -> None:
+    unit, train = next(iter(weekday.courses))
+    begins_s = float(weekday.courses[unit, train]["t_s"][0])
+    fault, *_ = marks(1)
+    there = replace(fault, from_s=begins_s, to_s=begins_s + 600.0)
+    for where, sign in (
+        (Where(((1000.0, 2500.0),)), "its stretch of the line"),
+        (Where((), (unit,)), "the train that has it"),
+    ):
+        with drawing():
+            figure, _ = draw_train_graph(weekday, (replace(there, where=where),))
+        drawn = [artist for artist in figure.findobj() if artist.get_gid() == PLACE]
+        assert drawn
+        if where.stretches_m:
+            box = drawn[0]
+            assert isinstance(box, Rectangle)
+            assert (box.get_x(), box.get_y(), box.get_width(), box.get_height()) == (
+                begins_s,
+                1000.0,
+                600.0,
+                1500.0,
+            )
+        texts = {text.get_text() for text in shown_texts(figure)}
+        assert {"while a fault lasts", sign} <= texts
+    with drawing():
+        figure, _ = draw_train_graph(weekday, (there,))
+    assert not [artist for artist in figure.findobj() if artist.get_gid() == PLACE]
 
 
 def test_each_mark_has_its_row_and_what_was_not_met_stands_out() -> None:

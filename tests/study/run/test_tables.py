@@ -220,3 +220,11 @@ def test_frames_must_match_their_schema() -> None:
         RunTables(**{**empty(), "events": turned})
     with pytest.raises(ValueError, match="table events: columns"):
         make_table("events", {"t_s": [1.0]})
+
+
+def test_events_of_a_run_before_they_had_japanese_are_read_with_the_english(tmp_path: Path) -> None:
+    tables = RunTables(**empty())
+    tables.write(tmp_path)
+    path = tmp_path / "events.parquet"
+    tables.events.drop("text_ja").write_parquet(path)
+    assert RunTables.read(tmp_path).events.columns == list(EVENTS)

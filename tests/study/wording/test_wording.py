@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
 from enum import Enum
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import msgspec
 import pytest
 
+from network.files.line_file import load_line
+from network.files.shipped import shipped_line
 from network.model import Direction, Position, TagPurpose
 from onboard.driving.tasc import Verdict
 from onboard.localisation.fix import OUTCOMES
@@ -23,6 +26,7 @@ from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, 
 from simulation.faults.script import ActKind, Expectation, Failure, Property, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.judge.checkers import Checker
+from simulation.late.settings import Late
 from simulation.result import Ending
 from study.compare.comparison import FATES
 from study.compare.measures import TABLES, columns_in
@@ -31,9 +35,12 @@ from study.report.bundle import modules
 from study.run.drill import find_drill
 from study.scenario.scenario import load_scenario
 from study.wording import outcome, script
+from study.wording.assumptions import FORMS, assumption
 from study.wording.compared import WORDS
 from study.wording.event_names import EVENT_NAMES
 from study.wording.events import TOLD, event_text
+from study.wording.forms import found
+from study.wording.opinions import FORMS as OPINIONS
 from study.wording.phrase import Phrase
 from study.wording.reasons import reason
 from study.wording.telegrams import TELEGRAMS
@@ -41,7 +48,7 @@ from wayside.reentry import Clash
 from wayside.register import Stage, Standing
 
 ENGLISH = re.compile(r"[A-Za-z]*[a-z]{3,}[A-Za-z]*")
-CODES = {"ppm", "rms", "GNSS", "LiDAR", "kWh"}  # and what stands for names: one capital, one figure
+CODES = {"kgf", "ppm", "rms", "GNSS", "LiDAR", "kWh"}  # and what stands for names: one capital, one figure
 ROOT = Path(__file__).parents[3]
 # Of the words that parties give as reasons those that never come to a person: they stand in no event that is told.
 UNTOLD_OF = {"dispatch.py", "order.py"}  # how trains are ordered stands in the journal alone
@@ -115,6 +122,7 @@ def test_every_kind_of_event_has_its_word_on_the_page() -> None:
         (set(Danger), set(outcome.DANGERS)),
         (set(Ending), set(outcome.ENDINGS)),
         (set(Fate), set(FATES)),
+        (set(Late.model_fields), set(outcome.DRAWN)),
         ({kind.__name__ for kind in get_args(messages.AnyMessage)}, set(TELEGRAMS)),
     ],
     ids=lambda names: None if not names else str(sorted(map(str, names))[0]),
@@ -174,7 +182,8 @@ def test_every_reason_has_japanese_words() -> None:
 
 @pytest.mark.parametrize("kind", FAULTS)
 def test_a_fault_is_said_with_its_figures(kind: str) -> None:
-    figures = {name: 2.0 for name in FAULTS[kind].model_fields if name != "target"}
+    fields = (name for name in FAULTS[kind].model_fields if name != "target")
+    figures = {name: "2" if name == "section" else 2.0 for name in fields}
     said = script.fault_text(kind, "K1 <-> *", figures)
     assert english_in(said.ja) == [] and "全装置" in said.ja
     assert said.ja.count("2") >= len(figures)
@@ -227,3 +236,33 @@ def test_what_is_compared_has_its_words() -> None:
 def test_positions_and_directions_go_by_the_fields_words() -> None:
     assert [script.value_text("position", position).ja for position in Position] == ["定位", "反位"]
     assert script.value_text("direction", Direction.DOWN.name.lower()).ja == "下り"
+
+
+CODE = re.compile(r"(documents\.|network\.)?(busy_line|tag_layout)")
+
+
+def shipped(folder: str) -> list[str]:
+    return sorted(path.stem for path in (ROOT / "network" / folder).glob("*.toml"))
+
+
+@pytest.mark.parametrize("line_id", shipped("lines"))
+def test_what_a_shipped_line_rests_on_is_said_in_japanese(line_id: str) -> None:
+    line = load_line(shipped_line(line_id))
+    days = [
+        tomllib.loads(path.read_text("utf-8")) for path in (ROOT / "network" / "timetables").glob("*.toml")
+    ]
+    of_line = [day["timetable"] for day in days if day["timetable"]["line"] == line_id]
+    texts = [*line.assumed, *(text for day in of_line for text in day.get("assumed", ()))]
+    left = {text: english_in(CODE.sub("", assumption(text, line).in_("ja"))) for text in texts}
+    assert len(texts) > 3
+    assert {text: words for text, words in left.items() if words} == {}
+
+
+@pytest.mark.parametrize("form", [*FORMS, *OPINIONS], ids=lambda form: form.en[:40])
+def test_a_sentence_is_found_by_its_form_with_its_figures(form: Phrase) -> None:
+    count = form.en.count("{}")
+    values = [str(11 * (i + 1)) for i in range(count)]
+    said = found([*FORMS, *OPINIONS], form.en.format(*values), Phrase)
+    assert said is not None and said.en == form.en.format(*values)
+    assert all(value in said.ja for value in values) or "times:" in form.en
+    assert found(FORMS, "something else", Phrase) is None
