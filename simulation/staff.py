@@ -253,9 +253,9 @@ class Staff:
         return next((s.section_id for s in reversed(spans) if s.section_id in portals), (*portals, "")[0])
 
     def _held(self, slot: int) -> tuple[str, ...]:
-        """What the train occupies, and what its unit shows beyond that, in the order of the line."""
-        under = self._trains.sections_under()[self._trains.stock_ids[slot]]
-        held = under.union(self._on_board.shown(slot).held)
+        """What the train occupies, and what its unit shows beyond that, in the order of the line; outside nothing."""
+        under = self._trains.sections_under().get(self._trains.stock_ids[slot])
+        held = set() if under is None else under.union(self._on_board.shown(slot).held)
         return tuple(section for section in self._setup.line.sections if section in held)
 
 
