@@ -255,7 +255,9 @@ class Staff:
     def _held(self, slot: int) -> tuple[str, ...]:
         """What the train occupies, and what its unit shows beyond that, in the order of the line; outside nothing."""
         under = self._trains.sections_under().get(self._trains.stock_ids[slot])
-        held = set() if under is None else under.union(self._on_board.shown(slot).held)
+        if under is None:
+            return ()
+        held = under.union(self._on_board.shown(slot).held)
         return tuple(section for section in self._setup.line.sections if section in held)
 
 
