@@ -315,7 +315,9 @@ class Staff:
 
     def _held(self, slot: int) -> tuple[str, ...]:
         """What the train occupies, and what its unit shows or has forgotten beyond that, in the order of the line."""
-        under = self._trains.sections_under()[self._trains.stock_ids[slot]]
+        under = self._trains.sections_under().get(self._trains.stock_ids[slot])
+        if under is None:
+            return ()  # outside
         held = under.union(self._on_board.shown(slot).held, self._granted_ahead(slot))
         return tuple(section for section in self._setup.line.sections if section in held)
 

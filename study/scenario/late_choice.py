@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import Any, Final
 
 from network.errors import InputError
-from network.files.toml_input import one_of, validate
+from network.files.toml_input import one_of
 from network.model import SectionKind
 from simulation.faults.fault import Fault, UnitFault
 from simulation.faults.points import PointsFault
@@ -14,6 +14,7 @@ from simulation.faults.table import FAULTS
 from simulation.late.settings import Failures
 from simulation.names import names_in
 from simulation.setup import Setup
+from study.scenario.script_file import fault_of
 
 _LINKS: Final = "a kind that aims at one thing, not at a link: dead_zones are for the radio"
 
@@ -53,11 +54,7 @@ def _check_failures(file: str, key: str, table: Failures, setup: Setup) -> None:
             file, f"{key}.kind", table.kind, f"a kind that has something to aim at here, no {kind.aims_at}"
         )
     for target in table.targets or targets:
-        try:
-            validate({"target": target, **(table.model_extra or {})}, file, kind)
-        except InputError as error:
-            expected = f"{error.expected}, for {kind.kind}"
-            raise InputError(file, f"{key}.{error.key}", error.value, expected) from error
+        fault_of(file, key, kind, {"target": target, **(table.model_extra or {})}, names)
         break
     _check_use(file, key, table, kind, setup)
 

@@ -17,7 +17,7 @@ from network.errors import InputError
 from network.files.names import Title
 from network.files.quantities import DrillTime, Duration, Pace, SpeedFrom0Kmh
 from network.files.toml_input import Record, one_of, validate
-from simulation.faults.fault import Names
+from simulation.faults.fault import Fault, Names
 from simulation.faults.script import (
     DEFAULTS,
     Act,
@@ -109,21 +109,29 @@ def _fault(file: str, key: str, table: FaultTable, names: Names) -> Failure:
     kind = FAULTS.get(table.kind)
     if kind is None:
         raise InputError(file, f"{key}.kind", table.kind, one_of(FAULTS, table.kind))
-    try:
-        fault = validate({"target": table.target, **(table.model_extra or {})}, file, kind)
-    except InputError as error:
-        expected = f"{error.expected}, for {kind.kind}"
-        raise InputError(file, f"{key}.{error.key}", error.value, expected) from error
+    fault = fault_of(file, key, kind, {"target": table.target, **(table.model_extra or {})}, names)
     if expected := fault.wrong_target(names):
         raise InputError(file, f"{key}.target", table.target, expected)
-    for name, expected in fault.wrong_names(names).items():
-        raise InputError(file, f"{key}.{name}", getattr(fault, name), expected)
     if kind.momentary and table.duration_s is not None:
         raise InputError(
             file, f"{key}.duration_s", table.duration_s, f"no such key: {kind.kind} is over at once"
         )
     trigger = _trigger(file, f"{key}.start", table.start, table.after_s, names)
     return Failure(fault, trigger, table.duration_s)
+
+
+def fault_of(
+    file: str, key: str, kind: type[Fault[Any]], keys: Mapping[str, Any], names: Names
+) -> Fault[Any]:
+    """A fault of a kind with its own keys; whether its target exists is not looked at. InputError names the key."""
+    try:
+        fault = validate(keys, file, kind)
+    except InputError as error:
+        expected = f"{error.expected}, for {kind.kind}"
+        raise InputError(file, f"{key}.{error.key}", error.value, expected) from error
+    for name, expected in fault.wrong_names(names).items():
+        raise InputError(file, f"{key}.{name}", getattr(fault, name), expected)
+    return fault
 
 
 _ACT: Final = frozenset({"kind", "start", "after_s", "person"})

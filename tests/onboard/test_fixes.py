@@ -247,6 +247,16 @@ def test_the_drivers_eye_is_a_fix(motion: Motion, mission: Mission) -> None:
     assert not motion.place().unsure
 
 
+def test_after_it_the_unit_is_sure_wherever_in_its_bounds_the_estimate_stays(motion: Motion) -> None:
+    """The estimate goes but part of the way to it, so that one of the bounds is wider than half of what is left."""
+    run_to(motion, MARK_B_M - 6.0, 12.0)
+    motion.at_mark(AtMark(1))
+    row = motion.row
+    assert row.bound_ahead_m > EYE_WITHIN_M + 1.0
+    assert row.bound_ahead_m + row.bound_behind_m == pytest.approx(2.0 * EYE_WITHIN_M)
+    assert not motion.place().unsure
+
+
 def test_it_outranks_bounds_that_it_contradicts(motion: Motion) -> None:
     run_to(motion, MARK_B_M, 1.0)
     motion.at_mark(AtMark(1, beyond_m=20.0))

@@ -128,3 +128,23 @@ def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> 
         assert sorted(set(said)) == ["controller", "station staff"]
         assert (len(said) > 2) is (react == "true")
     assert arrives == {"true": True, "false": False}
+
+
+def test_what_a_mad_unit_outside_has_been_given_is_had_back(tmp_path: Path) -> None:
+    """It claimed a free section when its train had left; sane again it is never asked, and T3 needs that section."""
+    arrives: dict[str, bool] = {}
+    for react in ("true", "false"):
+        file = tmp_path / "mad.toml"
+        file.write_text(
+            'extends = "rtri_test_line"\ntimetable = "rtri_following"\nid = "mad"\nname = "mad"\n'
+            f"people.react = {react}\n"
+            '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "7"\nstart = "10:04:30"\nduration_s = 30.0\n',
+            "utf-8",
+        )
+        run = run_drill(str(file), Link.SIMULATED).run
+        arrives[react] = not run.result.unfinished
+        assert run.result.collisions == ()
+        kinds = {act.kind for act in _acts(run)}
+        staff_did = {ActKind.BAR_UNIT, ActKind.CONFIRM_OUTSIDE, ActKind.UNBAR_UNIT}
+        assert kinds >= staff_did if react == "true" else not kinds
+    assert arrives == {"true": True, "false": False}

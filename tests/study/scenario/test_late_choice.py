@@ -48,6 +48,11 @@ def failures(text: str, of: str = FIXED) -> str:
         (f"[late.entry.a]\n{FIXED}".replace("made for tests", ""), "late.entry.a.source", "at least 1"),
         (failures('kind = "stucc"\nmtbf_h = 9.0'), "late.failures.it.kind", "stuck"),
         (failures('kind = "cut"\nmtbf_h = 9.0'), "late.failures.it.kind", "not at a link"),
+        (
+            failures('kind = "false_claims"\nsection = "X"\nmtbf_h = 9.0'),
+            "late.failures.it.section",
+            "a section",
+        ),
         (failures('kind = "charger_dead"\nmtbf_h = 9.0'), "late.failures.it.kind", "something to aim at"),
         (
             failures('kind = "stuck"\ntargets = ["OGN.99"]\nmtbf_h = 9.0'),
