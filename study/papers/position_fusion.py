@@ -151,11 +151,11 @@ def beside_rows(fused: Found, alone: Mapping[Carried, Found]) -> tuple[Row, ...]
     rows: list[Row] = []
     for each in (one for one in SETS if len(one) > 1):
         mine = [one for one in fused.outcomes if carried_in(one.number) == each]
+        if not mine:
+            continue
         members = {
             kind: [one for one in alone[kind].outcomes if carried_in(one.number) == each] for kind in each
         }
-        if not mine:
-            continue
         best_m = min(median_half_m(outcomes) for outcomes in members.values())
         ours_m = median_half_m(mine)
         told = ", ".join(f"{kind} {_told(outcomes)}" for kind, outcomes in members.items())
