@@ -5,11 +5,11 @@ that the train carries fail, one to four times, each over a stretch of the way t
 stuck, shifted or noisy; a receiver without signals, with reflections, a jump or a wrong time tag; a scanner that is
 blind or in fog; beacons that are missing or false. Nothing keeps faults from meeting a slide or one another.
 
-In half of the runs one more fault is drawn: a receiver that stays at one place, or a tachometer without output.
-Nothing is judged while the latter makes the position false and the unit has not noticed (decision 004). Of other
-tachometer faults a unit must stand a scale within what wheels may be worn by, and every run's wheels are; one that
-shows much too much or too little, or stays at a speed, beside another sensor that fails is more than a unit can tell
-apart, and is not drawn.
+In half of the runs one more fault is drawn: a receiver that stays at one place, or for trains without tags a
+tachometer without output (beside tags that lie it is the double failure of decision 035). Nothing is judged while
+the latter makes the position false and the unit has not noticed (decision 004). Of other tachometer faults a unit
+must stand a scale within what wheels may be worn by, and every run's wheels are; one that shows much too much or too
+little, or stays at a speed, beside another sensor that fails is more than a unit can tell apart, and is not drawn.
 """
 
 from __future__ import annotations
@@ -111,8 +111,12 @@ def troubles_of(seed: int, number: int, length_m: float) -> list[Trouble]:
     troubles = [trouble(chance, kinds, LASTS_M, length_m) for _ in range(int(chance.integers(1, MOST + 1)))]
     chance = generator(seed, "further sensor faults", str(number))
     if chance.random() < FURTHER_SHARE:
-        more = [*OF_WHEELS.items(), *(OF_RECEIVERS.items() if Carried.GNSS in carried else ())]
-        troubles.append(trouble(chance, more, FURTHER_LAST_M, length_m))
+        more = [
+            *(OF_WHEELS.items() if Carried.TAGS not in carried else ()),
+            *(OF_RECEIVERS.items() if Carried.GNSS in carried else ()),
+        ]
+        if more:
+            troubles.append(trouble(chance, more, FURTHER_LAST_M, length_m))
     return troubles
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from network.timetable import Timetable
 from onboard import notes
 from onboard.duty.records import Command, Found, Limit, Order, PositionLost, Sensed, Stopped, TagPassed
+from onboard.records import EVENT_FOUND
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
 from simulation.world.kernel import MOVING_STEPS_MAX, advance, new_sheet
@@ -154,9 +155,6 @@ class PositionRun:
             speeds = sheet.speeds_mps[0, :done]
             self.carrier.run([(stock_id, [float(v) for v in speeds])], done)
             trains.compare([SLOT], [self.carrier.truth(stock_id)])
-            out_m = float(sheet.worst[0, 0])
-            if not trains.premises.broken(SLOT) and not out_m <= result.out_m:
-                result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
         known = bool(trains.units[SLOT].position_known)
         result.steps += done
         result.known_steps += done if known else 0
@@ -171,6 +169,8 @@ class PositionRun:
             if any(isinstance(each, TagPassed) for each in happened):
                 trains.position_fixed(SLOT)
         happened += self.motion.events(bits)
+        if moved:
+            self._judge(found=bool(bits & EVENT_FOUND))
         if any(isinstance(each, Found) for each in happened):
             trains.position_fixed(SLOT)
         for moment in self._due():
@@ -178,6 +178,14 @@ class PositionRun:
         self._answer(happened)
         at_m = self.true_m
         result.notes += [(self.now_s, at_m, note) for note in self.motion.taken_notes()]
+
+    def _judge(self, *, found: bool) -> None:
+        """Keep by how much the truth was out of the bounds; a position `found` and not believed was never stated."""
+        trains, result, sheet = self.trains, self.result, self._sheet
+        stated = not found or trains.units[SLOT].position_known
+        out_m = float(sheet.worst[0, 0])
+        if stated and not trains.premises.broken(SLOT) and not out_m <= result.out_m:
+            result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
 
     def _steps_to_moment(self) -> int:
         """How many steps surely do not run past the next moment by more than one."""
