@@ -68,7 +68,8 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     own.filtered = FILTERS[given.filter]
     corner = CORNER_M / (given.filter_speed_mps * STEP_S) if given.filter is Filter.TIME else CORNER_M
     own.numbers[:] = sections(corner)
-    own.rises[:] = rises(own.numbers) if given.filter is Filter.SPACE else 1.0
+    by_space = given.filter is Filter.SPACE
+    own.rises[:] = rises(np.array(sections(corner))) if by_space else np.ones(len(own.rises))
     for name in (
         "window_m",
         "window_least_m",
