@@ -93,7 +93,7 @@ PAGES: Final[dict[str, Page]] = {
         "curvature",
         Carried.CURVATURE,
         "moved to the best match",
-        "cut to the shifts that noise can explain",
+        "cut to the shifts that noise and one jump of the bias can explain",
         "curvature",
         Curvature,
     ),

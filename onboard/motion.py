@@ -47,7 +47,7 @@ from onboard.fixes import ROOM_M, Fixes
 from onboard.localisation.axles import forget_axles
 from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
-from onboard.localisation.tags import Heard, TagDoubt
+from onboard.localisation.tags import Heard, TagDoubt, Wheels
 from onboard.localisation.wheel_scale import Held
 from onboard.records import (
     EMERGENCY_INTERVENTION,
@@ -126,6 +126,7 @@ class Motion:
         self._fixes: Final = Fixes(self.row, row, self.readers, parameters, self._length_m, self.notes)
         self._found = False
         self._off_plan = False
+        self._due_m = math.inf  # place of the tag that is expected, also once it is overdue
         self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
         self._stood_m: float | None = (
@@ -276,15 +277,15 @@ class Motion:
         known = self._tags.get(tag_id)
         odometer_m += self.row.odometer_off_m
         if self._shows_stand() and not (known and self._reaches(known[1])):
-            return self._lose("a tag was passed while the tachometer shows a stand", wheels_lie=True)
+            return self._lose("a tag was passed while the tachometer shows a stand", Wheels.FALSE)
         if known is None:
             self._fixes.tag_of_another_path()
-            return self._lose(f"tag {tag_id} where none can be")
+            return self._lose(f"tag {tag_id} where none can be", Wheels.SOUND)
         row, (index, tag) = self.row, known
         found = bool(row.position_known != 1)
         heard, correction_m = self._doubt.hear(tag, odometer_m)
         if heard is Heard.OUT:
-            return self._lose(f"tag {tag_id} where none can be")
+            return self._lose(f"tag {tag_id} where none can be", self._doubt.wheels_by_tag(tag, odometer_m))
         if heard is not Heard.BELIEVED:
             self.notes.append(notes.TagDoubted(tag_id=tag_id))
             self._expect_tag()
@@ -312,7 +313,8 @@ class Motion:
         happened: list[Sensed] = []
         if bits & EVENT_TACHOMETER:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
-            happened += self._lose("the tachometer shows what cannot be", wheels_lie=row.wheel_slide == 0)
+            wheels = Wheels.FALSE if row.wheel_slide == 0 else Wheels.DOUBTED
+            happened += self._lose("the tachometer shows what cannot be", wheels)
         if bits & EVENT_FIX and self._fixes.sign_missed(self._next_target()):
             self._impossible(Verdict.TARGET_NOT_SEEN)
         if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
@@ -323,7 +325,7 @@ class Motion:
         if bits & EVENT_TAG_OVERDUE:
             if self.command.target is not None:
                 self._impossible(Verdict.TARGET_NOT_SEEN)
-            happened += self._lose("expected tag was not read")
+            happened += self._lose("expected tag was not read", self._doubt.wheels_by_overdue(self._due_m))
         if bits & EVENT_INTERVENTION:
             self.notes.append(notes.Intervention(level=int(row.intervention)))
         if bits & EVENT_MOVING:
@@ -411,13 +413,13 @@ class Motion:
         # A tag within the bound may lie behind already: none is due before the front is surely short of it.
         beyond_m = self.row.position_m + self.row.bound_ahead_m if after_m is None else after_m
         ahead = (tag.position_m for tag in self._mission.tags if tag.position_m > beyond_m + 0.1)
-        self.row.expected_tag_m = next(ahead, math.inf)
+        self.row.expected_tag_m = self._due_m = next(ahead, math.inf)
 
-    def _lose(self, why: str, *, wheels_lie: bool = False) -> list[Sensed]:
+    def _lose(self, why: str, wheels: Wheels = Wheels.DOUBTED) -> list[Sensed]:
         """The position cannot be trusted: stop, then on sight to a tag (位置検知異常による停止制御, table 5)."""
         row = self.row
         self.notes.append(notes.PositionFault(why=why))
-        self._doubt.begin(wheels_lie=wheels_lie)
+        self._doubt.begin(wheels)
         self._fixes.doubt(tight=why == NO_ROOM)
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known = 0

@@ -8,10 +8,11 @@ threshold (equation (3), 3.5): then the track is another than the map's, or the 
 
 Invariant: the fix's interval holds the front while gyro, rails and wheels are no worse than stated. It is the hull of
 all shifts that noise explains: by the likelihood of two shifts, the sum of squares (without a constant difference,
-which is bias) is at the true one no greater than the least by more than `sure_sigmas` deviations can make it. It is
-widened by what pulls a fix aside (`curvature_bounds`). Look-alike curves give a wide fix instead of a wrong one. Of
-the window the fix goes by the part that promises the narrowest interval: curves behind say less the longer ago they
-were. A filter other than by space is for experiments; its delay at other speeds widens the interval too.
+which is bias) is at the true one no greater than the least by more than `sure_sigmas` deviations can make it, or would
+not be but for one jump of the gyro's bias, which may look like the beginning of a curve. It is widened by what pulls a
+fix aside (`curvature_bounds`). Look-alike curves give a wide fix instead of a wrong one. Of the window the fix goes by
+the part that promises the narrowest interval: curves behind say less the longer ago they were. A filter other than by
+space is for experiments; its delay at other speeds widens the interval too.
 """
 
 from __future__ import annotations
@@ -28,10 +29,12 @@ from onboard.localisation.curvature_bounds import (
     WORSE,
     best_count,
     calibrate,
+    explained_by_jump,
     explains,
     learn_bias,
     noise_of,
     weigh,
+    without_jump,
 )
 from onboard.localisation.curvature_ring import begin_anew, measure, ran, stand
 from onboard.localisation.curvature_row import (
@@ -48,7 +51,7 @@ from vehicle.compiled import compiled
 NEAR_M: Final = 8  # shifts nearer than this are of one curve
 STRETCH_M: Final = 4.0  # the wheels' scale may stretch what is compared by no more
 JOLT_M: Final = 0.5  # nor a slide or slip what a fix goes by
-SAME_MAX: Final = 20  # readings in a row that are equal to the last bit: the gyro is stuck
+SAME_MAX: Final = 3  # readings in a row that are equal to the last bit to the one before: the gyro is stuck
 TRANSITION_PER_M2: Final = 1.0e-5  # filtered curvature that changes faster than this is a transition
 FLOOR_M: Final = 0.3  # of an interval: metres are whole
 
@@ -164,7 +167,8 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
         return NOTHING
     limit = own.free[least] + own.sure_sigmas * own.sure_sigmas * noise
     far = own.sure_sigmas * math.sqrt(own.rail_peak + noise) + math.sqrt(own.misfit)
-    from_m, to_m = explained(own.free, own.span, least, NEAR_M, limit, own.free[least] + far * far)
+    hull = explained(own.free, own.span, least, NEAR_M, limit, own.free[least] + far * far)
+    from_m, to_m = hull
     first, last = math.floor(from_m), min(math.ceil(to_m), own.span)
     shift_m = nearest(known, own.bent_per_m, begin, count, first, last, own.mean_per_m, own.energy)
     shift_m = min(max(shift_m, from_m), to_m)
@@ -172,22 +176,29 @@ def fix_by(own: CurvatureRow, unit: UnitRow, count: int) -> int:
         learn_bias(own, count)
     floor_m = FLOOR_M + unit.pulse_m + own.map_error_m + own.unseen_m
     own.count = count
+    its_m = (to_m - from_m + own.pull_behind_m + own.pull_ahead_m) / 2.0 + floor_m
+    if own.forgives_jumps == 0:
+        most = without_jump(own, known, count, least) + limit - own.free[least]
+        from_m, to_m = explained_by_jump(own, known, count, hull, most)
     return take_fix(
         own,
         unit,
         unit.position_m + own.low + shift_m,
         shift_m - from_m + own.pull_behind_m + floor_m,
         to_m - shift_m + own.pull_ahead_m + floor_m,
+        its_m,
     )
 
 
 @compiled
-def take_fix(own: CurvatureRow, unit: UnitRow, position_m: float, behind_m: float, ahead_m: float) -> int:
+def take_fix(
+    own: CurvatureRow, unit: UnitRow, position_m: float, behind_m: float, ahead_m: float, its_m: float
+) -> int:
     """Cut the bounds; move the estimate only as far as the fix is better than what it came from and the run since.
 
     Windows overlap, so fixes are not independent of one another: nothing is gained by taking the mean of two.
+    `its_m`: half the interval of a gyro in order, by which the estimate goes.
     """
-    its_m = (behind_m + ahead_m) / 2.0
     within_m = own.within_m if own.within_m > 0.0 else (unit.bound_behind_m + unit.bound_ahead_m) / 2.0
     weight = max(1.0 - its_m * its_m / (within_m * within_m), 0.0)
     outcome = taken_towards(unit, position_m, behind_m, ahead_m, weight)
@@ -227,7 +238,7 @@ def curvature(
         return NOTHING
     own.stood_steps = 0
     measure(own, unit, reading.yaw_radps, step_s)
-    if own.along_m < own.next_m or unit.position_known == 0:
+    if own.along_m < own.next_m or unit.position_known == 0 or own.same > 0:
         return NOTHING
     own.next_m = own.along_m + own.every_m
     return collate(own, unit, chart)

@@ -5,6 +5,11 @@ the map's change from metre to metre, over the sum of the squares of this change
 nothing: sums are taken without their mean. Noise of the rails' heading that is white and the gyro's own have a known
 variance under such a sum. What a difference could hide is taken from the tests that it has passed, metre by metre
 backwards from the front: blocks of `BLOCK_M` by their mean square, and all from the front on by what they turn in sum.
+
+A bias that jumps on the way looks like the beginning of a curve, and no test of what is left at the least shift shows
+it while the map has one within the search: the shift explains it. So all shifts count that noise and one jump of the
+gyro's bias explain together, of any size, anywhere in the newest metres. One further back than the search reaches and
+a transition is long has the curve that it imitates behind it as well, and is left over at every shift.
 """
 
 from __future__ import annotations
@@ -14,7 +19,8 @@ from typing import Final
 
 import numpy as np
 
-from onboard.localisation.curvature_row import BY_SPACE, WINDOW_MAX, CurvatureRow
+from onboard.localisation.collation import Samples
+from onboard.localisation.curvature_row import BY_SPACE, RISES_M, WINDOW_MAX, CurvatureRow
 from onboard.localisation.spatial_filter import shift
 from onboard.records import UnitRow
 from vehicle.compiled import compiled
@@ -23,6 +29,8 @@ BLOCK_M: Final = 25  # what is judged by itself: a wave that the filter damps
 SURE_OF_BLOCK: Final = 4.0  # deviations of the root mean square of a block
 WHITE_PER_M: Final = 0.058  # variance that the filter leaves of white noise of 1 a metre
 CALIBRATES_M: Final = 300.0  # wheels are compared over no less
+TRANSITION_M: Final = 100.0  # no transition is longer, with what the filter makes of it
+JUMPS_EVERY: Final = 3  # metres at which a jump is looked for: far less than the filter takes over one
 WORSE: Final = (
     2.0  # what is left may be so many times the rails' stated variance, before the gyro counts as worse
 )
@@ -198,7 +206,6 @@ def turn_to_bias(own: CurvatureRow, bias_radps: float) -> None:
 def calibrate(own: CurvatureRow, unit: UnitRow) -> None:
     """Two fixes and the wheels' count between them: an interval of their scale; the unit counts by its middle."""
     if unit.bound_growth > own.doubtful_share:
-        own.anchored = 0
         return
     low_m, high_m = unit.position_m - unit.bound_behind_m, unit.position_m + unit.bound_ahead_m
     counted_m = unit.odometer_m - own.anchor_odometer_m
@@ -217,3 +224,58 @@ def calibrate(own: CurvatureRow, unit: UnitRow) -> None:
         own.anchored = 1
         own.anchor_odometer_m, own.anchor_low_m, own.anchor_high_m = unit.odometer_m, low_m, high_m
         own.anchor_slid_m, own.anchor_slipped_m = unit.slid_ahead_m, unit.slipped_behind_m
+
+
+@compiled
+def without_jump(own: CurvatureRow, known: Samples, count: int, shift: int) -> float:
+    """Equation (3) for one shift of the last `count` metres, without a constant and one jump of the gyro's bias.
+
+    The least over where the jump may be: on the map's metres `known`, what the filter makes of a step that is one over
+    the speed high, by least squares.
+    """
+    begin = own.at + WINDOW_MAX - count
+    total = total2 = 0.0
+    for k in range(count):
+        away = known[k + shift] - own.bent_per_m[begin + k]
+        total += away
+        total2 += away * away
+    mean = total / count
+    least = whole = total2 - mean * total
+    turned = level = level2 = 0.0  # of the metres beyond those over which the filter takes it up
+    back = min(count, int(own.span + TRANSITION_M))
+    for first in range(count - 1, count - back - 1, -1):
+        done = first + RISES_M
+        if done < count:
+            slow = own.slow_s_per_m[begin + done]
+            turned += slow * (known[done + shift] - own.bent_per_m[begin + done] - mean)
+            level += slow
+            level2 += slow * slow
+        if first % JUMPS_EVERY != 0:
+            continue
+        product, sums, squares = turned, level, level2
+        for k in range(first, min(done, count)):
+            step = own.slow_s_per_m[begin + k] * own.rises[k - first]
+            product += step * (known[k + shift] - own.bent_per_m[begin + k] - mean)
+            sums += step
+            squares += step * step
+        free = squares - sums * sums / count
+        if free > 0.0:
+            least = min(least, whole - product * product / free)
+    return least
+
+
+@compiled
+def explained_by_jump(
+    own: CurvatureRow, known: Samples, count: int, hull: tuple[float, float], most: float
+) -> tuple[float, float]:
+    """The hull of shifts, widened by all of which one jump of the bias leaves no more than `most`."""
+    from_m, to_m = hull
+    for one in range(math.floor(from_m)):
+        if without_jump(own, known, count, one) <= most:
+            from_m = max(one - 1.0, 0.0)
+            break
+    for one in range(own.span, math.ceil(to_m), -1):
+        if without_jump(own, known, count, one) <= most:
+            to_m = min(one + 1.0, float(own.span))
+            break
+    return from_m, to_m

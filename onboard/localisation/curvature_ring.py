@@ -49,7 +49,13 @@ def doubt_of_scale(own: CurvatureRow, unit: UnitRow) -> tuple[float, float]:
 
 @compiled
 def ran(own: CurvatureRow, unit: UnitRow) -> float:
-    """Take up the wheels' run of this step and how wrong it may be; returns it, m."""
+    """Take up the wheels' run of this step and how wrong it may be; returns it, m.
+
+    While the unit doubts its wheels, what was learned of them is worth nothing: they may have lied then already.
+    """
+    if unit.bound_growth > own.doubtful_share:
+        own.scale_low, own.scale_high = 1.0 - own.worn_share, 1.0 + own.worn_share
+        own.anchored = 0
     counted_m = unit.odometer_m - own.odometer_m
     own.odometer_m = unit.odometer_m
     longer, shorter = doubt_of_scale(own, unit)

@@ -10,6 +10,7 @@ UNFILTERED: Final = 2
 
 WINDOW_MAX: Final = 800
 SEARCH_MAX: Final = 400
+RISES_M: Final = 60  # metres over which the filter takes up a step, but for some thousandths
 MARGIN_M: Final = 5  # searched beyond the bounds
 SHIFTS: Final = 2 * (SEARCH_MAX + MARGIN_M) + 4
 
@@ -28,6 +29,7 @@ class CurvatureRow(Protocol):
     fitted: int
     filtered: Annotated[int, "BY_SPACE, BY_TIME or UNFILTERED"]
     numbers: Annotated[list[float], 10, "of the filter's sections, by metre or by step"]
+    rises: Annotated[list[float], RISES_M, "what it has made of a step of 1 by each metre behind it"]
     window_m: float
     window_least_m: float
     search_m: float
@@ -58,6 +60,7 @@ class CurvatureRow(Protocol):
     ]
     rail_variance_per_m2: Annotated[float, "of their filtered curvature"]
     rail_heading_rad: Annotated[float, "deviation of their filtered heading"]
+    forgives_jumps: Annotated[int, "1: no jump of the bias is in the interval; for experiments alone"]
     # the wheels
     path: Annotated[int, "unit.paths_taken_up as it was"]
     odometer_m: float

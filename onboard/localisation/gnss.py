@@ -13,7 +13,8 @@ What may be wrong, and what comes of it (P is the protection level that the rece
   direction is not known any more. So a fault that comes up by more than 3 % of the way run is held: up to 3 P / 8 of it
   may hide at the edges of two windows each, beside the P / 4.
 - While wheels slide or slip, a fault may move the fixes by as much the other way, and nothing is seen of it. So all
-  that may have slid is in the interval, too: ahead of the fix, as it is in the bounds; what slipped, behind it.
+  that may have slid is in the interval, too: ahead of the fix, as it is in the bounds; what slipped, behind it. What
+  only a slide or slip explains of a movement may be a lie that came up after it: that is in the interval as well.
 - Bounds hold the front, whatever made them. A fix that is further from them than P / 4 and the lie that is known shows
   that it lies, also from the first one on: the interval spans that. One that is nearer shows how great the lie can
   still be: narrow bounds confirm a receiver, and give back what slides had taken from it.
@@ -76,6 +77,10 @@ class GnssRow(Protocol):
     window_way_m: Annotated[float, "the way there"]
     window_slid_m: float
     window_slipped_m: float
+    window_less_m: Annotated[
+        float, "by how much only what slipped explains that fixes have fallen back since"
+    ]
+    window_more_m: Annotated[float, "by how much only what slid explains that they have gone ahead"]
     window_s: Annotated[float, "how long ago that is; negative: there is no window"]
     moved_low_m: Annotated[float, "its lie is no less, as it has moved against the wheels, or may have"]
     moved_high_m: Annotated[float, "and no more"]
@@ -158,6 +163,11 @@ def bears_out(own: GnssRow, at_m: float, protection_m: float) -> bool:
         own.agreeing = 0
         begin_window(own, offset_m)
         return False
+    if own.forgives == 0:  # or it is a lie that came up after the slide
+        more_m = max(moved_m - STEADY_SHARE * protection_m - wheels_m, own.window_more_m)
+        less_m = max(-moved_m - STEADY_SHARE * protection_m - wheels_m, own.window_less_m)
+        may_lie(own, own.window_less_m - less_m, more_m - own.window_more_m)
+        own.window_less_m, own.window_more_m = less_m, more_m
     own.agreeing += 1
     if wheels_m > WHEELS_SHARE * protection_m or own.window_s > WINDOW_S:
         begin_window(own, offset_m)
@@ -168,6 +178,7 @@ def bears_out(own: GnssRow, at_m: float, protection_m: float) -> bool:
 def begin_window(own: GnssRow, offset_m: float) -> None:
     """From here on the next fixes are compared with this one."""
     own.offset_m, own.window_s = offset_m, 0.0
+    own.window_less_m = own.window_more_m = 0.0
     own.window_way_m, own.window_slid_m, own.window_slipped_m = own.way_m, own.slid_m, own.slipped_m
 
 

@@ -10,7 +10,8 @@ estimate nor counts as passed, until a later one tells which was wrong.
 After a position fault a tag fixes the position again only if no other tag can be meant, counting all that the
 tachometer may be wrong, or if it agrees with the tag read before it (地上子位置との照合, Sugiyama, table 5). Where tags
 alone spoke for the fault, the bounds that there were may be true and the tags false: they are spanned too. They stay
-wide until the way between two tags is as the tachometer says.
+wide until the way between two tags is as the tachometer says; but wheels are not doubted for what they cannot explain:
+a tag that does not lie on the path, or one further from what another sensor has told than they could err by since.
 """
 
 from __future__ import annotations
@@ -56,6 +57,14 @@ class Heard(Enum):
     OUT = "out"  # it misses the bounds
     DOUBTED = "doubted"  # it is not believed yet
     BELIEVED = "believed"
+
+
+class Wheels(Enum):
+    """What a position fault says of the tachometer."""
+
+    SOUND = "sound"  # however wrong it were, it would not explain what was read
+    DOUBTED = "doubted"
+    FALSE = "false"  # it shows what no slide explains
 
 
 class TagDoubt:
@@ -105,26 +114,56 @@ class TagDoubt:
         self._before = None
         self._wheel.forget_places()
 
-    def begin(self, *, wheels_lie: bool = False) -> None:
+    def begin(self, wheels: Wheels = Wheels.DOUBTED) -> None:
         """A position fault: what was run since the last tag, or since the mission began, may be false.
 
-        `wheels_lie`: the tachometer shows what no slide explains, so that the bounds before it are worth nothing.
+        Where the wheels are sound it is the tag that is false, or the place: bounds grow as before.
         """
         row, share = self._row, self._parameters.doubt_error_share
-        if wheels_lie:
+        if wheels is Wheels.FALSE:
             self._before = None
         elif row.position_known and self._parameters.tags_wrong_together:
             self._before = held(row, *bounds_of(row))
+        elif self._read:  # a tag was read since the fault before: one of the two is right
+            self._before = self._read[-1]
+        self._doubting = self._doubting or bool(row.position_known)
+        self._doubted = 0
+        self._read.clear()
+        self._last = self._suspect = None
+        if wheels is Wheels.SOUND:
+            return
         if row.position_known:
             since_m = max(row.position_m - self._right_at_m, 0.0)
             row.bound_ahead_m += share * since_m
             row.bound_behind_m += share * since_m
-            self._doubting = True
-        self._wide, self._doubted = True, 0
+        self._wide = True
         self._wheel.forget()
         row.bound_growth = share
-        self._read.clear()
-        self._last = self._suspect = None
+
+    def wheels_by_tag(self, tag: PathTag, odometer_m: float) -> Wheels:
+        """What a tag read where none can be says of the wheels.
+
+        They are doubted where they could be wrong enough, since an absolute sensor last told the position, for the
+        tag to be right.
+        """
+        low_m, high_m = self._since_fix_m()
+        fix = tag_fix(self._record, tag.position_m, odometer_m, self._parameters.tag_accuracy_m)
+        explains = fix.position_m - fix.behind_m <= high_m and fix.position_m + fix.ahead_m >= low_m
+        return Wheels.DOUBTED if explains else Wheels.SOUND
+
+    def wheels_by_overdue(self, expected_m: float) -> Wheels:
+        """The same of a tag (path coordinate, m) that was not read: whether the front may be short of it."""
+        return Wheels.SOUND if self._since_fix_m()[0] > expected_m else Wheels.DOUBTED
+
+    def _since_fix_m(self) -> tuple[float, float]:
+        """Where the front is by the last fix of an absolute sensor (m), had the wheels been out of order since."""
+        row, share = self._row, self._parameters.doubt_error_share
+        if not math.isfinite(row.fix_at_m) or row.missed_fixes or not self._read:
+            return -math.inf, math.inf
+        fix = self._read[-1]._replace(
+            low_m=row.fix_low_m, high_m=row.fix_high_m, odometer_m=row.fix_odometer_m
+        )
+        return carried(row, fix, Scales(row.odometer_scale - share, row.odometer_scale + share))
 
     def release_margin_m(self, *, standing: bool) -> float:
         """How much a tachometer out of order may have shown too much since the last tag, m: nothing is freed on it.

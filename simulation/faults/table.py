@@ -16,7 +16,14 @@ from simulation.faults.rail import Slippery
 from simulation.faults.speech import FalseClaims
 from simulation.faults.vehicle import Brake, Doors, Motors
 from simulation.sensors.beacon_receiver import DeafReceiver, FalseBeacon
-from simulation.sensors.gnss import GnssAntenna, GnssJammed, GnssJump, GnssReflections, GnssTimeTag
+from simulation.sensors.gnss import (
+    GnssAntenna,
+    GnssFrozen,
+    GnssJammed,
+    GnssJump,
+    GnssReflections,
+    GnssTimeTag,
+)
 from simulation.sensors.lidar import LidarBlind, LidarFog, MarkerMissing
 from simulation.sensors.tachometer import NoOutput, Scale, StuckOutput
 from simulation.sensors.tag_reader import Miss, WrongId
@@ -61,6 +68,7 @@ KINDS: Final[tuple[type[Fault[Any]], ...]] = (
     GnssReflections,
     GnssJump,
     GnssTimeTag,
+    GnssFrozen,
     LidarBlind,
     LidarFog,
     MarkerMissing,

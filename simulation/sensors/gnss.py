@@ -10,7 +10,8 @@ the satellites stand, which come back after a sidereal day: who passes again wit
 later otherwise, and four minutes earlier on the next day as today. It states one protection level, and whether it sees
 all the satellites that should be in sight. In tunnels and for a time after them it has no fix.
 
-Its faults: a dead antenna, jamming (both: no fix), reflections beyond the protection level, a jump, a wrong time tag.
+Its faults: a dead antenna, jamming (both: no fix), reflections beyond the protection level, a jump, a wrong time tag,
+one place for ever.
 """
 
 from __future__ import annotations
@@ -67,6 +68,10 @@ class GnssReceiverRow(Protocol):
     bias_due_m: Annotated[float, "what it comes to"]
     bias_slope: Annotated[float, "m per m run; 0: at once"]
     late_steps: Annotated[int, "fixes are older than they say by so many"]
+    frozen: Annotated[int, "1: its fixes are all where the last one was before, with new time tags"]
+    frozen_run_m: Annotated[float, "run_m where that was"]
+    frozen_error_m: Annotated[float, "its error then"]
+    error_m: Annotated[float, "of the last fix"]
     taken_step: Annotated[list[int], RING]
     taken_run_m: Annotated[list[float], RING]
     taken_error_m: Annotated[list[float], RING]
@@ -133,7 +138,10 @@ def take(own: GnssReceiverRow, scene: SceneRow) -> None:
     if scene.sky < OPEN_SKY:
         own.taken_open[slot] = 0
         error_m += own.multipath_sigma_m * reflected(own, scene.kilometrage_m, scene.now_s)
-    own.taken_error_m[slot] = scene.down * error_m + own.bias_m
+    own.error_m = scene.down * error_m + own.bias_m
+    if own.frozen != 0:
+        own.error_m = own.frozen_error_m - (own.run_m - own.frozen_run_m)
+    own.taken_error_m[slot] = own.error_m
 
 
 @compiled
@@ -167,12 +175,13 @@ def follow_bias(own: GnssReceiverRow, run_m: float) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Reception:
-    """What is wrong with a receiver: no signals, what is added to its fixes (over how much way), older than stated."""
+    """What is wrong: no signals, what is added to fixes (over how much way), older than stated, all the same place."""
 
     no_signals: bool = False
     bias_m: float = 0.0
     over_m: float = 0.0
     late_s: float = 0.0
+    frozen: bool = False
 
 
 class GnssFault(UnitFault[Reception]):
@@ -198,6 +207,9 @@ def put_reception(own: GnssReceiverRow, reception: Reception) -> None:
         own.bias_slope = 0.0
     own.bias_due_m = reception.bias_m
     own.late_steps = round(reception.late_s / own.step_s)
+    if reception.frozen and own.frozen == 0:
+        own.frozen_run_m, own.frozen_error_m = own.run_m, own.error_m
+    own.frozen = int(reception.frozen)
 
 
 class GnssAntenna(GnssFault):
@@ -247,3 +259,12 @@ class GnssTimeTag(GnssFault):
 
     def over(self, reception: Reception) -> Reception:
         return replace(reception, late_s=reception.late_s + self.late_s)
+
+
+class GnssFrozen(GnssFault):
+    """Fixes are all of the place of the last one before, with new time tags: what computes the position has died."""
+
+    kind = "gnss_frozen"
+
+    def over(self, reception: Reception) -> Reception:
+        return replace(reception, frozen=True)

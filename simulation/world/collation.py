@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from network.path import Path
 from onboard.localisation.curvature_map import SIMPSON, CurvatureMap, Mounting, design_map, laid_per_m
 from onboard.localisation.curvature_row import BY_SPACE, BY_TIME, UNFILTERED, CurvatureRow
-from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, sections
+from onboard.localisation.spatial_filter import CORNER_M, delay_m, gain, rises, sections
 from onboard.unit_records import UnitParameters
 from simulation.sensor_settings import Curvature, Filter
 from simulation.sensors.yaw_gyro import CUT_SIGMAS
@@ -68,6 +68,8 @@ def fit(own: CurvatureRow, setup: Setup, stock_id: str, mounting: Mounting) -> N
     own.filtered = FILTERS[given.filter]
     corner = CORNER_M / (given.filter_speed_mps * STEP_S) if given.filter is Filter.TIME else CORNER_M
     own.numbers[:] = sections(corner)
+    by_space = given.filter is Filter.SPACE
+    own.rises[:] = rises(np.array(sections(corner))) if by_space else np.ones(len(own.rises))
     for name in (
         "window_m",
         "window_least_m",

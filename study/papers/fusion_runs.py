@@ -125,6 +125,8 @@ class Rule:
     carries: tuple[str, ...] = ("tags",)
     only: tuple[Ill, ...] = field(default=tuple(Ill))
     forgives: bool = False  # receivers do not count what may hide in slides
+    forgives_jumps: bool = False  # nor those of curvature a bias that jumps
+    alone: str = ""  # of the sensors of a joint run this one alone
 
     def of(self, setup: Setup) -> Setup:
         """The setup with this rule."""
@@ -306,6 +308,7 @@ def run_of(drawn: Drawn, rule: Rule = AS_UNITS_ARE) -> PositionRun:
     run = PositionRun(rule.of(drawn.setup), moments)
     run.trains.tag_faults.update(drawn.says)
     run.trains.readers[SLOT].gnss.forgives = int(rule.forgives)
+    run.trains.readers[SLOT].curvature.forgives_jumps = int(rule.forgives_jumps)
     return run
 
 

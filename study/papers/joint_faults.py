@@ -4,11 +4,17 @@ A run is one of `study.papers.fusion_runs`, with lying tags and slippery rails a
 that the train carries fail, one to four times, each over a stretch of the way that is drawn: a gyro that is dead,
 stuck, shifted or noisy; a receiver without signals, with reflections, a jump or a wrong time tag; a scanner that is
 blind or in fog; beacons that are missing or false. Nothing keeps faults from meeting a slide or one another.
+
+In half of the runs one more fault is drawn: a receiver that stays at one place, or for trains without tags a
+tachometer without output (beside tags that lie it is the double failure of decision 035). Nothing is judged while
+the latter makes the position false and the unit has not noticed (decision 004). Of other tachometer faults a unit
+must stand a scale within what wheels may be worn by, and every run's wheels are; one that shows much too much or too
+little, or stays at a speed, beside another sensor that fails is more than a unit can tell apart, and is not drawn.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
@@ -70,25 +76,58 @@ FAILS: Final[Mapping[Carried, Mapping[str, Draw]]] = MappingProxyType(
         Carried.BEACONS: {"no_beacon": _no_keys, "false_beacon": _no_keys},
     }
 )
+FURTHER_SHARE: Final = 0.5
+OF_WHEELS: Final[Mapping[str, Draw]] = MappingProxyType({"no_output": _no_keys})
+OF_RECEIVERS: Final[Mapping[str, Draw]] = MappingProxyType({"gnss_frozen": _no_keys})
+FURTHER_LAST_M: Final = (50.0, 1000.0)
+
+
+def carried_in(number: int) -> tuple[Carried, ...]:
+    """The sensors of a run: the sets take turns."""
+    return SETS[number % len(SETS)]
 
 
 def rule_of(number: int, rule: Rule) -> Rule:
-    """The rule with the sensors of a run: the sets take turns."""
-    return replace(rule, carries=tuple(str(kind) for kind in SETS[number % len(SETS)]))
+    """The rule with the sensors of a run, or the one that is looked at alone."""
+    return replace(rule, carries=(rule.alone,) if rule.alone else tuple(map(str, carried_in(number))))
 
 
 def joint_outcome(seed: int, number: int, rule: Rule) -> Outcome:
     """Draw a run with its faults and let it run."""
     drawn, rule = draw(seed, number), rule_of(number, rule)
-    chance = generator(seed, "joint sensor faults", str(number))
     setup = rule.of(drawn.setup)
     length_m, stock_id = path_of_run(setup).length_m, setup.timetable.diagrams[0].stock_id
-    kinds = [(kind, fill) for one in rule.carries for kind, fill in FAILS.get(Carried(one), {}).items()]
     run, force = run_of(drawn, rule), InForce()
-    for key in range(int(chance.integers(1, MOST + 1))):
-        kind, fill = kinds[int(chance.integers(len(kinds)))]
-        from_m = float(chance.uniform(0.0, length_m))
-        to_m = min(from_m + float(chance.uniform(*LASTS_M)), length_m)
-        trouble = Trouble(kind, None, from_m, to_m, kind, fill(chance))
+    for key, trouble in enumerate(troubles_of(seed, number, length_m)):
         run.at(moments_of(trouble, stock_id, key, force))
     return outcome_of(seed, drawn, run.run())
+
+
+def troubles_of(seed: int, number: int, length_m: float) -> list[Trouble]:
+    """What fails in a run, whatever of its sensors it is made with."""
+    carried = carried_in(number)
+    kinds = [(kind, fill) for one in carried for kind, fill in FAILS.get(one, {}).items()]
+    chance = generator(seed, "joint sensor faults", str(number))
+    troubles = [trouble(chance, kinds, LASTS_M, length_m) for _ in range(int(chance.integers(1, MOST + 1)))]
+    chance = generator(seed, "further sensor faults", str(number))
+    if chance.random() < FURTHER_SHARE:
+        more = [
+            *(OF_WHEELS.items() if Carried.TAGS not in carried else ()),
+            *(OF_RECEIVERS.items() if Carried.GNSS in carried else ()),
+        ]
+        if more:
+            troubles.append(trouble(chance, more, FURTHER_LAST_M, length_m))
+    return troubles
+
+
+def trouble(
+    chance: np.random.Generator,
+    kinds: Sequence[tuple[str, Draw]],
+    lasts_m: tuple[float, float],
+    length_m: float,
+) -> Trouble:
+    """One of these faults over a stretch of the way."""
+    kind, fill = kinds[int(chance.integers(len(kinds)))]
+    from_m = float(chance.uniform(0.0, length_m))
+    to_m = min(from_m + float(chance.uniform(*lasts_m)), length_m)
+    return Trouble(kind, None, from_m, to_m, kind, fill(chance))

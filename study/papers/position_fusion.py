@@ -7,7 +7,8 @@ name: bounds that trust every tag, and bounds that do not grow, must be broken, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 from typing import Final
@@ -33,7 +34,7 @@ from study.papers.fusion_runs import (
     base_setup,
     outcome,
 )
-from study.papers.joint_faults import SETS, joint_outcome, rule_of
+from study.papers.joint_faults import SETS, carried_in, joint_outcome, rule_of
 from study.papers.position_run import PositionRun
 from study.papers.reproduction import Figure, NullMethod, Options, Parameter, Reproduction, Row
 from study.run.forks import Died, Forks, jobs_of
@@ -58,6 +59,10 @@ JOINT_RUNS: Final = 2000
 QUICK_JOINT_RUNS: Final = 28
 JOINT: Final = Rule("several sensors fail at once")
 FORGIVING: Final = Rule("receivers forgive what may hide in slides", forgives=True)
+JUMPS_FORGIVEN: Final = Rule("curvature forgives a bias that jumps", forgives_jumps=True)
+BESIDE_RUNS: Final = 420  # of the joint ones, made again with each sensor of their sets alone
+QUICK_BESIDE_RUNS: Final = 14
+WIDER_MOST: Final = 1.1  # a fusion's median over that of its best member
 WITH_CURVATURE: Final = ("tags", Carried.CURVATURE)
 
 
@@ -128,11 +133,48 @@ def broken_row(found: Found) -> Row:
     return Row(f"the same where {found.rule.name}", None, ours, bool(found.broken), "at least one")
 
 
-def joint_rows(found: Found, forgiven: Found | None) -> tuple[Row, ...]:
-    """Whether the truth stayed inside while several sensors failed at once; where receivers forgive, it must not."""
+def joint_rows(found: Found, forgiven: Sequence[Found]) -> tuple[Row, ...]:
+    """Whether the truth stayed inside while several sensors failed at once; where readers forgive, it must not."""
     case = f"runs with a step out of bounds, {JOINT.name}, {len(SETS)} sets of sensors"
     held = replace(held_row(found), case=case)
-    return (held,) if forgiven is None else (held, broken_row(forgiven))
+    return (held, *map(broken_row, forgiven))
+
+
+def median_half_m(outcomes: Sequence[Outcome]) -> float:
+    """Median half-width of the bounds in these runs, each second in motion while the position was known, m."""
+    halves_m = [half_m for one in outcomes for half_m in one.halves_m]
+    return median(halves_m) if halves_m else math.inf
+
+
+def beside_rows(fused: Found, alone: Mapping[Carried, Found]) -> tuple[Row, ...]:
+    """Each set's median half-width beside that of each of its sensors alone, in the same runs."""
+    rows: list[Row] = []
+    for each in (one for one in SETS if len(one) > 1):
+        mine = [one for one in fused.outcomes if carried_in(one.number) == each]
+        if not mine:
+            continue
+        members = {
+            kind: [one for one in alone[kind].outcomes if carried_in(one.number) == each] for kind in each
+        }
+        best_m = min(median_half_m(outcomes) for outcomes in members.values())
+        ours_m = median_half_m(mine)
+        told = ", ".join(f"{kind} {_told(outcomes)}" for kind, outcomes in members.items())
+        missed = f"; missed: {ours_m / best_m:.2f}" if not ours_m <= WIDER_MOST * best_m else ""
+        rows.append(
+            Row(
+                f"median half-width of the bounds, m, {JOINT.name}, {' and '.join(each)}",
+                None,
+                f"{_told(mine)}; alone: {told}",
+                not missed,
+                f"at most {WIDER_MOST:g} times that of its best member alone{missed}",
+            )
+        )
+    return tuple(rows)
+
+
+def _told(outcomes: Sequence[Outcome]) -> str:
+    known = sum(one.known_steps for one in outcomes) / max(sum(one.steps for one in outcomes), 1)
+    return f"{median_half_m(outcomes):.1f} (known in {known:.0%} of the steps)"
 
 
 def median_row(setup: Setup, rule: Rule = AS_UNITS_ARE) -> Row:
@@ -237,7 +279,12 @@ def reproduce(options: Options) -> Reproduction:
     ]
     runs = range(QUICK_JOINT_RUNS if options.quick else JOINT_RUNS)
     joint = run_all(options.seed, runs, JOINT, of=joint_outcome)
-    forgiven = None if options.quick else run_all(options.seed, runs, FORGIVING, of=joint_outcome)
+    switched_off = () if options.quick else (FORGIVING, JUMPS_FORGIVEN)
+    forgiven = [run_all(options.seed, runs, rule, of=joint_outcome) for rule in switched_off]
+    beside = alone_of(options.seed, numbers_beside(options))
+    joint_first = replace(
+        joint, outcomes=tuple(one for one in joint.outcomes if one.number in numbers_beside(options))
+    )
     line = base_setup(MEDIAN_LINE)
     curved = [curved_row(line, one.rule) for one in sets if one.rule.carries == WITH_CURVATURE]
     remarks = [
@@ -271,6 +318,7 @@ def reproduce(options: Options) -> Reproduction:
             *curved,
             *NULL.rows([held_row(replace(off[SWITCHED_OFF.index(TRUSTING)], rule=AS_UNITS_ARE))]),
             *joint_rows(joint, forgiven),
+            *beside_rows(joint_first, beside),
         ),
         tuple(remarks),
         (
@@ -279,6 +327,25 @@ def reproduce(options: Options) -> Reproduction:
         ),
         null=NULL,
     )
+
+
+def numbers_beside(options: Options) -> range:
+    """The joint runs that are made again with each sensor alone."""
+    return range(QUICK_BESIDE_RUNS if options.quick else BESIDE_RUNS)
+
+
+def alone_of(seed: int, numbers: Sequence[int]) -> Mapping[Carried, Found]:
+    """These joint runs with each sensor of their sets alone."""
+    kinds = {kind for each in SETS if len(each) > 1 for kind in each}
+    return {
+        kind: run_all(
+            seed,
+            [n for n in numbers if len(carried_in(n)) > 1 and kind in carried_in(n)],
+            replace(JOINT, alone=str(kind)),
+            of=joint_outcome,
+        )
+        for kind in sorted(kinds)
+    }
 
 
 def evenly_turning(setup: Setup, rule: Rule) -> Figure:

@@ -3,7 +3,8 @@
 The stock is one of a Setup, its path that of its first train, its driving part the real one (`onboard.motion`), the
 carrier the plain one; no interlocking. In place of the duty stands a driver who runs from stop to stop, releases the
 emergency brake once the train stands, and goes on: on sight while the position is unknown. What happens on the way
-(rail, faults) is a list of moments at true positions. Bounds are judged in every step by the kernel's own sheet.
+(rail, faults) is a list of moments at true positions. Bounds are judged in every step by the kernel's own sheet, but
+while a faulty tachometer has made the position false (decision 004).
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from numpy.typing import NDArray
 
 from network.timetable import Timetable
 from onboard import notes
-from onboard.duty.records import Command, Limit, Order, PositionLost, Sensed, Stopped, TagPassed
+from onboard.duty.records import Command, Found, Limit, Order, PositionLost, Sensed, Stopped, TagPassed
+from onboard.records import EVENT_FOUND
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup
 from simulation.world.kernel import MOVING_STEPS_MAX, advance, new_sheet
@@ -153,9 +155,6 @@ class PositionRun:
             speeds = sheet.speeds_mps[0, :done]
             self.carrier.run([(stock_id, [float(v) for v in speeds])], done)
             trains.compare([SLOT], [self.carrier.truth(stock_id)])
-            out_m = float(sheet.worst[0, 0])
-            if not out_m <= result.out_m:
-                result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
         known = bool(trains.units[SLOT].position_known)
         result.steps += done
         result.known_steps += done if known else 0
@@ -167,12 +166,26 @@ class PositionRun:
             trains.set_boundaries(SLOT)
         if passed & PASSED_TAG:
             happened += self._tag()
+            if any(isinstance(each, TagPassed) for each in happened):
+                trains.position_fixed(SLOT)
         happened += self.motion.events(bits)
+        if moved:
+            self._judge(found=bool(bits & EVENT_FOUND))
+        if any(isinstance(each, Found) for each in happened):
+            trains.position_fixed(SLOT)
         for moment in self._due():
             moment.what(trains, SLOT)
         self._answer(happened)
         at_m = self.true_m
         result.notes += [(self.now_s, at_m, note) for note in self.motion.taken_notes()]
+
+    def _judge(self, *, found: bool) -> None:
+        """Keep by how much the truth was out of the bounds; a position `found` and not believed was never stated."""
+        trains, result, sheet = self.trains, self.result, self._sheet
+        stated = not found or trains.units[SLOT].position_known
+        out_m = float(sheet.worst[0, 0])
+        if stated and not trains.premises.broken(SLOT) and not out_m <= result.out_m:
+            result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
 
     def _steps_to_moment(self) -> int:
         """How many steps surely do not run past the next moment by more than one."""

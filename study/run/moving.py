@@ -143,6 +143,7 @@ SINGLES: Final[Mapping[str, Single]] = {
     "gnss_reflections": Single(60.0, {"bias_m": 30.0}),
     "gnss_jump": Single(60.0, {"bias_m": 30.0}),
     "gnss_time_tag": Single(60.0, {"late_s": 1.0}),
+    "gnss_frozen": Single(60.0, {}),
     "lidar_blind": Single(60.0, {}),
     "lidar_fog": Single(60.0, {"visibility_m": 20.0}),
     "marker_missing": Single(600.0, {}),

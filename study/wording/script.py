@@ -56,6 +56,7 @@ FAULT_NAMES: Final[Mapping[str, str]] = {
     "gnss_reflections": "GNSSの反射波",
     "gnss_jump": "GNSS測位の飛び",
     "gnss_time_tag": "GNSS時刻の遅れ",
+    "gnss_frozen": "GNSS測位の固着",
     "lidar_blind": "LiDARの遮蔽",
     "lidar_fog": "霧によるLiDARの視程低下",
     "marker_missing": "標識の欠落",

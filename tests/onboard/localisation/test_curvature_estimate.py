@@ -9,12 +9,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from onboard.localisation.collation import all_squares, explained
 from onboard.localisation.curvature import take_fix
-from onboard.localisation.curvature_bounds import turn_to_bias
+from onboard.localisation.curvature_bounds import explained_by_jump, turn_to_bias, without_jump
 from onboard.localisation.curvature_ring import keep, keep_within
 from onboard.localisation.curvature_row import BY_SPACE, WINDOW_MAX, CurvatureRow
 from onboard.localisation.fix import REFUSED, TAKEN, taken
-from onboard.localisation.spatial_filter import CORNER_M, sections
+from onboard.localisation.spatial_filter import CORNER_M, passed, rises, sections
 from onboard.localisation.table import READERS_ROW
 from onboard.records import UnitRow
 
@@ -47,7 +48,7 @@ def test_the_estimate_moves_only_as_far_as_the_fix_is_better(
     believe(unit, 500.0, bounds_m)
     own.within_m, own.anchored = within_m, 0
     fix_m = 500.0 + share * (bounds_m + its_m)
-    outcome = take_fix(own, unit, fix_m, its_m, its_m)
+    outcome = take_fix(own, unit, fix_m, its_m, its_m, its_m)
     low_m, high_m = unit.position_m - unit.bound_behind_m, unit.position_m + unit.bound_ahead_m
     if outcome == REFUSED:
         assert abs(fix_m - 500.0) > bounds_m + its_m - 1e-9
@@ -66,7 +67,7 @@ def test_by_the_rule_for_all_other_readers_a_weak_fix_moves_it(own: CurvatureRow
     for _ in range(10):
         believe(unit, 500.0, 6.0)
         own.within_m = 6.0
-        assert take_fix(own, unit, 506.0, 8.0, 8.0) == TAKEN
+        assert take_fix(own, unit, 506.0, 8.0, 8.0, 8.0) == TAKEN
         assert unit.position_m == 500.0
     assert taken(unit, 506.0, 8.0, 8.0) == TAKEN
     assert unit.position_m > 501.0
@@ -99,3 +100,49 @@ def test_another_bias_leaves_no_step_in_the_ring(own: CurvatureRow) -> None:
     after = np.array(own.bent_per_m[own.at + WINDOW_MAX - 600 : own.at + WINDOW_MAX])
     # the filter's own delay over the changing speed is all that is left
     assert np.abs(after).max() < 0.05 * np.abs(before).max()
+
+
+SEEN_M, SPAN_M, TRUE = 300, 40, 20
+
+
+def seen_with_a_jump(own: CurvatureRow, first: int, jump_radps: float) -> np.ndarray:
+    """A run on a straight before a curve, in which the gyro's bias jumps from metre `first` on; returns the map."""
+    own.rises[:] = rises(np.array(own.numbers))
+    own.span = SPAN_M
+    own.slow_s_per_m[:] = 0.1
+    known = np.interp(
+        np.arange(float(SEEN_M + SPAN_M)), [0.0, 318.0, 340.0], [0.0, 0.0, 5e-4]
+    )  # the curve begins before the map ends
+    step = np.zeros(SEEN_M)
+    step[first:] = 0.1 * jump_radps
+    kept = np.zeros(4)
+    filtered = np.array([passed(np.array(own.numbers), kept, value) for value in step])
+    begin = own.at + WINDOW_MAX - SEEN_M
+    own.bent_per_m[begin : begin + SEEN_M] = known[TRUE : TRUE + SEEN_M] + filtered
+    return known
+
+
+@pytest.mark.parametrize("back_m", [3, 33, 63, 99])
+@pytest.mark.parametrize("jump_radps", [-8e-3, 3e-3])
+def test_a_jump_in_the_newest_metres_leaves_nothing_over_at_the_true_shift(
+    own: CurvatureRow, back_m: int, jump_radps: float
+) -> None:
+    known = seen_with_a_jump(own, SEEN_M - back_m, jump_radps)
+    plain = np.array(own.bent_per_m[own.at + WINDOW_MAX - SEEN_M : own.at + WINDOW_MAX])
+    assert without_jump(own, known, SEEN_M, TRUE) < 1e-3 * float(
+        np.sum((known[TRUE : TRUE + SEEN_M] - plain) ** 2)
+    )
+
+
+def test_a_jump_that_looks_like_a_curve_hides_no_shift(own: CurvatureRow) -> None:
+    """Without it the curve that comes would have been entered already, by all that is left over."""
+    known = seen_with_a_jump(own, SEEN_M - 24, 4e-3)
+    energy, free = np.zeros(SPAN_M + 1), np.zeros(SPAN_M + 1)
+    begin = own.at + WINDOW_MAX - SEEN_M
+    least = all_squares(known, own.bent_per_m, begin, SEEN_M, SPAN_M, energy, free)
+    limit = 2e-8
+    hull = explained(free, SPAN_M, least, 8, free[least] + limit, free[least] + limit)
+    assert not hull[0] <= TRUE <= hull[1]
+    most = without_jump(own, known, SEEN_M, least) + limit
+    from_m, to_m = explained_by_jump(own, known, SEEN_M, hull, most)
+    assert from_m <= TRUE <= to_m

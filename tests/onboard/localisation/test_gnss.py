@@ -213,6 +213,23 @@ def test_a_lie_that_comes_up_in_a_slide_is_in_the_interval(unit: UnitRow, forgiv
     assert forgives or out_m <= 0.0
 
 
+@pytest.mark.parametrize("forgives", [False, True])
+def test_what_may_have_slid_is_no_room_for_a_lie_ahead(unit: UnitRow, forgives: bool) -> None:
+    """Wheels slid by nothing of what they may have; then fixes jump ahead by as much, as if they had."""
+    train = Train(unit, 60.0)
+    for _ in range(10):
+        train.second(0.0)
+    train.own.forgives = int(forgives)
+    unit.slid_ahead_m += 60.0
+    unit.bound_ahead_m += 60.0
+    out_m = train.out_m
+    for _ in range(20):
+        train.second(50.0)
+        out_m = max(out_m, train.out_m)
+    assert (out_m > 5.0) is forgives
+    assert forgives or out_m <= 0.0
+
+
 def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRow) -> None:
     train = Train(unit, 60.0)
     for _ in range(10):

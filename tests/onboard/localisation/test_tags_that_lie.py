@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from network.model import TagPurpose
 from onboard.duty.mission import PathTag
-from onboard.localisation.tags import Heard, TagDoubt
+from onboard.localisation.tags import Heard, TagDoubt, Wheels
 from onboard.localisation.wheel_scale import LEARNED_OVER_M, WheelScale, held
 from onboard.records import UNIT
 from onboard.unit_records import UnitParameters
@@ -201,10 +201,59 @@ def test_after_a_fault_told_by_a_tag_the_bounds_before_it_are_spanned_too() -> N
     assert ride.row.bound_ahead_m > 10.0
 
 
+def lose_to_a_tag_of_another_path(ride: Ride) -> None:
+    ride.doubt.begin(Wheels.SOUND)
+    ride.row.position_known = 0
+
+
+def test_wheels_are_not_doubted_for_a_tag_that_lies_on_another_path() -> None:
+    """No count of theirs explains it: bounds grow as before it, and hold what the next tag may lie by."""
+    ride = Ride(tags_at(400.0, 800.0, 1500.0))
+    ride.run_to(400.0)
+    ride.read(ride.tags[0])
+    growth = ride.row.bound_growth
+    lose_to_a_tag_of_another_path(ride)
+    assert ride.row.bound_growth == growth
+    ride.run_to(810.0)  # moved by 10 m
+    assert ride.read(ride.tags[1]) is Heard.BELIEVED
+    assert ride.out_m <= 0.0
+    assert ride.row.bound_ahead_m > 10.0
+
+
+def test_of_two_faults_one_after_the_other_the_tag_between_is_spanned() -> None:
+    """Read in doubt, and right: the fault after it says nothing against it, and the next tag may lie."""
+    ride = Ride(tags_at(400.0, 425.0, 460.0, 800.0, 1500.0))
+    ride.run_to(350.0)
+    ride.doubt.begin()
+    ride.row.position_known = 0
+    ride.run_to(425.0)
+    assert ride.read(ride.tags[1]) is Heard.DOUBTED
+    lose_to_a_tag_of_another_path(ride)
+    ride.run_to(810.0)
+    assert ride.read(ride.tags[3]) is Heard.BELIEVED
+    assert ride.out_m <= 0.0
+
+
+@pytest.mark.parametrize(("off_m", "wheels"), [(8.0, Wheels.DOUBTED), (60.0, Wheels.SOUND)])
+def test_wheels_are_doubted_for_what_they_could_err_by_since_a_fix(off_m: float, wheels: Wheels) -> None:
+    ride = Ride(tags_at(400.0, 800.0 + off_m))
+    ride.row.fix_at_m = -np.inf
+    ride.run_to(400.0)
+    ride.read(ride.tags[0])
+    ride.run_to(770.0)
+    assert ride.doubt.wheels_by_tag(ride.tags[1], float(ride.row.odometer_m)) is Wheels.DOUBTED
+    ride.row.fix_at_m, ride.row.fix_odometer_m = 770.0, ride.row.odometer_m
+    ride.row.fix_low_m, ride.row.fix_high_m = 766.0, 774.0
+    ride.run_to(800.0)
+    assert ride.doubt.wheels_by_tag(ride.tags[1], float(ride.row.odometer_m)) is wheels
+    assert ride.doubt.wheels_by_overdue(780.0) is Wheels.SOUND
+    assert ride.doubt.wheels_by_overdue(799.0) is Wheels.DOUBTED
+
+
 def test_wheels_that_are_out_of_order_say_nothing_of_where_it_is() -> None:
     ride = Ride(tags_at(150.0, 400.0))
     ride.run_to(160.0)
-    ride.doubt.begin(wheels_lie=True)
+    ride.doubt.begin(Wheels.FALSE)
     ride.row.position_known = 0
     ride.run_to(400.0)
     assert ride.read(ride.tags[1]) is Heard.BELIEVED

@@ -168,6 +168,19 @@ def test_what_faults_do(rtri_setup: Setup) -> None:
     assert np.mean(late) == pytest.approx(np.mean(plain) - SPEED_MPS, abs=0.3)
 
 
+def test_a_frozen_receiver_shows_one_place_for_ever(rtri_setup: Setup) -> None:
+    ride = Ride(receiver_of(rtri_setup))
+    ride.errors(10.0)
+    ride.next()
+    put_reception(ride.receiver, Reception(frozen=True))
+    ride.errors(2.0)
+    places_m = {round(ride.sensed.readings.gnss.position_m, 6) for _ in range(60) if ride.next() is not None}
+    assert len(places_m) == 1
+    put_reception(ride.receiver, Reception())
+    ride.errors(2.0)
+    assert all(abs(error_m) < FAIL_SAFE.protection_m for error_m in ride.errors(10.0))
+
+
 def test_faults_that_overlap_are_folded_and_a_bias_goes_as_it_came(rtri_setup: Setup) -> None:
     both = GnssJump(target="K1", bias_m=5.0).over(GnssAntenna(target="K1").over(Reception()))
     assert both == Reception(no_signals=True, bias_m=5.0)
