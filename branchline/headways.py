@@ -58,17 +58,17 @@ def headway(
         raise InputError("command line", "--drive", None, "--drive without --out")
     if out is not None:
         check_out(out, FILES.__contains__, "headways")
-    if drive:
-        scenario = undisturbed_scenario(source)
-        setup, occupations = scenario.setup, planned(scenario.setup)
-    else:
+    scenario = undisturbed_scenario(source) if drive else None
+    if scenario is None:
         setup, occupations = occupations_of(source, theory=theory)
+    else:
+        setup, occupations = scenario.setup, planned(scenario.setup)
     stations = [s.id for s in setup.line.stations.values() if not s.is_halt]
     if station is not None and station not in stations:
         raise InputError("command line", "--station", station, one_of(stations, station))
     cases = line_cases(setup.line, occupations, setup.unit.dwell_min_s)
     shown = tuple(case for case in cases if station in (None, case.station_id))
-    if drive:
+    if scenario is not None:
         _print_driven(scenario, shown, as_csv=as_csv, as_json=as_json)
         return
     if out is not None:
@@ -113,13 +113,13 @@ def undisturbed_scenario(source: str) -> Scenario:
 def _print_driven(scenario: Scenario, cases: tuple[Case, ...], *, as_csv: bool, as_json: bool) -> None:
     """A line a headway: by how much the second train is late with it, and with a second less, and what a run needs."""
     from host.scratch import scratch
-    from study.evaluate.headways_driven import Drives
+    from study.evaluate.headways_driven import Driven, Drives
     from study.report.headways import kind_name, table_of
     from study.run.run import TEMPORARY
 
     with scratch(TEMPORARY) as folder:
         drives = Drives(scenario, folder)
-        driven = []
+        driven: list[Driven] = []
         for number, case in enumerate(cases, start=1):
             tell(f"{number} of {len(cases)}: {case.station_id}, {case.headway.kind.english}")
             driven.append(drives.driven(case))

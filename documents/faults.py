@@ -31,18 +31,18 @@ AT_TELEGRAMS: Final = """\
 ## Just before and just after every telegram
 
 What a party knows changes with telegrams alone, so a window between a word and its answer is found on the grid of
-telegrams and by luck on one of seconds. `branchline drill FILE --at telegrams` puts single faults beside those of a drill,
-a step before and a step after each telegram that they may have to do with is sent or takes effect; staff react, and a run
-is bad when a rule is broken, a train never arrives, or something waits for nothing. Whole folders of shipped drills, one
-line a class of outcome, and the drills that show what is bad:
+telegrams and by luck on one of seconds. `branchline drill FILE --at telegrams` puts single faults beside those of a
+drill, a step before and a step after each telegram that they may have to do with is sent or takes effect; staff react,
+and a run is bad when a rule is broken, a train never arrives, or something waits for nothing. Whole folders of shipped
+drills, one line a class of outcome, and the drills that show what is bad:
 
     branchline drill rtri --at telegrams --faults power --sample 100 --out grid
     branchline drill karasuyama --at telegrams --faults links --sample 100 --from 06:30 --to 07:30
 
-`--faults` is `power` of each party, `links` (each cut one way) or `all` kinds; `--sample` takes so many runs of each drill,
-evenly over faults and instants (the seed says which), and without it all are run. A drill with nothing in it (01) is
-swept for an hour from its first telegram on, another from a minute before what it does first until five minutes after
-what it does last. What the drill itself breaks, as it expects of itself, is told apart."""
+`--faults` is `power` of each party, `links` (each cut one way) or `all` kinds; `--sample` takes so many runs of each
+drill, evenly over faults and instants (the seed says which), and without it all are run. A drill with nothing in it
+(01) is swept for an hour from its first telegram on, another from a minute before what it does first until five
+minutes after what it does last. What the drill itself breaks, as it expects of itself, is told apart."""
 
 
 def document() -> str:

@@ -44,7 +44,6 @@ from onboard.duty.records import (
 )
 from onboard.duty.unable import Unable
 from onboard.fixes import ROOM_M, Fixes
-from onboard.localisation.axles import forget_axles
 from onboard.localisation.sighting import begin_slack
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import Heard, TagDoubt, Wheels
@@ -110,7 +109,6 @@ class Motion:
         self.notes: Final[list[notes.Note]] = []
         row.due_s = row.replan_s = math.inf
         row.axles_differ_share = parameters.wheel_varies_share
-        forget_axles(row)
         row.pulse_m, row.believes_wheels = pulse_m(train), int(parameters.believes_wheels)
         self._line: Final = line
         self._parameters: Final = parameters
@@ -129,9 +127,7 @@ class Motion:
         self._due_m = math.inf  # place of the tag that is expected, also once it is overdue
         self._laws: Final = laws
         self._pace: Final = Pace(parameters, row, train, behaviour, laws, planning)
-        self._stood_m: float | None = (
-            None  # what the tachometer showed when it last came to a stand, if it stands
-        )
+        self._stood_m: float | None = None  # the tachometer at the last stand, while it stands
         self._look_for_sign(None)
 
     # the path that the train is on ------------------------------------------------------------------------------
@@ -139,7 +135,6 @@ class Motion:
     def stand_at_start(self, mission: Mission, path: PathData, odometer_m: float) -> None:
         """The crew has entered a train number at its first mark: that is where the train stands."""
         row = self.row
-        forget_axles(row)
         row.odometer_m = odometer_m
         if not row.odometer_scale:
             row.odometer_scale = 1.0
@@ -171,7 +166,6 @@ class Motion:
     def switch_on(self, mission: Mission, path: PathData, odometer_m: float, speed_mps: float) -> None:
         """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
         row = self.row
-        forget_axles(row)
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
         row.speed_mps = speed_mps
         self._doubt.placed()

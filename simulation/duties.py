@@ -108,8 +108,11 @@ class Duties:
         done = all(stage is Stage.DONE for stage in self._stage)
         return done and all(self._trains.plants[slot].speed_mps <= 0.0 for slot in self._trains.active())
 
-    def truly_done(self, slot: int) -> bool:
-        """Whether the stock has truly left the line, or stands where its last duty ends."""
+    def unfinished(self) -> tuple[str, ...]:
+        """The stock that has neither truly left the line nor stands where its last duty ends."""
+        return tuple(stock for slot, stock in enumerate(self._trains.stock_ids) if not self._truly_done(slot))
+
+    def _truly_done(self, slot: int) -> bool:
         duty = self._trains.duties[slot]
         if self._stage[slot] is not Stage.DONE:
             return False

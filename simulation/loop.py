@@ -154,11 +154,8 @@ class Simulation:
             self._unit_claims,
             self._unit_commission,
         )
-        self.staff: Final = (
-            Staff(setup, self.trains, self.on_board, self.wayside, self.injector, self.journal)
-            if setup.people.react
-            else None
-        )
+        world = (setup, self.trains, self.on_board, self.wayside, self.injector, self.journal)
+        self.staff: Final = Staff(*world) if setup.people.react else None
 
     @property
     def step(self) -> int:
@@ -491,11 +488,7 @@ class Simulation:
             spans=self._books.spans,
             journal=self.journal,
             ended_because=because,
-            unfinished=tuple(
-                stock_id
-                for slot, stock_id in enumerate(self.trains.stock_ids)
-                if not self._duties.truly_done(slot)
-            ),
+            unfinished=self._duties.unfinished(),
             courses=self.injector.courses,
             uncommissioned=self._uncommissioned(),
             learned=self.on_board.learned(),

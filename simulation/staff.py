@@ -225,7 +225,7 @@ class Staff:
         if machine.position is not None:
             return machine.position.value
         points = self._setup.line.points[points_id]
-        under = set().union(*map(self._pieces_under, self._trains.active()))
+        under = {piece for slot in self._trains.active() for piece in self._pieces_under(slot)}
         legs = {points.normal_piece: "normal", points.reverse_piece: "reverse"}
         taken = [position for piece, position in legs.items() if piece in under]
         if taken:

@@ -23,6 +23,7 @@ from enum import Enum
 from typing import Final
 
 from onboard.duty.mission import PathTag
+from onboard.localisation.axles import forget_axles
 from onboard.localisation.fix import Fix, FixSource, Taken, missed_by_m, take, within
 from onboard.localisation.tachometer import calibrated_scale
 from onboard.localisation.wheel_scale import Held, Scales, WheelScale, carried, held
@@ -85,9 +86,11 @@ class TagDoubt:
         self._read: Final[deque[Held]] = deque(maxlen=2 * together + 2)  # what tags said, the newest last
         self._before: Held | None = None  # the bounds before a position fault for which tags alone spoke
         self._doubted = 0  # read since the last that was believed
+        forget_axles(row)
 
     def placed(self) -> None:
-        """The crew has told where the train stands."""
+        """The crew has told where the train stands, or that the unit has just started."""
+        forget_axles(self._row)
         self._read.clear()
         self._before = None
         self._end_doubt()

@@ -273,7 +273,9 @@ def _fault(view: View, t_s: float, event: events.FaultBegan) -> None:
     if event.kind == "frozen":
         view.frozen = True
     elif event.kind == "clock":
-        numbers = {name: value for name, value in event.parameters.items() if not isinstance(value, str)}
+        numbers: dict[str, float] = {
+            name: value for name, value in event.parameters.items() if not isinstance(value, str)
+        }
         view.clocks[repr(sorted(event.parameters.items()))] = t_s, numbers
 
 
