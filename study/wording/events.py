@@ -214,4 +214,5 @@ def _in_words(name: str, value: object, names: Names) -> object:
         return value
     if name == "station":
         return names.get(str(value), Phrase(str(value)))
-    return value_text(name, value)
+    words = value_text(name, value)
+    return value if isinstance(value, int) and words.en == str(value) else words  # a template says its digits

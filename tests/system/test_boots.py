@@ -12,14 +12,14 @@ import pytest
 
 from simulation.loop import Simulation
 from tests.system.chaos import run_one
-from tests.system.chaos.case import Case, Manner
+from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family, ground_of
 from tests.system.chaos.run_one import Outcome, Verdict
 from tests.system.switchboard import SWITCHES
 
 pytestmark = pytest.mark.system
 
-QUICK: Final = Manner(1, power_s=60.0, points_s=30.0, picture_s=20.0, silent_s=90.0)
+QUICK: Final = {"react": True, "power_s": 60.0, "points_s": 30.0, "picture_s": 20.0, "silent_s": 90.0}
 LEAVES: Final = {"start": "train T1 departs A"}
 UNIT_OFF: Final = {"kind": "power_off", "target": "K1", **LEAVES, "after_s": 23.0, "duration_s": 20.0}
 MANAGER: Final = {"kind": "restart", "target": "block-manager", **LEAVES, "after_s": 24.0}
@@ -33,8 +33,8 @@ def nets(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def two_trains(nets: Path, *faults: dict[str, Any], boot_s: float = 10.0) -> Outcome:
     """Truthful people put right what they see; crews enter their numbers `boot_s` after a boot."""
     ground = ground_of(Family.TEST_LINE, 0)
-    head = {"people": {"boot_s": boot_s, "sigma": 0.0}}
-    return run_one.outcome_of(Case("boots", ground, head, faults, staff=QUICK), nets)
+    head = {"people": {"boot_s": boot_s, "sigma": 0.0, **QUICK}}
+    return run_one.outcome_of(Case("boots", ground, head, faults), nets)
 
 
 AGAIN: Final = UNIT_OFF | {"after_s": 50.0, "duration_s": 5.0}

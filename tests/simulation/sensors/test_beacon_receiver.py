@@ -65,7 +65,7 @@ def test_faults_of_the_receiver(rtri_setup: Setup) -> None:
     setup = replace(rtri_setup, sensors=CARRIES)
     pieces_m = {piece.id: piece.length_m for piece in setup.line.pieces.values()}
     trains = Trains(setup, PlainTrack(pieces_m, STEP_S))
-    world = World(trains, *([None] * 6))  # type: ignore[arg-type]
+    world = World(trains, *([None] * 7))  # type: ignore[arg-type]
     row = trains.stock.view(np.recarray)[0].sensors
     DeafReceiver(target="K1").put(world, True)
     assert not shown(row, 1.0).noticed

@@ -27,6 +27,7 @@ from study.papers.line_driving import (
 from study.papers.reproduction import Options
 from study.run.run import Run
 from study.scenario.scenario import load_scenario
+from study.wording.phrase import Phrase
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +105,7 @@ def test_of_a_law_that_leaps_over_the_mean_the_nearest_day_counts(
 
 
 def test_a_day_that_breaks_something_is_no_day(present: Day) -> None:
-    broken: Run = replace(present.run, broken=("a collision",))
+    broken: Run = replace(present.run, failures=(Phrase("a collision"),))
     assert missed((present, replace(present, run=broken))) == ["everyone arrived and no invariant broken"]
 
 

@@ -58,4 +58,4 @@ def test_where_there_is_no_time_back_to_normal_it_says_why(
     courses: tuple[Course, ...], all_arrived: bool, why: str
 ) -> None:
     scores = score(courses, stops(), 0.0, all_arrived=all_arrived)  # type: ignore[arg-type]
-    assert (scores.normal_after_s, scores.why) == (None, why)
+    assert (scores.normal_after_s, scores.why.en) == (None, why)
