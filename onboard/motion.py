@@ -348,7 +348,8 @@ class Motion:
         if target is None or self.command.target is None or self.command.on_sight:
             return [Stopped(How.AT, 0.0)]
         away_m = float(row.position_m) - target.mark_m
-        if away_m < -ARRIVED_WITHIN_M and row.bound_ahead_m > self._parameters.doubt_bound_max_m:
+        to_mark_m = row.bound_ahead_m if away_m < 0.0 else row.bound_behind_m
+        if abs(away_m) > ARRIVED_WITHIN_M and to_mark_m > self._parameters.doubt_bound_max_m:
             return self._lose(NO_ROOM)
         if away_m < -WEAK_TOLERANCE_M and self._stands_at_limit_of(target):
             self._impossible(Verdict.SIGN_BEYOND_LIMIT)
@@ -365,10 +366,9 @@ class Motion:
 
     def _stands_idle(self) -> list[Sensed]:
         """It may go on to its mark and does not: it is there, or its own bounds leave no room, which nothing mends."""
-        target = self._next_target()
-        if target is None or self.command.target is None or not self.row.position_known:
+        row, target = self.row, self._next_target()
+        if target is None or self.command.target is None or not row.position_known:
             return []
-        row = self.row
         tight = bool(row.position_m + row.bound_ahead_m + ROOM_M >= row.stop_limit_m)
         there = row.position_m >= target.mark_m - ARRIVED_WITHIN_M
         if there or (tight and self._stands_at_limit_of(target)):

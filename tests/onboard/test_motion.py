@@ -224,11 +224,15 @@ def test_a_mark_beyond_the_limit_of_its_own_track_cannot_be_reached(motion: Moti
     assert [type(note).__name__ for note in motion.taken_notes()] == ["StopImpossible"]
 
 
-def test_bounds_too_wide_to_go_on_are_a_position_fault(motion: Motion) -> None:
+@pytest.mark.parametrize(("away_m", "bound"), [(-200.0, "bound_ahead_m"), (655.0, "bound_behind_m")])
+def test_bounds_too_wide_towards_the_mark_are_a_position_fault(
+    motion: Motion, away_m: float, bound: str
+) -> None:
+    """Short of it they leave no room to go on; beyond it, by wheels that lied, the train may as well stand at it."""
     motion.obey(RUN, 0.0)
     row = motion.row
-    row.position_m, row.speed_mps = 400.0, 0.0
-    row.bound_ahead_m = UnitParameters().doubt_bound_max_m + 0.1
+    row.position_m, row.speed_mps = MARK_B_M + away_m, 0.0
+    setattr(row, bound, UnitParameters().doubt_bound_max_m + 0.1)
     assert motion.events(EVENT_STOPPED) == [PositionLost()]
 
 
