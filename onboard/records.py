@@ -68,6 +68,7 @@ class UnitRow(Protocol):
     apart: Annotated[int, "1: the two contradict one another"]
     agree_m: Annotated[float, "the way since they last did"]
     braked_mps: Annotated[float, "what the train may still run at while they do"]
+    sure_stand_s: Annotated[float, "for how long one has turned while the train surely stands"]
     liar: Annotated[int, "which of them turned while the train surely stood"]
     wheel_slide: Annotated[int, "from the slide protection: -1 slides, 1 slips, 0 rolls"]
     may_slip_s: Annotated[float, "above 0: what it calls a slide may still be the slip that it saw before"]

@@ -21,6 +21,7 @@ from vehicle.compiled import compiled
 NO_AXLE_MPS: Final = -1.0  # nothing shows another axle
 APART_M: Final = 1.0  # assumed: slides that the protection does not see differ by less
 AGREES_M: Final = 50.0
+LONG_STAND_S: Final = 10.0  # assumed: brakes have long built up, and an axle's last pulses are over
 ALIKE_MPS: Final = 0.02  # assumed: a clock between pulses shows speeds no finer
 SURE_BRAKE_MPS2: Final = 0.05  # assumed: locked wheels on a rail with adhesion 0.02, down 15 permille
 
@@ -33,7 +34,9 @@ LAST_AXLE_LIES: Final = 2
 def forget_axles(unit: UnitRow) -> None:
     """Nothing has been compared yet."""
     unit.last_axle_mps = NO_AXLE_MPS
-    unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = unit.agree_m = unit.braked_mps = 0.0
+    unit.short_m = unit.short_most_m = unit.long_m = unit.long_most_m = unit.agree_m = unit.braked_mps = (
+        unit.sure_stand_s
+    ) = 0.0
     unit.apart, unit.liar, unit.odometer_off_m = 0, NO_LIAR, 0.0
 
 
@@ -106,6 +109,7 @@ def speed_to_go_by_mps(unit: UnitRow, shown_mps: float, last_mps: float, step_s:
         unit.braked_mps = max(min(unit.braked_mps, faster_mps) - SURE_BRAKE_MPS2 * step_s, slower_mps)
     else:
         unit.braked_mps = faster_mps
-    if unit.braked_mps <= 0.0 < faster_mps:
+    unit.sure_stand_s = unit.sure_stand_s + step_s if unit.braked_mps <= 0.0 < faster_mps else 0.0
+    if unit.sure_stand_s >= LONG_STAND_S:
         unit.liar = TACHOMETER_LIES if shown_mps > 0.0 else LAST_AXLE_LIES
     return float(unit.braked_mps)
