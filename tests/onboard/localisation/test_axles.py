@@ -198,3 +198,13 @@ def test_a_silent_tachometer_neither_makes_a_liar_of_the_other_axle_nor_a_stand_
     assert len(ride.doubts_m) == (1 if begins_mps > 1.0 else 0) or ride.true_m < APART_M
     assert ride.unit.liar == 0
     assert ride.unit.bound_ahead_m < ride.true_m + 5.0
+
+
+@pytest.mark.parametrize("last_step_mps", [0.001, 0.003, 0.0049, 0.03])
+def test_the_last_pulses_of_a_stop_make_no_liar_of_the_axle_that_turns(last_step_mps: float) -> None:
+    """Found in a random drill: taken for the liar in a stop, it was not believed as the train ran on over points."""
+    ride = Ride(10.0 + last_step_mps)
+    for mps2, seconds in ((POWER_MPS2, 0.0), (0.0, 2.0), (-1.0, 30.0), (POWER_MPS2, 20.0)):
+        assert all(out_m < 0.0 for out_m in ride.go(mps2, seconds, tachometer=lambda _: 0.0))
+    assert ride.unit.liar == 0
+    assert ride.unit.speed_mps == pytest.approx(ride.speed_mps)
